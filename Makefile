@@ -1,0 +1,202 @@
+# muster - agents for teams of robots.  `make help` lists the targets.
+#
+# One Makefile, no recursion, no configure step.  A folder below src/ is a module: its files are
+# found, not listed.  Variants live side by side: build/release, build/asan, ...
+MAKEFLAGS += --no-builtin-rules
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.SECONDARY:
+
+VERSION := 0.1.0
+BUILD   ?= release
+PREFIX  ?= /usr/local
+DESTDIR ?=
+DEPS    ?= install
+V       ?= 0
+Q       := $(if $(filter 1,$(V)),,@)
+O       ?= build/$(BUILD)
+
+CC    ?= cc
+ifeq ($(origin CC),default)
+CC    := gcc
+endif
+CSTD  := -std=c11 -D_GNU_SOURCE
+WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wconversion \
+         -Wno-sign-conversion -Wswitch-enum -Wundef -Wvla -Wpointer-arith -Wcast-qual \
+         -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
+WERROR ?= -Werror
+# Foreign headers are system headers: their warnings are not ours.
+CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+
+# Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
+FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
+FLAGS_asan     := -O1 -g -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
+ifeq ($(FLAGS_$(BUILD)),)
+$(error BUILD=$(BUILD): use release, asan or coverage)
+endif
+CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) -MMD -MP
+LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD)))
+
+# --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
+objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(wildcard src/$(1)/*.c)))
+IDL     := $(wildcard idl/*.idl)
+GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
+USES_core    :=
+USES_world   := core
+USES_bus     := core
+USES_runtime := bus core
+USES_broker  := bus core
+USES_sim     := world bus core
+USES_agent   := world runtime bus core
+USES_ctl     := world runtime bus core
+LIBS_core    :=
+LIBS_world   := -lccd -lpng -lm
+LIBS_bus     := -lddsc
+LIBS_runtime := -lddsc
+LIBS_broker  := -lddsc
+LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions -lclips -lddsc -lccd -lpng -lm
+LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm
+module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
+
+PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot)
+MAIN_muster        := ctl
+MAIN_muster-broker := broker
+MAIN_muster-sim    := sim
+MAIN_muster-robot  := agent
+EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
+HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
+TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
+BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/*.c))
+SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/null)
+
+.DEFAULT_GOAL := all
+.PHONY: all
+all: deps $(PROGRAMS) $(O)/libmuster.a $(EXAMPLES) ## build the programs, the library and the examples
+
+.PHONY: deps
+deps: ## install what is missing (DEPS=skip: never touch the system)
+	$(Q)DEPS=$(DEPS) tools/install-deps
+
+.SECONDEXPANSION:
+$(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAIN_$$*))
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(MAIN_$*))
+
+$(O)/libmuster.a: $$(call module_objs,runtime)
+	@mkdir -p $(@D); echo "  AR    $@"
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
+
+$(O)/programs/%: $(O)/tests/programs/%.o $(O)/libmuster.a
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
+
+# What a test or benchmark needs beside its module comes from tests/support.
+SUPPORT := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/*.c))
+test_module = $(word 2,$(subst _, ,$(1)))
+$(O)/test/%: $(O)/tests/unit/%.o $$(call module_objs,$$(call test_module,$$*)) $(SUPPORT)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lcunit $(LIBS_$(call test_module,$*))
+
+bench_module = $(word 2,$(subst _, ,$(1)))
+$(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
+
+$(O)/%.o: %.c | $(GEN:.o=.h) deps
+	@mkdir -p $(@D); echo "  CC    $<"
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+$(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
+	@mkdir -p $(@D); echo "  IDLC  $<"
+	$(Q)idlc -l c -o $(@D) $<
+$(O)/gen/%.o: $(O)/gen/%.c
+	$(Q)$(CC) -I$(O)/gen $(FLAGS_$(BUILD)) -w -c -o $@ $<
+
+# --- use -----------------------------------------------------------------------------------------
+EXPERIMENT ?= experiments/follow.yaml
+ARGS       ?=
+.PHONY: run
+run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--seed 2 ..."
+	@$(O)/bin/muster run $(EXPERIMENT) $(ARGS)
+
+# --- tests ---------------------------------------------------------------------------------------
+.PHONY: test check unit rules system tidy asan coverage
+test: all $(HELPERS) ## every test: tidy, unit, rules, system, and unit and rules again under the sanitizers
+	@BUILD=$(BUILD) tests/run
+
+check: test ## the same as test
+
+unit: $(TESTS) ## the unit tests of every module
+	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
+
+rules: $(O)/test/rules ## the rule tests: tests/rules/*.clp against their `; expect:` lines
+	@$(O)/test/rules tests/rules/*.clp
+
+system: all $(HELPERS) ## the system tests: real processes on loopback
+	@BUILD=$(BUILD) tests/run system
+
+tidy: ## the house rules that a compiler cannot check
+	@python3 tools/tidy.py
+
+asan: ## unit and rule tests under the address and undefined-behaviour sanitizers
+	@$(MAKE) --no-print-directory BUILD=asan unit rules
+
+coverage: ## unit tests with gcov; needs gcovr
+	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
+
+$(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+
+.PHONY: bench
+bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
+	@BUILD=$(BUILD) bench/run
+
+# --- hygiene -------------------------------------------------------------------------------------
+.PHONY: fmt fmt-check docs install uninstall clean help
+fmt: ## format every source file in place (clang-format)
+	@clang-format -i $(SOURCES)
+fmt-check: ## fail if a file is not formatted
+	@clang-format --dry-run --Werror $(SOURCES)
+
+docs: all ## print the reference pages from the tables in the code
+	@tools/make-reference $(O)/bin
+
+$(O)/muster.pc: Makefile
+	@mkdir -p $(@D)
+	@printf '%s\n' 'prefix=$(PREFIX)' 'Name: muster' \
+	  'Description: Runtime for teams of robots and other agents on DDS' 'Version: $(VERSION)' \
+	  'Cflags: -I$${prefix}/include' 'Libs: -L$${prefix}/lib -lmuster -lddsc -lm' > $@
+
+install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig include/muster share/muster/rules \
+	  share/muster/worlds share/muster/experiments share/man/man1)
+	install -m755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
+	install -m644 $(O)/libmuster.a $(DESTDIR)$(PREFIX)/lib
+	install -m644 $(O)/muster.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	install -m644 include/muster/*.h $(DESTDIR)$(PREFIX)/include/muster
+	install -m644 rules/* $(DESTDIR)$(PREFIX)/share/muster/rules
+	install -m644 worlds/* $(DESTDIR)$(PREFIX)/share/muster/worlds
+	install -m644 experiments/* $(DESTDIR)$(PREFIX)/share/muster/experiments
+	install -m644 docs/man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1
+
+uninstall: ## remove what install put there
+	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,$(notdir $(PROGRAMS))) $(DESTDIR)$(PREFIX)/lib/libmuster.a \
+	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/muster.pc $(DESTDIR)$(PREFIX)/share/man/man1/muster*.1
+	rm -rf $(DESTDIR)$(PREFIX)/include/muster $(DESTDIR)$(PREFIX)/share/muster
+
+clean: ## remove build/
+	rm -rf build
+
+help: ## this text
+	@awk -F':.*## ' '/^[a-z][a-z -]*:.*## /{printf "  %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo; echo "  BUILD=release|asan|coverage  DEPS=skip  PREFIX=$(PREFIX)  V=1 shows the commands"
+
+-include $(shell find $(O) -name '*.d' 2>/dev/null)

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file agent.h
+ * Agents: a name in the white pages, mail by name, and, for a robot, a body.
+ *
+ * A process opens a connection to the bus (mu_process), lets one or more agents join, and spins.
+ * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there,
+ * must not block, and may send and drive.  Registering, leaving, acknowledging, resending and the
+ * answers to directives are the runtime's: a controller has no line of code for them.
+ *
+ * Units: metres, radians (counter-clockwise, 0 along +x), seconds, or nanoseconds where the name
+ * says so.
+ */
+#ifndef MUSTER_AGENT_H
+#define MUSTER_AGENT_H
+
+#include "muster/limits.h"
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct mu_process mu_process;
+typedef struct mu_agent mu_agent;
+
+enum mu_kind { MU_KIND_AGENT, MU_KIND_ROBOT, MU_KIND_HOST, MU_KIND_SPECIAL };
+
+enum mu_state { MU_STANDBY, MU_RUNNING, MU_SUSPENDED, MU_MOVING, MU_GONE };
+
+enum mu_outcome {
+    MU_MAIL_DELIVERED,
+    MU_MAIL_STORED,
+    MU_MAIL_EXPIRED,
+    MU_MAIL_BOX_FULL,
+    MU_MAIL_UNKNOWN_NAME,
+    MU_MAIL_DUPLICATE,
+    MU_MAIL_REFUSED,
+};
+
+/** @return the word for it, as people and rules see it; never NULL */
+const char *mu_kind_text(enum mu_kind kind);
+const char *mu_state_text(enum mu_state state);
+const char *mu_outcome_text(enum mu_outcome outcome);
+
+/* Layers of mail.  A directive is no layer of the chain: the broker's trust policy lets it through
+ * or not, and the receiver has no choice. */
+enum mu_layer { MU_DIRECTIVE, MU_LAYER_SYSTEM, MU_LAYER_QUERY, MU_LAYER_SPEECH };
+
+/*
+ * A mail.  To send one, set dst and content and what else is wanted: NULL strings mean "".
+ * In a mail that arrived every string is set.
+ */
+struct mu_mail {
+    const char *src;           /* set by the runtime */
+    const char *dst;           /* a name, names joined by commas, or all, robots, special */
+    uint64_t seq;              /* set by the runtime: counts the sender's mails from 1 */
+    uint64_t number;           /* of an arrived mail: its place in this agent's box */
+    uint32_t layer;            /* enum mu_layer, or a higher one */
+    const char *performative;  /* of a directive: start, suspend, resume, do, ... */
+    const char *language;      /* "" is clips */
+    const char *ontology;
+    const char *reply_with, *in_reply_to, *conversation;
+    const char *content;
+    int64_t due_ns;            /* not before this time of the run; < 0: at once */
+    uint64_t ttl_ns;           /* expires when this old; 0: never */
+};
+
+/* What a robot's body feels and sees at the start of a control step. */
+struct mu_percept {
+    int64_t step;
+    uint64_t time_ns;
+    double x_m, y_m, heading_rad;
+    double forward_m_s, turn_rad_s;
+    bool stalled;
+    size_t sonar_count;
+    const float *sonar_m;      /* valid in the handler only */
+};
+
+/* A line of the white pages. */
+struct mu_member {
+    char name[MU_NAME_MAX + 1];
+    enum mu_kind kind;
+    enum mu_state state;
+    char broker[MU_NAME_MAX + 1];
+    char host[MU_FIELD_MAX + 1];
+    uint32_t pid;
+    uint64_t since_wall_ns;
+};
+
+/* What an agent wants to hear about; any may be NULL. */
+struct mu_handlers {
+    void *self;
+    /** The broker has said yes or no; no is for ever, and reason says why. */
+    void (*on_registered)(void *self, mu_agent *a, bool accepted, const char *reason);
+    /** A mail arrived.  It is acknowledged when this returns. */
+    void (*on_mail)(void *self, mu_agent *a, const struct mu_mail *mail);
+    /** A directive that the runtime does not carry out itself: "do", "step", ... */
+    void (*on_directive)(void *self, mu_agent *a, const struct mu_mail *mail);
+    /** The agent's state has changed. */
+    void (*on_state)(void *self, mu_agent *a, enum mu_state state);
+    /** A control step begins, in any state; drive only when running. */
+    void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
+    /** The control step's mail is in, and the agent runs: act. */
+    void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
+    /** What became of the mails first_seq to last_seq. */
+    void (*on_receipt)(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
+                       enum mu_outcome outcome);
+};
+
+struct mu_process_options {
+    int domain;                /* DDS domain */
+    const char *interface;     /* address of the interface; NULL: 127.0.0.1 */
+    const char *peer;          /* host of the broker; NULL: this one */
+    const char *name;          /* for DDS tools; NULL: the program's */
+    bool with_body;            /* its agents have bodies: the simulator's steps are wanted */
+};
+
+/** Connects to the bus.  @return MU_OK or MU_FAULT_DDS */
+MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
+
+/** Lets every agent leave and disconnects. */
+void mu_process_close(mu_process *p);
+
+/**
+ * Waits for at most timeout_ns and handles what is there.
+ *
+ * @return MU_OK; MU_DONE when the run is over
+ */
+MU_MUST_USE mu_result mu_process_spin(mu_process *p, int64_t timeout_ns);
+
+/** Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives. */
+MU_MUST_USE mu_result mu_process_run(mu_process *p);
+
+/** Ends mu_process_run; may be called from handlers and signal handlers. */
+void mu_process_stop(mu_process *p);
+
+/** Spins until a broker has answered.  @return MU_OK, MU_DONE, or MU_TIMEOUT after patience_ns */
+MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns);
+
+/** @return whether a broker is connected */
+bool mu_process_has_broker(const mu_process *p);
+
+/**
+ * Enters an agent; the answer comes to on_registered.
+ *
+ * An agent with body starts in standby, others are running.
+ *
+ * @param last_number  the last mail number that an earlier life of this agent has dealt with: what
+ *                     comes again up to it is dropped.  0 when it keeps no record.
+ * @return MU_OK; MU_MALFORMED: not a name; MU_FULL: MU_LOCAL_AGENTS_MAX agents are here
+ */
+MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
+                                    enum mu_kind kind, uint64_t last_number,
+                                    const struct mu_handlers *handlers);
+
+/**
+ * Sends a mail; it is kept and sent again until the broker has answered for it.
+ *
+ * @param seq  out: its number, for on_receipt; may be NULL
+ * @return MU_OK; MU_MALFORMED: a field is missing or too long; MU_FULL: MU_OUTBOX_MAX mails are
+ *         not answered for yet
+ */
+MU_MUST_USE mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq);
+
+/** Sends content to all that are active.  Results as mu_agent_send. */
+MU_MUST_USE mu_result mu_agent_broadcast(mu_agent *a, const char *content);
+
+/** Sets the speed that the body aims at.  @return MU_OK, or MU_REFUSED: NaN or infinite */
+MU_MUST_USE mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s);
+
+/** Says which rules fired in this step, for the run's hash; names separated by spaces, copied. */
+void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
+
+const char *mu_agent_name(const mu_agent *a);
+enum mu_state mu_agent_state(const mu_agent *a);
+
+/** Changes the state, as a directive would; the white pages follow. */
+void mu_agent_set_state(mu_agent *a, enum mu_state state);
+
+/** @return the line of a name, valid until the next spin; NULL: not in the white pages */
+const struct mu_member *mu_process_lookup(const mu_process *p, const char *name);
+
+/** @return the index-th line in order of name, valid until the next spin; NULL past the last */
+const struct mu_member *mu_process_member(const mu_process *p, size_t index);
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file limits.h
+ * Every capacity of muster, in one place.
+ *
+ * Each value may be replaced at build time, e.g. `make CPPFLAGS=-DMU_AGENTS_MAX=4096`.
+ * What does not fit is refused with MU_FULL and counted; nothing grows at run time.
+ */
+#ifndef MUSTER_LIMITS_H
+#define MUSTER_LIMITS_H
+
+/** Longest agent name, in bytes, without the terminating zero. */
+#define MU_NAME_MAX 31
+
+/** Longest name of a process, which is also its DDS partition, in bytes. */
+#define MU_PROCESS_MAX 63
+
+/** Longest mail content, in bytes, without the terminating zero. */
+#ifndef MU_CONTENT_MAX
+#define MU_CONTENT_MAX 16384
+#endif
+
+/** Longest envelope field (performative, ontology, conversation ...), in bytes. */
+#define MU_FIELD_MAX 63
+
+/** Longest list of receivers that a mail can name, in bytes. */
+#define MU_DST_MAX 1023
+
+/** Agents that one broker can know. */
+#ifndef MU_AGENTS_MAX
+#define MU_AGENTS_MAX 1024
+#endif
+
+/** Processes that one broker or simulator can serve. */
+#ifndef MU_PROCESSES_MAX
+#define MU_PROCESSES_MAX 512
+#endif
+
+/** Agents that live in one process. */
+#ifndef MU_LOCAL_AGENTS_MAX
+#define MU_LOCAL_AGENTS_MAX 64
+#endif
+
+/** Mails that one broker stores, in all boxes together. */
+#ifndef MU_MAILS_MAX
+#define MU_MAILS_MAX 65536
+#endif
+
+/** Bytes of mail content that one broker stores. */
+#ifndef MU_MAIL_BYTES_MAX
+#define MU_MAIL_BYTES_MAX (64u << 20)
+#endif
+
+/** Mails that wait in one box. */
+#ifndef MU_BOX_MAX
+#define MU_BOX_MAX 32768
+#endif
+
+/** Places in all boxes together: a mail takes one in the box of each of its receivers. */
+#ifndef MU_POSTS_MAX
+#define MU_POSTS_MAX (1u << 20)
+#endif
+
+/** Mails handed to a receiver and not yet acknowledged. */
+#ifndef MU_WINDOW_MAX
+#define MU_WINDOW_MAX 200
+#endif
+
+/** Mails that an agent has sent and the broker has not yet answered for. */
+#ifndef MU_OUTBOX_MAX
+#define MU_OUTBOX_MAX 1024
+#endif
+
+/** Robots in one world. */
+#ifndef MU_ROBOTS_MAX
+#define MU_ROBOTS_MAX 1024
+#endif
+
+/** Sonar transducers on one robot. */
+#define MU_SONARS_MAX 32
+
+/** Rules that one robot fires in one control step, unless it is told otherwise. */
+#define MU_FIRINGS_PER_STEP 200
+
+/** Length of a control step, unless it is told otherwise. */
+#define MU_STEP_NS 100000000ull
+
+#endif

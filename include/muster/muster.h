@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file muster.h
+ * All of libmuster: see agent.h for what a controller needs.
+ */
+#ifndef MUSTER_MUSTER_H
+#define MUSTER_MUSTER_H
+
+#include "muster/agent.h"
+#include "muster/limits.h"
+#include "muster/memory.h"
+#include "muster/result.h"
+
+#endif

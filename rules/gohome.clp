@@ -1,0 +1,49 @@
+; SPDX-License-Identifier: Apache-2.0
+;
+; (gohome X Y), (goto X Y): goes to a point in mm.  (stay): stands still.
+
+(defglobal
+  ?*gohome-near* = 150    ; mm: there
+  ?*gohome-speed* = 350)  ; mm/s
+
+(deffunction gohome (?x ?y)
+  (new-goal gohome ?x ?y))
+
+(deffunction goto (?x ?y)
+  (gohome ?x ?y))
+
+(deffunction stay ()
+  (stop)
+  (new-goal stay))
+
+(defrule gohome-arrived
+  (declare (salience 5))
+  (goal gohome ?home-x ?home-y)
+  (position ? ?x ?y $?)
+  (test (< (distance ?x ?y ?home-x ?home-y) ?*gohome-near*))
+  =>
+  (stay)
+  (update-sensors)
+  (tell-position ?x ?y))
+
+(defrule gohome
+  (goal gohome ?home-x ?home-y)
+  (position ?time ?x ?y ? ? ?compass ?)
+  (sonar ? $?ring&:(>= (length$ ?ring) 8))
+  =>
+  (bind ?far (distance ?x ?y ?home-x ?home-y))
+  (bind ?aside (norm-angle (- (bearing ?x ?y ?home-x ?home-y) ?compass)))
+  (bind ?aside (detour ?time ?x ?y ?compass ?aside))
+  (if (> (abs ?aside) 100)
+   then (setSpeed 0 (if (> ?aside 0) then 60 else -60))
+   else (steer (min ?*gohome-speed* (max 80 ?far)) ?aside (only-before ?far ?ring)))
+  (update-sensors)
+  (tell-position ?x ?y))
+
+(defrule stay
+  (goal stay)
+  (position ? ?x ?y $?)
+  =>
+  (stop)
+  (update-sensors)
+  (tell-position ?x ?y))

@@ -1,0 +1,22 @@
+; SPDX-License-Identifier: Apache-2.0
+;
+; The library that every robot loads before its own rule file.  A rule file changes it by defining a
+; rule or a function of the same name.
+;
+; Goals: (goal safe-wander), (goal follow), (goal gohome ?x ?y), (goal stay); one at a time.
+; Each behaviour acts once a step, calls (update-sensors), and tells where it is.
+
+(deffunction new-goal ($?goal)
+  "Replaces whatever the robot wants."
+  (progn$ (?old (findall (goal $?)))
+    (retract ?old))
+  (assert (goal $?goal)))
+
+(deffunction tell-position (?x ?y)
+  "What followers wait for."
+  (broadcast mate-pos ?*my-name* ?x ?y))
+
+(extends "avoid.clp")
+(extends "wander.clp")
+(extends "follow.clp")
+(extends "gohome.clp")

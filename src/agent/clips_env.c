@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
+#include "agent/clips_mind.h"
+#include "core/name.h"
+#include "muster/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/*
+ * What rules must not reach: files, the shell, the process, the clock of the machine, and what
+ * would take the functions themselves away.
+ */
+static const char *const env_denied[] = {
+    "exit", "system", "open", "close", "remove", "rename", "load", "load*", "save", "bload",
+    "bsave", "batch", "batch*", "dribble-on", "dribble-off",
+    "load-facts", "save-facts", "load-instances",
+    "save-instances", "bload-instances", "bsave-instances", "restore-instances", "constructs-to-c",
+    "fetch", "toss", "print-region", "get-region", "read", "readline", "read-number", "get-char",
+    "set-locale", "release-mem", "conserve-mem", "clear", "profile", "profile-info",
+    "profile-reset", "set-profile-percent-threshold", "get-profile-percent-threshold", "timer",
+    "operating-system",
+};
+
+static const char *const env_kept_globals[2] = {"my-name", "mate"};
+
+struct mind *clips_env_mind(void *env)
+{
+    return GetEnvironmentContext(env);
+}
+
+static int env_route_query(void *env, const char *name)
+{
+    (void)env;
+    static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT,  WDISPLAY,
+                                         WDIALOG,  WERROR,  WWARNING, WTRACE};
+    for (size_t i = 0; i < sizeof routes / sizeof routes[0]; i++) {
+        if (strcmp(name, routes[i]) == 0) {
+            return TRUE;
+        }
+    }
+    return FALSE;
+}
+
+/* Prints while rules fire, as long as the step's share lasts. */
+static void env_print(struct mind *m, const char *text)
+{
+    size_t len = strlen(text);
+    if (m->printed > CLIPS_PRINT_MAX || !m->options.ports.print) {
+        return;
+    }
+    m->printed += len;
+    if (m->printed > CLIPS_PRINT_MAX) {
+        text = "\n[MUSTER3] more than 1 MiB printed in one step: the rest is left out\n";
+    }
+    m->options.ports.print(m->options.ports.self, text);
+}
+
+static int env_route_print(void *env, const char *name, const char *text)
+{
+    struct mind *m = clips_env_mind(env);
+    bool complaint = strcmp(name, WERROR) == 0 || strcmp(name, WWARNING) == 0;
+    if (complaint && m->stopped) {
+        return TRUE; /* each of a thousand calls would say that it ends */
+    }
+    if (m->mode == CLIPS_MODE_LINE) {
+        bool blank = m->out->len == 0 || m->out->at[m->out->len - 1] == '\n';
+        mu_text_add(m->out, complaint && blank && strcmp(text, "\n") == 0 ? "" : text);
+    } else if (complaint || m->mode == CLIPS_MODE_QUIET) {
+        mu_text_add(&m->said, text);
+    } else {
+        env_print(m, text);
+    }
+    return TRUE;
+}
+
+static int env_route_getc(void *env, const char *name)
+{
+    (void)env;
+    (void)name;
+    return EOF;
+}
+
+static int env_route_ungetc(void *env, int c, const char *name)
+{
+    (void)env;
+    (void)name;
+    return c;
+}
+
+static int env_route_exit(void *env, int code)
+{
+    (void)code;
+    AbortExit(env);
+    SetHaltExecution(env, TRUE);
+    return TRUE;
+}
+
+void clips_env_enter(struct mind *m, enum clips_mode mode)
+{
+    m->stack = __builtin_frame_address(0);
+    m->mode = mode;
+    mu_text_clear(&m->said);
+    SetHaltExecution(m->env, FALSE);
+    SetEvaluationError(m->env, FALSE);
+}
+
+bool clips_env_leave(struct mind *m)
+{
+    bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
+    SetHaltExecution(m->env, FALSE);
+    SetEvaluationError(m->env, FALSE);
+    m->mode = CLIPS_MODE_QUIET;
+    m->stack = NULL;
+    return failed;
+}
+
+/* (reset) gives globals their first values: these two are kept over it. */
+static void env_keep_globals(void *env)
+{
+    struct mind *m = clips_env_mind(env);
+    for (size_t i = 0; i < 2; i++) {
+        m->kept[i].type = RVOID;
+        if (EnvGetDefglobalValue(env, env_kept_globals[i], &m->kept[i])) {
+            ValueInstall(env, &m->kept[i]);
+        }
+    }
+}
+
+static void env_restore_globals(void *env)
+{
+    struct mind *m = clips_env_mind(env);
+    for (size_t i = 0; i < 2; i++) {
+        if (m->kept[i].type != RVOID) {
+            EnvSetDefglobalValue(env, env_kept_globals[i], &m->kept[i]);
+            ValueDeinstall(env, &m->kept[i]);
+        }
+    }
+}
+
+/* The globals and the template that C code fills in; names are valid symbols. */
+static bool env_build(struct mind *m)
+{
+    char globals[256];
+    snprintf(globals, sizeof globals,
+             "(defglobal ?*my-name* = %s ?*mate* = nil ?*sonar-margin* = 250 ?*sonar-clip* = 500"
+             " ?*follow-distance* = 1000)",
+             m->options.name);
+    return EnvBuild(m->env, globals) &&
+           EnvBuild(m->env,
+                    "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
+                    " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
+                    " (slot conversation) (multislot content))");
+}
+
+static void env_install(struct mind *m)
+{
+    for (size_t i = 0; i < sizeof env_denied / sizeof env_denied[0]; i++) {
+        UndefineFunction(m->env, env_denied[i]);
+    }
+    EnvAddRouter(m->env, "mu-out", 40, env_route_query, env_route_print, env_route_getc,
+                 env_route_ungetc, env_route_exit);
+    /* between these two the globals are reset; afterwards, at 0, deffacts are asserted */
+    EnvAddResetFunction(m->env, "mu-keep", env_keep_globals, 100);
+    EnvAddResetFunction(m->env, "mu-restore", env_restore_globals, 25);
+    clips_guard_install(m);
+    clips_override_install(m);
+    clips_functions_install(m);
+    clips_load_install(m);
+    clips_fire_install(m);
+}
+
+static void env_templates(struct mind *m)
+{
+    struct deftemplate **implied[] = {&m->position, &m->ring, &m->message};
+    static const char *const names[] = {"position", "sonar", "message"};
+    for (size_t i = 0; i < 3; i++) {
+        *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
+    }
+    m->mail = EnvFindDeftemplate(m->env, "mail");
+}
+
+static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
+{
+    if (!m->options.rules_folder) {
+        return MU_OK;
+    }
+    char path[MU_FAULT_FILE_MAX + 1];
+    snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
+    return clips_load_file(m, path, fault);
+}
+
+mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
+{
+    if (!mu_name_valid(options->name)) {
+        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
+    }
+    struct mind *m = mu_startup_alloc(sizeof *m);
+    m->options = *options;
+    m->options.name = mu_startup_string(options->name);
+    if (options->rules_folder) {
+        m->options.rules_folder = mu_startup_string(options->rules_folder);
+    }
+    if (m->options.firings_max == 0) {
+        m->options.firings_max = MU_FIRINGS_PER_STEP;
+    }
+    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
+    mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
+    mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
+    mu_random_seed(&m->random, options->seed, m->options.name);
+    m->env = CreateEnvironment();
+    MU_ASSERT(m->env);
+    SetEnvironmentContext(m->env, m);
+    env_install(m);
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    bool built = env_build(m);
+    MU_ASSERT(!clips_env_leave(m) && built);
+    env_templates(m);
+    clips_mail_install(m);
+    *out = m;
+    return env_load_library(m, fault);
+}
+
+void mind_close(struct mind *m)
+{
+    if (m) {
+        DestroyEnvironment(m->env);
+        m->env = NULL;
+    }
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One step's firing of rules. */
+#include "agent/clips_mind.h"
+
+#include <string.h>
+
+/* CLIPS calls this behind each rule: the one that called (update-sensors) is the step's last. */
+static void fire_after_rule(void *env)
+{
+    if (clips_env_mind(env)->sense_again) {
+        EnvHalt(env);
+    }
+}
+
+void clips_fire_install(struct mind *m)
+{
+    EnvAddRunFunction(m->env, "mu-step", fire_after_rule, 0);
+}
+
+/* @return whether this complaint was shown before; remembers it */
+static bool fire_was_shown(struct mind *m, const char *text)
+{
+    uint64_t hash = 14695981039346656037ull; /* FNV-1a */
+    for (const char *c = text; *c; c++) {
+        hash = (hash ^ (unsigned char)*c) * 1099511628211ull;
+    }
+    for (size_t i = 0; i < m->shown_count; i++) {
+        if (m->shown[i] == hash) {
+            return true;
+        }
+    }
+    if (m->shown_count == CLIPS_SHOWN_MAX) {
+        return true;
+    }
+    m->shown[m->shown_count++] = hash;
+    return false;
+}
+
+/* Shows what went wrong in a rule, each complaint of each rule once. */
+static void fire_complain(struct mind *m)
+{
+    char bytes[CLIPS_SAID_MAX];
+    struct mu_text line;
+    mu_text_init(&line, bytes, sizeof bytes);
+    mu_text_format(&line, "rule %s: ", m->rule ? m->rule : "?");
+    clips_text_as_written(m->said.at);
+    char *halted = strstr(m->said.at, "[PRCCODE4] Execution halted during the actions of defrule");
+    if (halted) {
+        *halted = '\0';
+    }
+    size_t start = line.len;
+    for (const char *s = m->said.at; *s; s++) {
+        bool blank = line.len == start || line.at[line.len - 1] == ' ';
+        if (*s != '\n') {
+            mu_text_add_bytes(&line, s, 1);
+        } else if (!blank) {
+            mu_text_add(&line, " ");
+        }
+    }
+    if (line.len == start) {
+        mu_text_add(&line, "stopped");
+    }
+    if (!fire_was_shown(m, line.at) && m->options.ports.print) {
+        m->options.ports.print(m->options.ports.self, line.at);
+        m->options.ports.print(m->options.ports.self, "\n");
+    }
+    mu_text_clear(&m->said);
+}
+
+/* Fires rules until one errs, the step ends, or the budget is used. */
+static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
+{
+    clips_env_enter(m, CLIPS_MODE_FIRE);
+    m->firing = true;
+    long long fired = EnvRun(m->env, budget);
+    m->firing = false;
+    bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
+    clips_env_leave(m);
+    *failed = halted;
+    if (m->said.len > 0 || halted) {
+        fire_complain(m);
+    }
+    return (uint32_t)fired;
+}
+
+static enum mind_end fire_loop(struct mind *m)
+{
+    uint32_t budget = m->options.firings_max;
+    while (m->act.firings < budget) {
+        bool failed;
+        uint32_t fired = fire_some(m, budget - m->act.firings, &failed);
+        m->act.firings += fired;
+        m->act.errors += failed;
+        if (m->stopped) {
+            m->act.why = m->stopped;
+            return MIND_STOPPED;
+        }
+        if (m->sense_again) {
+            return MIND_SENSE_AGAIN;
+        }
+        if (fired == 0 || (!failed && m->act.firings < budget)) {
+            return MIND_IDLE;
+        }
+    }
+    return EnvGetNextActivation(m->env, NULL) ? MIND_BUDGET : MIND_IDLE;
+}
+
+void mind_fire(struct mind *m, struct mind_act *act)
+{
+    clips_guard_start(m, 0);
+    mu_text_clear(&m->fired);
+    m->printed = 0;
+    m->sense_again = false;
+    m->rule = NULL;
+    m->act.end = fire_loop(m);
+    m->act.rules = m->fired.at;
+    *act = m->act;
+    m->act = (struct mind_act){.drives = false};
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "agent/clips_functions.h"
+
+#include <stdio.h>
+
+struct function_row {
+    const char *name;
+    int code;
+    void (*call)(void *env, DATA_OBJECT *out);
+    const char *arguments;
+    const char *usage, *text;
+};
+
+#define X(name, code, function, arguments, usage, text) \
+    {name, code, function, arguments, usage, text},
+static const struct function_row function_physical[] = {CLIPS_PHYSICAL(X)};
+static const struct function_row function_agent[] = {CLIPS_AGENT(X)};
+static const struct function_row function_extensions[] = {CLIPS_EXTENSIONS(X)};
+#undef X
+
+static const struct {
+    const char *title;
+    const struct function_row *rows;
+    size_t count;
+} function_groups[] = {
+#define GROUP(title, rows) {title, rows, sizeof rows / sizeof rows[0]}
+    GROUP("Physical", function_physical),
+    GROUP("Agent", function_agent),
+    GROUP("Extensions", function_extensions),
+#undef GROUP
+};
+
+enum { FUNCTION_GROUPS = sizeof function_groups / sizeof function_groups[0] };
+
+void clips_functions_install(struct mind *m)
+{
+    for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
+        for (size_t i = 0; i < function_groups[g].count; i++) {
+            const struct function_row *row = &function_groups[g].rows[i];
+            int (*call)(void *) = (int (*)(void *))(void (*)(void))row->call;
+            int known = EnvDefineFunction2(m->env, row->name, row->code, call, row->name,
+                                           row->arguments);
+            MU_ASSERT(known);
+        }
+    }
+    AddFunctionParser(m->env, "findall", clips_findall_parse);
+}
+
+/* Inside a table a bar would end the cell. */
+static void function_print_cell(const char *text)
+{
+    for (; *text; text++) {
+        fputs(*text == '|' ? "\\|" : (char[]){*text, '\0'}, stdout);
+    }
+}
+
+void mind_print_functions(void)
+{
+    for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
+        printf("%s## %s\n\n| Call | What it does and returns |\n| --- | --- |\n", g ? "\n" : "",
+               function_groups[g].title);
+        for (size_t i = 0; i < function_groups[g].count; i++) {
+            fputs("| `", stdout);
+            function_print_cell(function_groups[g].rows[i].usage);
+            fputs("` | ", stdout);
+            function_print_cell(function_groups[g].rows[i].text);
+            fputs(" |\n", stdout);
+        }
+    }
+}

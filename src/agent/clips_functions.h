@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file clips_functions.h
+ * The one table of functions that rules may call.
+ *
+ * X(name, code, function, arguments, usage, text): code is the CLIPS return type ('u' any,
+ * 'm' multifield), arguments a CLIPS restriction string: least, most (or *), then types (n number,
+ * i whole number, k symbol or string, u any).
+ */
+#ifndef MUSTER_AGENT_CLIPS_FUNCTIONS_H
+#define MUSTER_AGENT_CLIPS_FUNCTIONS_H
+
+#include "agent/clips_mind.h"
+
+/* clang-format off */
+#define CLIPS_PHYSICAL(X) \
+    X("position", 'm', clips_physical_get_position, "00", \
+      "(position)", \
+      "the position fact's seven fields: time in s, x and y in mm, speed in mm/s, turn " \
+      "rate in deg/s, compass in deg, stalled; `()` before the first percept") \
+    X("gps", 'm', clips_physical_gps, "00", \
+      "(gps)", \
+      "x and y in mm, compass in deg; `()` before the first percept") \
+    X("stalled", 'u', clips_physical_stalled, "00", \
+      "(stalled)", \
+      "TRUE while the body is held up") \
+    X("sonar", 'u', clips_physical_sonar, "01i", \
+      "(sonar [i])", \
+      "all ranges in mm, or the one with index i, from 0") \
+    X("sonar-data", 'u', clips_physical_sonar_data, "1*u", \
+      "(sonar-data s...)", \
+      "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \
+      "0..`?*sonar-clip*`; takes numbers and multifields of numbers") \
+    X("speed-to", 'm', clips_physical_speed_to, "55n", \
+      "(speed-to x y compass tx ty)", \
+      "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
+      "`?*follow-distance*` mm away from it") \
+    X("setSpeed", 'u', clips_physical_set_speed, "22n", \
+      "(setSpeed v w)", \
+      "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
+    X("stop", 'u', clips_physical_stop, "00", \
+      "(stop)", \
+      "stands still; TRUE") \
+    X("update-sensors", 'u', clips_physical_update_sensors, "00", \
+      "(update-sensors)", \
+      "I have acted, let me see again: ends the step behind this right-hand side; TRUE, on " \
+      "the console FALSE")
+
+#define CLIPS_AGENT(X) \
+    X("send", 'u', clips_override_send, "1*", \
+      "(send to field...)", \
+      "mail to an agent; TRUE, or FALSE when there is no room.  With an instance as first " \
+      "argument: CLIPS's own send") \
+    X("broadcast", 'u', clips_post_broadcast, "0*", \
+      "(broadcast field...)", \
+      "mail to all agents that are there now; TRUE or FALSE") \
+    X("getmsg", 'm', clips_mail_getmsg, "00", \
+      "(getmsg)", \
+      "takes the oldest mail: `(from field...)`, or `()`") \
+    X("speak", 'u', clips_post_speak, "3*u", \
+      "(speak performative to (create$ field...) key value...)", \
+      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by " \
+      "conversation.  TRUE or FALSE; with reply-with that word") \
+    X("tell", 'u', clips_post_tell, "1*", \
+      "(tell to field...)", \
+      "speak with the performative tell; TRUE or FALSE") \
+    X("ask-one", 'u', clips_post_ask_one, "1*", \
+      "(ask-one to field...)", \
+      "a question for one answer; the word that the answer's in-reply-to bears, or FALSE") \
+    X("ask-all", 'u', clips_post_ask_all, "1*", \
+      "(ask-all to field...)", \
+      "a question for all answers; as ask-one") \
+    X("achieve", 'u', clips_post_achieve, "1*", \
+      "(achieve to field...)", \
+      "a request to make something true; as ask-one") \
+    X("reply", 'u', clips_post_reply, "1*", \
+      "(reply mail field...)", \
+      "answers a mail fact with a tell that bears its reply-with and conversation; TRUE or " \
+      "FALSE") \
+    X("you-do", 'u', clips_post_you_do, "2*u", \
+      "(you-do who command field...)", \
+      "makes who (a name, all, robots, special, or a multifield of names) evaluate " \
+      "(command field...), if the trust policy lets it; TRUE or FALSE") \
+    X("my-name", 'u', clips_social_my_name, "00", \
+      "(my-name)", \
+      "this agent's name") \
+    X("lookup", 'u', clips_social_lookup, "11k", \
+      "(lookup name)", \
+      "`(name kind state host)` from the white pages, or FALSE") \
+    X("listing", 'm', clips_social_listing, "00", \
+      "(listing)", \
+      "the names of all agents") \
+    X("run", 'u', clips_social_run, "01", \
+      "(run)", \
+      "on the console: leaves standby; in rules: nothing")
+
+#define CLIPS_EXTENSIONS(X) \
+    X("findall", 'm', clips_findall_call, NULL, \
+      "(findall (relation field...))", \
+      "the facts that match; `?` and `$?` as in a pattern, slots of a template as `(slot " \
+      "field...)`") \
+    X("fact-fields", 'm', clips_findall_fields, "11", \
+      "(fact-fields fact)", \
+      "the fields of an ordered fact, given by address or index") \
+    X("sind", 'u', clips_math_sind, "11n", \
+      "(sind a)", \
+      "sine of an angle in deg") \
+    X("cosd", 'u', clips_math_cosd, "11n", \
+      "(cosd a)", \
+      "cosine of an angle in deg") \
+    X("tand", 'u', clips_math_tand, "11n", \
+      "(tand a)", \
+      "tangent of an angle in deg") \
+    X("asind", 'u', clips_math_asind, "11n", \
+      "(asind x)", \
+      "arc sine in deg") \
+    X("acosd", 'u', clips_math_acosd, "11n", \
+      "(acosd x)", \
+      "arc cosine in deg") \
+    X("atand", 'u', clips_math_atand, "11n", \
+      "(atand x)", \
+      "arc tangent in deg") \
+    X("atan2d", 'u', clips_math_atan2d, "22n", \
+      "(atan2d y x)", \
+      "direction of (x, y) in deg") \
+    X("norm-angle", 'u', clips_math_norm_angle, "11n", \
+      "(norm-angle a)", \
+      "the same angle in (-180, 180]") \
+    X("distance", 'u', clips_math_distance, "44n", \
+      "(distance x1 y1 x2 y2)", \
+      "between two points") \
+    X("bearing", 'u', clips_math_bearing, "44n", \
+      "(bearing x1 y1 x2 y2)", \
+      "direction from the first point to the second, in deg") \
+    X("clamp", 'u', clips_math_clamp, "33n", \
+      "(clamp x lo hi)", \
+      "x, or the limit that it is beyond; whole when all three are") \
+    X("now", 'u', clips_math_now, "00", \
+      "(now)", \
+      "simulated time in s") \
+    X("time", 'u', clips_math_now, "00", \
+      "(time)", \
+      "the same as now: rules see no other clock") \
+    X("random", 'u', clips_math_random, "02i", \
+      "(random [lo hi])", \
+      "a whole number, lo and hi included; without them 0 to 2147483647; a stream of each " \
+      "agent's own") \
+    X("seed", 'u', clips_math_seed, "11i", \
+      "(seed n)", \
+      "starts this agent's random numbers again") \
+    X("div", 'u', clips_math_div, "2*n", \
+      "(div a b...)", \
+      "whole division") \
+    X("mod", 'u', clips_math_mod, "22n", \
+      "(mod a b)", \
+      "remainder, with the sign of a")
+/* clang-format on */
+
+#define X(name, code, function, arguments, usage, text) void function(void *env, DATA_OBJECT *out);
+CLIPS_PHYSICAL(X)
+CLIPS_AGENT(X)
+CLIPS_EXTENSIONS(X)
+#undef X
+
+#endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What stops rules that do not end by themselves.  Everything is counted, nothing is timed, so that
+ * a run that meets a guard is still the same run when it is done again.
+ */
+#include "agent/clips_mind.h"
+
+static void guard_stop(struct mind *m, const char *why)
+{
+    if (!m->stopped) {
+        m->stopped = why;
+    }
+    SetHaltExecution(m->env, TRUE);
+}
+
+/* CLIPS calls this at each turn of a loop, at each return of a function and after each rule. */
+static void guard_tick(void *env)
+{
+    struct mind *m = clips_env_mind(env);
+    if (++m->ticks > CLIPS_TICKS_MAX) {
+        guard_stop(m, "ticks");
+        return;
+    }
+    if (EnvMemUsed(env) > m->memory_max) {
+        EnvReleaseMem(env, -1);
+        if (EnvMemUsed(env) > m->memory_max) {
+            guard_stop(m, "memory");
+        }
+    }
+}
+
+void clips_guard_install(struct mind *m)
+{
+    EnvAddPeriodicFunction(m->env, "mu-guard", guard_tick, 0);
+}
+
+void clips_guard_start(struct mind *m, long memory_spare)
+{
+    m->ticks = 0;
+    m->stopped = NULL;
+    m->memory_max = CLIPS_MEMORY_MAX;
+    if (memory_spare > 0 && EnvMemUsed(m->env) + memory_spare > m->memory_max) {
+        m->memory_max = EnvMemUsed(m->env) + memory_spare;
+    }
+}
+
+/*
+ * Every body of a rule, function, method and message-handler runs through EvaluateProcActions, and
+ * its callers are in other objects of libclips.a than itself: the linker's --wrap catches them all.
+ */
+void __real_EvaluateProcActions(void *env, struct defmodule *module, struct expr *actions,
+                                int variables, DATA_OBJECT *result, void (*end)(void *));
+void __wrap_EvaluateProcActions(void *env, struct defmodule *module, struct expr *actions,
+                                int variables, DATA_OBJECT *result, void (*end)(void *));
+
+static void guard_note_rule(struct mind *m, const struct expr *actions)
+{
+    const struct defrule *rule = EngineData(m->env)->ExecutingRule;
+    if (!m->firing || !rule || rule->actions != actions) {
+        return;
+    }
+    m->rule = ValueToString(rule->header.name);
+    if (m->fired.len > 0) {
+        mu_text_add(&m->fired, " ");
+    }
+    mu_text_add(&m->fired, m->rule);
+}
+
+void __wrap_EvaluateProcActions(void *env, struct defmodule *module, struct expr *actions,
+                                int variables, DATA_OBJECT *result, void (*end)(void *))
+{
+    const char *here = __builtin_frame_address(0);
+    struct mind *m = clips_env_mind(env);
+    if (!m) { /* CLIPS makes its own first instances before the mind is tied to it */
+        __real_EvaluateProcActions(env, module, actions, variables, result, end);
+        return;
+    }
+    guard_note_rule(m, actions);
+    bool deep = EvaluationData(env)->CurrentEvaluationDepth > CLIPS_DEPTH_MAX ||
+                (m->stack && m->stack - here > CLIPS_STACK_MAX);
+    if (!deep) {
+        __real_EvaluateProcActions(env, module, actions, variables, result, end);
+        return;
+    }
+    if (!m->stopped) {
+        EnvPrintRouter(env, WERROR, "[MUSTER2] Functions call each other too deeply\n");
+    }
+    guard_stop(m, "depth");
+    SetEvaluationError(env, TRUE);
+    result->type = SYMBOL;
+    result->value = EnvFalseSymbol(env);
+}

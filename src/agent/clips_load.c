@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rule files: one form after the other, (extends "FILE"), and mistakes with file and line. */
+#include "agent/clips_mind.h"
+#include "muster/memory.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LOAD_TEXT_MAX = 2 * CLIPS_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
+
+/* CLIPS calls this with the line of the form at which it gave up. */
+static void load_note_error(void *env, const char *file, const char *warning, const char *error,
+                            long line)
+{
+    (void)file;
+    (void)warning;
+    struct mind *m = clips_env_mind(env);
+    if (error && m->error_line == 0) {
+        m->error_line = line;
+    }
+}
+
+void clips_load_install(struct mind *m)
+{
+    EnvSetParserErrorCallback(m->env, load_note_error);
+    m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    m->form = mu_startup_alloc(CLIPS_FILE_MAX);
+}
+
+/* Reads a file onto the stack of texts. */
+static mu_result load_read(struct mind *m, const char *path, const char **text,
+                           struct mu_fault *fault)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) {
+        return mu_fault_at(fault, path, 0, 0, "cannot be opened: %s", strerror(errno));
+    }
+    char *to = m->text + m->text_used;
+    size_t room = LOAD_TEXT_MAX - m->text_used;
+    size_t len = fread(to, 1, room, f);
+    bool failed = ferror(f);
+    fclose(f);
+    if (failed) {
+        return mu_fault_at(fault, path, 0, 0, "cannot be read: %s", strerror(errno));
+    }
+    if (len >= room || len > CLIPS_FILE_MAX) {
+        return mu_fault_at(fault, path, 0, 0, "is larger than a rule file may be (1 MiB)");
+    }
+    to[len] = '\0';
+    if (strlen(to) != len) {
+        return mu_fault_at(fault, path, 0, 0, "is no text: it holds a zero byte");
+    }
+    m->text_used += len + 1;
+    *text = to;
+    return MU_OK;
+}
+
+/* Makes what CLIPS said one line: its message, without the source that it repeats. */
+static void load_said(struct mind *m, char *to, size_t size)
+{
+    clips_text_as_written(m->said.at);
+    char *repeat = strstr(m->said.at, "\nERROR:");
+    if (repeat) {
+        *repeat = '\0';
+    }
+    struct mu_text line;
+    mu_text_init(&line, to, size);
+    for (const char *s = m->said.at; *s; s++) {
+        bool blank = *s == '\n' || *s == ' ';
+        bool again = line.len == 0 || line.at[line.len - 1] == ' ';
+        if (!blank) {
+            mu_text_add_bytes(&line, s, 1);
+        } else if (!again) {
+            mu_text_add(&line, " ");
+        }
+    }
+}
+
+static mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+                                struct mu_fault *fault)
+{
+    struct mu_text form;
+    mu_text_init(&form, m->form, CLIPS_FILE_MAX);
+    clips_text_rewrite(&form, f.at, f.len);
+    if (form.cut) {
+        return mu_fault_at(fault, path, f.line, 0, "this form is too long");
+    }
+    m->error_line = 0;
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
+    EnvSetParsingFileName(m->env, path);
+    int loaded = LoadConstructsFromLogicalName(m->env, "mu-load");
+    EnvSetParsingFileName(m->env, NULL);
+    CloseStringSource(m->env, "mu-load");
+    if (clips_env_leave(m) || loaded != 1) {
+        char said[MU_FAULT_TEXT_MAX + 1];
+        load_said(m, said, sizeof said);
+        int line = f.line + (m->error_line > 1 ? (int)m->error_line - 1 : 0);
+        return mu_fault_at(fault, path, line, 0, "%s",
+                           said[0] ? said : "CLIPS does not accept this form");
+    }
+    return MU_OK;
+}
+
+/* @return whether the form is (extends "FILE"); well_formed: with the file's name copied */
+static bool load_is_extends(struct clips_form f, char *name, size_t size, bool *well_formed)
+{
+    const char *at = f.at + 1;
+    struct clips_field word = clips_text_field(&at);
+    if (word.kind != CLIPS_FIELD_SYMBOL || word.len != 7 || strncmp(word.at, "extends", 7) != 0) {
+        return false;
+    }
+    struct clips_field file = clips_text_field(&at);
+    struct clips_field close = clips_text_field(&at);
+    *well_formed = file.kind == CLIPS_FIELD_STRING && file.len < size &&
+                   close.kind == CLIPS_FIELD_BAD && *at == ')';
+    if (*well_formed) {
+        clips_text_unescape(name, file.at, file.len);
+    }
+    return true;
+}
+
+static bool load_exists(const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (f) {
+        fclose(f);
+    }
+    return f != NULL;
+}
+
+/* Where an extended file is: beside the one that names it, else in the library. */
+static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
+                      size_t size)
+{
+    const char *slash = strrchr(from, '/');
+    int folder = slash ? (int)(slash - from) + 1 : 0;
+    int len = snprintf(path, size, "%.*s%s", folder, from, name);
+    if (len > 0 && (size_t)len < size && load_exists(path)) {
+        return true;
+    }
+    if (!m->options.rules_folder) {
+        return false;
+    }
+    len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
+    return len > 0 && (size_t)len < size && load_exists(path);
+}
+
+/* @return whether a file is one of those being loaded */
+static bool load_is_open(const struct mind *m, const char *path)
+{
+    char real[PATH_MAX];
+    char other[PATH_MAX];
+    if (!realpath(path, real)) {
+        return false;
+    }
+    for (size_t i = 0; i < m->files_deep; i++) {
+        if (realpath(m->files[i], other) && strcmp(real, other) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static mu_result load_extends(struct mind *m, const char *from, int line, const char *name,
+                              struct mu_fault *fault)
+{
+    char path[LOAD_PATH_MAX];
+    if (name[0] == '/' || strstr(name, "..")) {
+        return mu_fault_at(fault, from, line, 0,
+                           "extends reaches only files of this folder and of the library");
+    }
+    if (!load_find(m, from, name, path, sizeof path)) {
+        return mu_fault_at(fault, from, line, 0,
+                           "extends \"%s\": no such file beside this one or in the library", name);
+    }
+    if (load_is_open(m, path)) {
+        return mu_fault_at(fault, from, line, 0, "extends \"%s\": the files extend each other",
+                           name);
+    }
+    if (m->files_deep == CLIPS_FILES_DEEP_MAX) {
+        return mu_fault_at(fault, from, line, 0, "extends \"%s\": more than %d files deep", name,
+                           CLIPS_FILES_DEEP_MAX);
+    }
+    return clips_load_file(m, path, fault);
+}
+
+static mu_result load_form(struct mind *m, const char *path, struct clips_form f,
+                           struct mu_fault *fault)
+{
+    char name[LOAD_PATH_MAX];
+    bool well_formed = false;
+    if (f.kind == CLIPS_FORM_BAD) {
+        return mu_fault_at(fault, path, f.line, 0, "%s", f.what);
+    }
+    if (f.kind == CLIPS_FORM_ATOM) {
+        return mu_fault_at(fault, path, f.line, 0, "expected a construct, found %.*s",
+                           (int)(f.len < 40 ? f.len : 40), f.at);
+    }
+    if (!load_is_extends(f, name, sizeof name, &well_formed)) {
+        return load_construct(m, path, f, fault);
+    }
+    if (!well_formed) {
+        return mu_fault_at(fault, path, f.line, 0, "expected (extends \"FILE\")");
+    }
+    return load_extends(m, path, f.line, name, fault);
+}
+
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    const char *at;
+    int line = 1;
+    size_t used = m->text_used;
+    mu_result r = load_read(m, path, &at, fault);
+    if (r != MU_OK) {
+        return r;
+    }
+    m->files[m->files_deep++] = path;
+    while (r == MU_OK) {
+        struct clips_form f = clips_text_form(&at, &line);
+        if (f.kind == CLIPS_FORM_END) {
+            break;
+        }
+        r = load_form(m, path, f, fault);
+    }
+    m->files_deep--;
+    m->text_used = used;
+    return r;
+}
+
+mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    mu_result r = clips_load_file(m, path, fault);
+    if (r != MU_OK) {
+        return r;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    m->shown_count = 0;
+    EnvReset(m->env);
+    if (clips_env_leave(m)) {
+        char said[MU_FAULT_TEXT_MAX + 1];
+        load_said(m, said, sizeof said);
+        return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");
+    }
+    return MU_OK;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file clips_mind.h
+ * What the CLIPS files of the agent share.  No other file includes this one or clips.h.
+ */
+#ifndef MUSTER_AGENT_CLIPS_MIND_H
+#define MUSTER_AGENT_CLIPS_MIND_H
+
+#include "agent/clips_text.h"
+#include "agent/mind.h"
+#include "core/random.h"
+#include "muster/limits.h"
+
+#include <clips.h>
+#include <tmpltutl.h>
+
+enum {
+    CLIPS_TICKS_MAX = 2000000,       /* turns of loops and returns of functions, a step or a line */
+    CLIPS_DEPTH_MAX = 1000,          /* functions that have not returned */
+    CLIPS_STACK_MAX = 3 << 20,       /* bytes of stack below the entry */
+    CLIPS_MEMORY_MAX = 64 << 20,     /* bytes that CLIPS holds */
+    CLIPS_MEMORY_SPARE = 8 << 20,    /* more of them for a line, so that a person can tidy up */
+    CLIPS_PRINT_MAX = 1 << 20,       /* bytes that one step may print */
+    CLIPS_LINE_MAX = 16384,          /* bytes of a console line */
+    CLIPS_FILE_MAX = 1 << 20,        /* bytes of a rule file */
+    CLIPS_FILES_DEEP_MAX = 16,       /* files that extend each other */
+    CLIPS_SAID_MAX = 2048,           /* bytes kept of an error */
+    CLIPS_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
+    CLIPS_MESSAGE_STEPS = 50,        /* a message fact that is so old goes */
+    CLIPS_MESSAGES_MAX = 1024,       /* message facts; beyond, the oldest goes */
+    CLIPS_MAILS_MAX = 1024,          /* mail facts; beyond, the oldest goes */
+    CLIPS_SHOWN_MAX = 64             /* different errors of rules that were shown */
+};
+
+/* Where what CLIPS prints goes. */
+enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
+
+/* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
+struct clips_message {
+    struct fact *fact;
+    SYMBOL_HN *from;
+    unsigned short first_type; /* the first field, for "a later mail of the same first word" */
+    void *first;
+    uint64_t id, step;
+    uint16_t older, newer, chain;
+};
+
+enum { CLIPS_CHAINS = 256 };
+
+struct clips_messages {
+    struct clips_message at[CLIPS_MESSAGES_MAX + 1];
+    uint16_t chains[CLIPS_CHAINS];
+    uint16_t oldest, newest, free;
+};
+
+struct mind {
+    void *env;
+    struct mind_options options;
+    struct mu_random random;
+    uint64_t asked; /* questions so far, for reply-with */
+
+    /* percepts */
+    struct mind_percept percept;
+    float sonar[MU_SONARS_MAX];
+    bool sensed;
+    uint64_t step;
+    struct deftemplate *position, *ring, *message, *mail;
+    struct fact *position_fact, *ring_fact;
+
+    /* mail */
+    struct clips_messages *messages;
+    struct fact *mails[CLIPS_MAILS_MAX]; /* a ring of the latest mail facts */
+    size_t mail_next;
+    bool mail_dropped; /* said once */
+
+    /* what the rules do in this step */
+    struct mind_act act;
+    char fired_bytes[CLIPS_FIRED_MAX];
+    struct mu_text fired;
+    const char *rule; /* that fired last */
+    bool firing, sense_again, wants_to_run;
+
+    /* guards */
+    uint32_t ticks;
+    long memory_max;
+    const char *stopped; /* which guard, or NULL */
+    const char *stack;   /* at the entry */
+
+    /* output */
+    enum clips_mode mode;
+    struct mu_text *out; /* of a line */
+    size_t printed;
+    char said_bytes[CLIPS_SAID_MAX];
+    struct mu_text said; /* errors and warnings of this call */
+    uint64_t shown[CLIPS_SHOWN_MAX];
+    size_t shown_count;
+
+    /* values of ?*my-name* and ?*mate* while (reset) runs */
+    DATA_OBJECT kept[2];
+
+    /* loading */
+    char *text; /* a stack of the files being read */
+    size_t text_used;
+    char *form; /* one form, rewritten */
+    const char *files[CLIPS_FILES_DEEP_MAX];
+    size_t files_deep;
+    long error_line;
+
+    char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
+};
+
+/* clips_env.c */
+struct mind *clips_env_mind(void *env);
+
+/** Before every call into CLIPS: its error flags are sticky (6.30), so they are cleared. */
+void clips_env_enter(struct mind *m, enum clips_mode mode);
+
+/** After every call.  @return whether it ended in an error */
+bool clips_env_leave(struct mind *m);
+
+/* clips_guard.c */
+void clips_guard_install(struct mind *m);
+void clips_guard_start(struct mind *m, long memory_spare);
+
+/* clips_override.c */
+void clips_override_install(struct mind *m);
+
+/* clips_load.c */
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+void clips_load_install(struct mind *m);
+
+/* clips_percept.c */
+
+/** Takes the reference to a fact back, retracting it if it is still there. */
+void clips_percept_retract(struct mind *m, struct fact **fact);
+
+/** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
+struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
+                                  struct multifield *fields);
+
+/* clips_mail.c */
+void clips_mail_install(struct mind *m);
+void clips_mail_age(struct mind *m);
+void clips_mail_getmsg(void *env, DATA_OBJECT *out);
+
+/* clips_fire.c */
+void clips_fire_install(struct mind *m);
+
+/* clips_functions.c */
+void clips_functions_install(struct mind *m);
+
+/* clips_findall.c */
+struct expr *clips_findall_parse(void *env, struct expr *top, const char *source);
+
+#endif

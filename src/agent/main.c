@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-robot: one robot's controller, with a CLIPS mind between its senses and its motors. */
+#include "agent/mind.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/name.h"
+#include "core/network.h"
+#include "core/options.h"
+#include "core/paths.h"
+#include "muster/muster.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ANSWER_MAX = MU_CONTENT_MAX / 2 };
+
+static const uint64_t BROKER_PATIENCE_NS = 2500000000;
+
+struct settings {
+    struct mu_network network;
+    const char *name, *rules;
+    int64_t seed, firings_max;
+    struct mu_option_list globals; /* "mate=red" */
+    bool verbose, functions;
+};
+
+struct robot {
+    struct mind *mind;
+    mu_process *process;
+    mu_agent *agent;
+    bool refused;
+    char answer[ANSWER_MAX];
+    char quoted[MU_CONTENT_MAX];
+};
+
+static mu_result settings_parse(struct settings *set, int argc, char **argv)
+{
+    struct mu_option table[] = {
+        MU_NETWORK_OPTIONS(set->network),
+        {.name = "rules", .letter = 'r', .kind = MU_OPTION_STRING, .unit = "FILE",
+         .help = "the robot's behaviour, a CLIPS file", .target = &set->rules},
+        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "1",
+         .environment = "MUSTER_SEED", .help = "seed of (random), together with the name",
+         .target = &set->seed},
+        {.name = "firings", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "200",
+         .help = "rules that fire in one control step at most", .target = &set->firings_max,
+         .min = 1, .max = 1000000},
+        {.name = "global", .kind = MU_OPTION_LIST, .unit = "NAME=VALUE",
+         .help = "set a global, for example mate=red", .target = &set->globals},
+        {.name = "functions", .kind = MU_OPTION_FLAG,
+         .help = "print the functions that rules may call, and exit", .target = &set->functions},
+        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
+         .target = &set->verbose},
+    };
+    static struct mu_options options;
+    options = (struct mu_options){
+        .program = "muster robot",
+        .usage = "NAME --rules FILE [OPTION...]",
+        .about = "Controls one robot by CLIPS rules; waits in standby until told to start.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK || set->functions) {
+        return parsed;
+    }
+    if (options.words_count != 1 || !set->rules) {
+        fprintf(stderr, "muster robot: give it a name and rules, for example: "
+                        "muster robot red --rules rules/follower.clp\n");
+        return MU_FAULT_USAGE;
+    }
+    set->name = options.words[0];
+    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
+        fprintf(stderr, "muster robot: '%s' cannot be a robot's name: it must match "
+                        "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n", set->name);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+/* --- what the mind asks for ---------------------------------------------------------------------- */
+
+static mu_result port_send(void *self, const struct mind_letter *letter)
+{
+    struct robot *r = self;
+    struct mu_mail mail = {.dst = letter->dst,
+                           .layer = letter->directive ? MU_DIRECTIVE : MU_LAYER_SPEECH,
+                           .performative = letter->performative,
+                           .language = letter->language,
+                           .ontology = letter->ontology,
+                           .reply_with = letter->reply_with,
+                           .in_reply_to = letter->in_reply_to,
+                           .conversation = letter->conversation,
+                           .content = letter->content,
+                           .due_ns = -1};
+    return mu_agent_send(r->agent, &mail, NULL);
+}
+
+static void member_fill(struct mind_member *to, const struct mu_member *from)
+{
+    *to = (struct mind_member){.name = from->name,
+                               .kind = mu_kind_text(from->kind),
+                               .state = mu_state_text(from->state),
+                               .host = from->host};
+}
+
+static mu_result port_lookup(void *self, const char *name, struct mind_member *out)
+{
+    struct robot *r = self;
+    const struct mu_member *member = mu_process_lookup(r->process, name);
+    if (!member) {
+        return MU_ABSENT;
+    }
+    member_fill(out, member);
+    return MU_OK;
+}
+
+static mu_result port_listing(void *self, size_t index, struct mind_member *out)
+{
+    struct robot *r = self;
+    const struct mu_member *member = mu_process_member(r->process, index);
+    if (!member) {
+        return MU_DONE;
+    }
+    member_fill(out, member);
+    return MU_OK;
+}
+
+static void port_print(void *self, const char *text)
+{
+    (void)self;
+    fputs(text, stderr);
+}
+
+/* --- what happens to the agent ------------------------------------------------------------------- */
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    struct robot *r = self;
+    if (accepted) {
+        mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
+        return;
+    }
+    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    r->refused = true;
+    mu_process_stop(r->process);
+}
+
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct robot *r = self;
+    struct mind_mail letter = {.id = mail->number,
+                               .src = mail->src,
+                               .performative = mail->performative,
+                               .language = mail->language,
+                               .ontology = mail->ontology,
+                               .reply_with = mail->reply_with,
+                               .in_reply_to = mail->in_reply_to,
+                               .conversation = mail->conversation,
+                               .content = mail->content};
+    mind_take_mail(r->mind, &letter);
+}
+
+/* Answers who asked, with the output of a line as one CLIPS string. */
+static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
+{
+    struct mu_text quoted;
+    mu_text_init(&quoted, r->quoted, sizeof r->quoted);
+    mu_text_add(&quoted, "\"");
+    for (const char *c = r->answer; *c && quoted.len < sizeof r->quoted - 3; c++) {
+        if (*c == '"' || *c == '\\') {
+            mu_text_add(&quoted, "\\");
+        }
+        mu_text_add_bytes(&quoted, c, 1);
+    }
+    mu_text_add(&quoted, "\"");
+    struct mu_mail mail = {.dst = asked->src,
+                           .layer = MU_LAYER_SPEECH,
+                           .performative = done ? "inform" : "failure",
+                           .in_reply_to = asked->reply_with,
+                           .conversation = asked->conversation,
+                           .content = r->quoted,
+                           .due_ns = -1};
+    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+    }
+}
+
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    struct robot *r = self;
+    if (strcmp(mail->performative, "do") != 0) {
+        mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative,
+               mail->src);
+        return;
+    }
+    struct mu_text answer;
+    mu_text_init(&answer, r->answer, sizeof r->answer);
+    bool done = mind_line(r->mind, mail->content, &answer) == MU_OK;
+    if (!done) {
+        mu_log(MU_LOG_WARNING, "line-refused", "from=%s line=%s answer=%s", mail->src,
+               mail->content, r->answer);
+    }
+    if (mail->reply_with[0]) {
+        line_answer(r, mail, done);
+    }
+    if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
+        mu_agent_set_state(a, MU_RUNNING);
+    }
+}
+
+static void on_state(void *self, mu_agent *a, enum mu_state state)
+{
+    struct robot *r = self;
+    mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
+    if (state == MU_GONE) {
+        mu_process_stop(r->process);
+    }
+}
+
+/* A suspended mind keeps still, so that a person can look at it. */
+static void on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    if (mu_agent_state(a) == MU_SUSPENDED) {
+        return;
+    }
+    struct mind_percept percept = {.time_ns = p->time_ns,
+                                   .x_m = p->x_m,
+                                   .y_m = p->y_m,
+                                   .heading_rad = p->heading_rad,
+                                   .forward_m_s = p->forward_m_s,
+                                   .turn_rad_s = p->turn_rad_s,
+                                   .stalled = p->stalled,
+                                   .sonar_count = p->sonar_count,
+                                   .sonar_m = p->sonar_m};
+    mind_percept(r->mind, &percept);
+}
+
+static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)percept;
+    struct robot *r = self;
+    struct mind_act act;
+    mind_fire(r->mind, &act);
+    if (act.end == MIND_STOPPED) {
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
+    }
+    if (act.drives && mu_agent_drive(a, act.forward_m_s, act.turn_rad_s) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
+    }
+    mu_agent_fired(a, act.firings, act.rules);
+}
+
+/* --- the life of the process --------------------------------------------------------------------- */
+
+static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
+{
+    for (size_t i = 0; i < globals->count; i++) {
+        char name[MU_FIELD_MAX + 1];
+        const char *equals = strchr(globals->items[i], '=');
+        size_t len = equals ? (size_t)(equals - globals->items[i]) : 0;
+        if (len == 0 || len >= sizeof name) {
+            fprintf(stderr, "--global %s: expected NAME=VALUE\n", globals->items[i]);
+            return MU_FAULT_USAGE;
+        }
+        memcpy(name, globals->items[i], len);
+        name[len] = '\0';
+        if (mind_set_global(mind, name, equals + 1) != MU_OK) {
+            fprintf(stderr, "--global %s: no such global, or not a CLIPS field\n",
+                    globals->items[i]);
+            return MU_FAULT_USAGE;
+        }
+    }
+    return MU_OK;
+}
+
+static mu_result mind_make(struct robot *r, const struct settings *set)
+{
+    char folder[PATH_MAX];
+    if (!mu_path_rules(folder, sizeof folder)) {
+        fprintf(stderr, "muster robot: the shared rules are not found; set MUSTER_RULES to the "
+                        "folder that has muster.clp\n");
+        return MU_FAULT_FILE;
+    }
+    struct mind_options options = {.name = set->name,
+                                   .seed = (uint64_t)set->seed,
+                                   .rules_folder = mu_startup_string(folder),
+                                   .firings_max = (uint32_t)set->firings_max,
+                                   .ports = {.self = r, .send = port_send, .lookup = port_lookup,
+                                             .listing = port_listing, .print = port_print}};
+    struct mu_fault fault;
+    mu_result made = mind_open(&r->mind, &options, &fault);
+    made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
+    if (made != MU_OK) {
+        mu_fault_print(&fault);
+        return made;
+    }
+    return globals_set(r->mind, &set->globals);
+}
+
+static mu_result robot_join(struct robot *r, const struct settings *set)
+{
+    struct mu_process_options options = {.domain = (int)set->network.domain,
+                                         .interface = set->network.interface,
+                                         .peer = set->network.peer,
+                                         .name = set->name,
+                                         .with_body = true};
+    MU_TRY(mu_process_open(&r->process, &options));
+    struct mu_handlers handlers = {.self = r,
+                                   .on_registered = on_registered,
+                                   .on_mail = on_mail,
+                                   .on_directive = on_directive,
+                                   .on_state = on_state,
+                                   .on_step = on_step,
+                                   .on_act = on_act};
+    MU_TRY(mu_agent_join(r->process, &r->agent, set->name, MU_KIND_ROBOT, 0, &handlers));
+    return mu_process_await_broker(r->process, BROKER_PATIENCE_NS);
+}
+
+int main(int argc, char **argv)
+{
+    struct settings set = {0};
+    mu_result parsed = settings_parse(&set, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    if (set.functions) {
+        mind_print_functions();
+        return MU_EXIT_DONE;
+    }
+    mu_log_open(set.name, set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    struct robot *r = mu_startup_alloc(sizeof *r);
+    mu_result ready = mind_make(r, &set);
+    ready = ready == MU_OK ? robot_join(r, &set) : ready;
+    if (ready == MU_TIMEOUT) {
+        fprintf(stderr, "muster robot: no broker answers in domain %d; start one with: "
+                        "muster broker NAME --domain %d\n",
+                (int)set.network.domain, (int)set.network.domain);
+    }
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    mu_memory_seal();
+    mu_result ran = mu_process_run(r->process);
+    mu_process_close(r->process);
+    return r->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file mind.h
+ * A robot's mind: one CLIPS environment, its percepts, its mail and its rules.
+ *
+ * CLIPS stays behind this header; so do its units: here everything is SI, inside the rules it is
+ * the paper's millimetres and degrees.  Nothing here knows DDS or reads a clock.  One thread.
+ */
+#ifndef MUSTER_AGENT_MIND_H
+#define MUSTER_AGENT_MIND_H
+
+#include "core/fault.h"
+#include "core/text.h"
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct mind_percept {
+    uint64_t time_ns; /* simulated */
+    double x_m, y_m, heading_rad;
+    double forward_m_s, turn_rad_s;
+    bool stalled;
+    size_t sonar_count;
+    const float *sonar_m;
+};
+
+/* A mail that came; every string is set, "" where the sender said nothing. */
+struct mind_mail {
+    uint64_t id; /* the number in this agent's box */
+    const char *src;
+    const char *performative, *language, *ontology;
+    const char *reply_with, *in_reply_to, *conversation;
+    const char *content; /* in its language; "clips": fields as CLIPS prints them */
+};
+
+/* A mail that rules send.  The strings live until the port returns. */
+struct mind_letter {
+    const char *dst; /* an agent's name, or "all" */
+    bool directive;  /* (you-do ...): performative "do", content a CLIPS line */
+    const char *performative, *language, *ontology;
+    const char *reply_with, *in_reply_to, *conversation;
+    const char *content;
+    uint64_t ttl_ns; /* (reply-by): of no use to anybody when so old; 0: never */
+};
+
+/* A line of the white pages. */
+struct mind_member {
+    const char *name;
+    const char *kind;  /* agent, robot, host, special */
+    const char *state; /* standby, running, suspended, moving, absent */
+    const char *host;
+};
+
+/* What the mind asks of its body; all calls return at once. */
+struct mind_ports {
+    void *self;
+    /** Takes a mail over.  MU_OK; MU_FULL: no room, nothing was taken. */
+    mu_result (*send)(void *self, const struct mind_letter *letter);
+    /** The line of a name.  MU_OK or MU_ABSENT. */
+    mu_result (*lookup)(void *self, const char *name, struct mind_member *out);
+    /** The index-th line of the white pages in order of name.  MU_OK, or MU_DONE past the last. */
+    mu_result (*listing)(void *self, size_t index, struct mind_member *out);
+    /** What rules and the engine print: whole lines or parts of them. */
+    void (*print)(void *self, const char *text);
+};
+
+struct mind_options {
+    const char *name;         /* the robot's: ?*my-name* */
+    uint64_t seed;            /* of (random), together with the name */
+    const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
+    uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
+    double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct mind_ports ports;
+};
+
+/* Why a step's firing ended. */
+enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
+
+/* What the rules did in one step. */
+struct mind_act {
+    bool drives;      /* setSpeed or stop was called; the last call counts */
+    double forward_m_s, turn_rad_s;
+    uint32_t firings;
+    uint32_t errors;  /* right-hand sides that ended in an error */
+    const char *rules; /* names of those fired, in order, between spaces; until the next call */
+    enum mind_end end;
+    const char *why;  /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+};
+
+struct mind;
+
+/** Makes an environment with the sandbox, the functions and the shared library in it. */
+MU_MUST_USE mu_result mind_open(struct mind **out, const struct mind_options *options,
+                                struct mu_fault *fault);
+
+void mind_close(struct mind *m);
+
+/**
+ * Loads a rule file and resets.
+ *
+ * @return MU_OK, or MU_FAULT_FILE with file, line and what CLIPS said
+ */
+MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
+MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
+
+/** Replaces the percept facts; ages and removes message facts.  Opens a control step. */
+void mind_percept(struct mind *m, const struct mind_percept *percept);
+
+/** Takes a mail in: a mail fact, and a message fact when its language is clips. */
+void mind_take_mail(struct mind *m, const struct mind_mail *mail);
+
+/** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
+void mind_fire(struct mind *m, struct mind_act *act);
+
+/**
+ * Does what a person or another agent typed: a command, an expression or a construct.
+ *
+ * @param out   what it printed, or its value, or the error
+ * @return MU_OK; MU_MALFORMED: CLIPS refused it, and out says why
+ */
+MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
+
+/** @return whether (run) was called on a line since the last time this was asked */
+bool mind_wants_to_run(struct mind *m);
+
+/** Prints the table of functions that rules may call, as Markdown, to standard output. */
+void mind_print_functions(void);
+
+#endif

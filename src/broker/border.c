@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/border.h"
+
+#include "broker/address.h"
+#include "broker/places.h"
+#include "broker/registry.h"
+
+#include <string.h>
+
+/* Acknowledgements in one Up; a process has one or a few for each of its agents. */
+enum { ACKS_MAX = 16 * MU_LOCAL_AGENTS_MAX };
+
+bool border_string(const char *s, size_t max)
+{
+    return s && strnlen(s, max + 1) <= max;
+}
+
+static bool border_process(const char *name)
+{
+    return border_string(name, MU_PROCESS_MAX) && places_name_valid(name);
+}
+
+bool border_registration(const muster_Registration *r)
+{
+    return border_process(r->process) && border_string(r->name, 4096) &&
+           border_string(r->host, 4096) && registry_kind_word(r->kind) &&
+           registry_state_word(r->state);
+}
+
+static bool border_sequence(uint32_t length, const void *buffer, uint32_t max)
+{
+    return length == 0 || (buffer && length <= max);
+}
+
+/* Steps are counted and timed in lock step; else they tell the run's time, if they can. */
+static bool border_step(const muster_Roster *r)
+{
+    if (r->step < 0 || r->step_ns == 0) {
+        return !r->lockstep;
+    }
+    return (uint64_t)r->step + 2 <= (uint64_t)INT64_MAX / r->step_ns;
+}
+
+bool border_roster(const muster_Roster *r)
+{
+    if (!border_process(r->simulator) || !border_step(r) ||
+        !border_sequence(r->processes._length, r->processes._buffer, MU_PROCESSES_MAX)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < r->processes._length; i++) {
+        if (!border_process(r->processes._buffer[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool border_act(const muster_Act *act)
+{
+    return border_string(act->agent, MU_NAME_MAX) && registry_state_word(act->state) &&
+           border_sequence(act->mails._length, act->mails._buffer, MU_OUTBOX_MAX);
+}
+
+bool border_up(const muster_Up *up)
+{
+    if (!border_process(up->process) ||
+        !border_sequence(up->acts._length, up->acts._buffer, MU_LOCAL_AGENTS_MAX) ||
+        !border_sequence(up->acks._length, up->acks._buffer, ACKS_MAX)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < up->acts._length; i++) {
+        if (!border_act(&up->acts._buffer[i])) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < up->acks._length; i++) {
+        if (!border_string(up->acks._buffer[i].box, MU_NAME_MAX)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool border_mail(const muster_Mail *m)
+{
+    return border_string(m->dst, MU_DST_MAX) && address_valid(m->dst) &&
+           border_string(m->performative, MU_FIELD_MAX) &&
+           border_string(m->language, MU_FIELD_MAX) && border_string(m->ontology, MU_FIELD_MAX) &&
+           border_string(m->reply_with, MU_FIELD_MAX) &&
+           border_string(m->in_reply_to, MU_FIELD_MAX) &&
+           border_string(m->conversation, MU_FIELD_MAX) &&
+           border_string(m->content, MU_CONTENT_MAX);
+}

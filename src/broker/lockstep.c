@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/lockstep.h"
+
+#include "broker/parts.h"
+#include "broker/presence.h"
+#include "broker/router.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void lockstep_init(struct lockstep *l, uint32_t agents)
+{
+    *l = (struct lockstep){.simulator = MU_NONE};
+    l->turns = mu_startup_array(agents, sizeof *l->turns);
+}
+
+/* --- collecting ------------------------------------------------------------------------------- */
+
+static void list_append(struct mail_list *list, struct mail *m)
+{
+    m->next = NULL;
+    if (list->last) {
+        list->last->next = m;
+    } else {
+        list->first = m;
+    }
+    list->last = m;
+    list->count++;
+}
+
+static struct mail *list_pop(struct mail_list *list)
+{
+    struct mail *m = list->first;
+    if (m) {
+        list->first = m->next;
+        list->last = m->next ? list->last : NULL;
+        list->count--;
+    }
+    return m;
+}
+
+void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
+{
+    struct turn *turn = &l->turns[m->sender];
+    list_append(from_outside ? &turn->outside : &turn->mails, m);
+    l->outside_waiting += from_outside;
+}
+
+void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
+{
+    struct turn *turn = &l->turns[agent];
+    if (!turn->has_ack || number > turn->ack) {
+        turn->ack = number;
+    }
+    turn->has_ack = true;
+}
+
+void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
+{
+    l->turns[agent].has_state = true;
+    l->turns[agent].state = state;
+}
+
+bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
+{
+    const struct place *at = &b->places.at[place];
+    return at->rostered && !at->answered && step == b->lockstep.step;
+}
+
+/* --- the end of a step ------------------------------------------------------------------------ */
+
+static void acks_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        uint32_t agent = b->registry.order[i];
+        struct turn *turn = &b->lockstep.turns[agent];
+        if (turn->has_ack) {
+            turn->has_ack = false;
+            router_acknowledge(b, agent, turn->ack);
+        }
+    }
+}
+
+static void states_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        uint32_t agent = b->registry.order[i];
+        struct turn *turn = &b->lockstep.turns[agent];
+        if (!turn->has_state) {
+            continue;
+        }
+        turn->has_state = false;
+        if (b->registry.agents[agent].process == MU_NONE) {
+            continue;
+        }
+        if (turn->state == muster_STATE_ABSENT) {
+            presence_depart(b, agent);
+        } else {
+            presence_set_state(b, agent, turn->state);
+        }
+    }
+}
+
+static void mails_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        struct turn *turn = &b->lockstep.turns[b->registry.order[i]];
+        for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
+            (void)router_route(b, m);
+        }
+    }
+}
+
+static void outside_apply(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    for (uint32_t i = 0; i < b->registry.count && l->outside_waiting > 0; i++) {
+        struct turn *turn = &l->turns[b->registry.order[i]];
+        while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
+            struct mail *m = list_pop(&turn->outside);
+            l->outside_waiting--;
+            store_keep(m);
+            if (router_route(b, m)) {
+                l->told[l->told_count++] = m;
+            } else {
+                store_release(&b->store, m);
+            }
+        }
+    }
+}
+
+void lockstep_told(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    while (l->told_count > 0) {
+        store_release(&b->store, l->told[--l->told_count]);
+    }
+}
+
+static void step_apply(struct broker *b)
+{
+    acks_apply(b);
+    router_expire(b, runclock_mail_ns(&b->clock));
+    states_apply(b);
+    mails_apply(b);
+    outside_apply(b);
+    router_admit_due(b, runclock_run_ns(&b->clock));
+}
+
+static uint64_t step_time_ns(const struct lockstep *l, int64_t step)
+{
+    return (uint64_t)step * l->step_ns;
+}
+
+static void delivery_owe(struct broker *b, uint32_t place)
+{
+    b->places.at[place].step_due = true;
+    places_wake(&b->places, place);
+}
+
+/* Everything of the step takes effect, and the next step begins. */
+static void step_end(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    runclock_step(&b->clock, step_time_ns(l, l->step + 1));
+    step_apply(b);
+    l->step++;
+    l->answered = 0;
+    l->version = b->registry.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        b->places.at[l->roster[i]].answered = false;
+        delivery_owe(b, l->roster[i]);
+    }
+    delivery_owe(b, l->simulator);
+}
+
+static bool step_is_complete(const struct lockstep *l)
+{
+    return l->roster_count > 0 && l->answered == l->roster_count;
+}
+
+void lockstep_answered(struct broker *b, uint32_t place)
+{
+    struct lockstep *l = &b->lockstep;
+    b->places.at[place].answered = true;
+    l->answered++;
+    if (step_is_complete(l)) {
+        step_end(b);
+    }
+}
+
+/* --- the roster ------------------------------------------------------------------------------- */
+
+static void place_enter(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    at->rostered = true;
+    at->answered = false;
+    at->step_due = false;
+    at->step_had = INT64_MIN;
+    for (uint32_t i = 0; i < at->agents_count; i++) {
+        mailbox_unwatch(&b->mailbox, at->agents[i]);
+    }
+}
+
+/* The lock step lets go of a process; it has what it owes, or nobody wants that any more. */
+static void place_leave(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    at->rostered = false;
+    at->answered = false;
+    at->step_due = false;
+    for (uint32_t i = 0; i < at->agents_count; i++) {
+        mailbox_watch(&b->mailbox, at->agents[i], b->clock.now_ns);
+    }
+    presence_settle(b, place);
+    places_wake(&b->places, place);
+    places_tidy(&b->places, place);
+}
+
+/* None of what an expelled process has done in this step exists. */
+static void turns_drop(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    for (uint32_t i = 0; i < at->agents_count; i++) {
+        struct turn *turn = &b->lockstep.turns[at->agents[i]];
+        turn->has_ack = turn->has_state = false;
+        for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
+            store_release(&b->store, m);
+        }
+    }
+}
+
+static bool roster_names(const muster_Roster *roster, const struct place *at)
+{
+    for (uint32_t i = 0; i < roster->processes._length; i++) {
+        if (strcmp(roster->processes._buffer[i], at->name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Lets go of the processes that a new roster does not name. */
+static void roster_shrink(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        uint32_t place = l->roster[i];
+        if (roster_names(roster, &b->places.at[place])) {
+            l->roster[kept++] = place;
+            continue;
+        }
+        l->answered -= b->places.at[place].answered;
+        turns_drop(b, place);
+        place_leave(b, place);
+    }
+    l->roster_count = kept;
+}
+
+/* Takes in the processes that a new roster names. */
+static void roster_grow(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    for (uint32_t i = 0; i < roster->processes._length; i++) {
+        uint32_t place = places_get(&b->places, roster->processes._buffer[i]);
+        if (place == MU_NONE) {
+            b->counters.malformed++;
+        } else if (!b->places.at[place].rostered) {
+            place_enter(b, place);
+            l->roster[l->roster_count++] = place;
+        }
+    }
+}
+
+static void lockstep_end(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    do { /* nothing that was admitted is lost */
+        lockstep_told(b);
+        step_apply(b);
+    } while (l->outside_waiting > 0);
+    lockstep_told(b);
+    l->on = false;
+    uint32_t count = l->roster_count, simulator = l->simulator;
+    l->roster_count = l->answered = 0;
+    l->simulator = MU_NONE;
+    b->places.at[simulator].simulator = false;
+    b->places.at[simulator].step_due = false;
+    for (uint32_t i = 0; i < count; i++) {
+        place_leave(b, l->roster[i]);
+    }
+    places_wake(&b->places, simulator);
+    places_tidy(&b->places, simulator);
+}
+
+static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
+{
+    struct lockstep *l = &b->lockstep;
+    l->on = true;
+    l->step = roster->step;
+    l->step_ns = roster->step_ns;
+    l->simulator = simulator;
+    b->places.at[simulator].simulator = true;
+    b->places.at[simulator].step_had = INT64_MIN;
+    roster_grow(b, roster);
+    runclock_start(&b->clock, true, step_time_ns(l, l->step));
+    router_admit_due(b, runclock_run_ns(&b->clock));
+    l->version = b->registry.version;
+}
+
+/* A run that goes on with other processes, from this step or the next. */
+static void lockstep_change(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    roster_shrink(b, roster);
+    roster_grow(b, roster);
+    if (roster->step > l->step || step_is_complete(l)) {
+        step_end(b);
+    }
+}
+
+/* Each process gets the Delivery before the current step, and gets it once. */
+static void deliveries_owe(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    for (uint32_t i = 0; i <= l->roster_count; i++) {
+        uint32_t place = i < l->roster_count ? l->roster[i] : l->simulator;
+        if (b->places.at[place].step_had != l->step - 1) {
+            delivery_owe(b, place);
+        }
+    }
+}
+
+void lockstep_set_roster(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    bool same = l->on && strcmp(b->places.at[l->simulator].name, roster->simulator) == 0;
+    if (!roster->lockstep) {
+        if (same) {
+            lockstep_end(b);
+        }
+        if (!l->on) {
+            uint64_t steps = roster->step > 0 ? (uint64_t)roster->step : 0;
+            runclock_start(&b->clock, false, steps * roster->step_ns);
+        }
+        return;
+    }
+    bool goes_on = same && roster->step_ns == l->step_ns &&
+                   (roster->step == l->step || roster->step == l->step + 1);
+    if (goes_on) {
+        lockstep_change(b, roster);
+    } else {
+        uint32_t simulator = places_get(&b->places, roster->simulator);
+        if (simulator == MU_NONE) {
+            b->counters.malformed++;
+            return;
+        }
+        if (l->on) {
+            lockstep_end(b);
+            simulator = places_get(&b->places, roster->simulator); /* it may have been let go */
+        }
+        lockstep_start(b, roster, simulator);
+    }
+    deliveries_owe(b);
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file lockstep.h
+ * The step barrier: what the processes of the roster do in a step is collected, and takes effect
+ * in one fixed order when the last of them has answered, whatever the order of arrival.
+ *
+ * The order: acknowledgements, expiry, states, mails by (src, seq), mails from outside by
+ * (src, seq), mails that have become due.  Only which mails from outside have arrived by then
+ * depends on the clock, and the simulator is told which.
+ */
+#ifndef MUSTER_BROKER_LOCKSTEP_H
+#define MUSTER_BROKER_LOCKSTEP_H
+
+#include "broker/store.h"
+
+struct broker;
+
+/* Mails from outside that take effect in one step; the others wait for the next one. */
+enum { LOCKSTEP_OUTSIDE_MAX = 1024 };
+
+struct mail_list {
+    struct mail *first, *last;
+    uint32_t count;
+};
+
+/* What is collected of one agent. */
+struct turn {
+    struct mail_list mails;   /* in order of seq */
+    struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
+    bool has_ack, has_state;
+    uint64_t ack;
+    muster_State state;
+};
+
+struct lockstep {
+    bool on;
+    int64_t step; /* whose Ups are collected */
+    uint64_t step_ns;
+    uint32_t simulator; /* its place */
+    uint32_t roster[MU_PROCESSES_MAX];
+    uint32_t roster_count;
+    uint32_t answered;
+    uint64_t version;   /* of the white pages, when the last step ended */
+    struct turn *turns; /* one for each agent of the registry */
+    uint32_t outside_waiting;
+    /* Mails from outside that took effect, in order, until the simulator has been told. */
+    struct mail *told[LOCKSTEP_OUTSIDE_MAX];
+    uint32_t told_count;
+};
+
+void lockstep_init(struct lockstep *l, uint32_t agents);
+
+/** Starts, changes or ends the lock step; the roster is well formed. */
+void lockstep_set_roster(struct broker *b, const muster_Roster *roster);
+
+/** @return whether an Up of this process and step is to be collected now */
+bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step);
+
+/** All of a process's Up has been collected; the step may end with it. */
+void lockstep_answered(struct broker *b, uint32_t place);
+
+/** Keeps an admitted mail for the end of the step. */
+void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
+
+void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
+void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
+
+/** The simulator has been told of the mails from outside. */
+void lockstep_told(struct broker *b);
+
+#endif

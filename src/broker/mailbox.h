@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file mailbox.h
+ * A box for each agent: what waits for it, what was handed out, and what it has acknowledged.
+ *
+ * A post is a mail's place in one box.  It waits in the urgent queue (directives) or the ordinary
+ * one, is then handed out, which gives it the box's next number, and goes when it is
+ * acknowledged.  A number that has gone out on the network stays with its mail for ever.
+ */
+#ifndef MUSTER_BROKER_MAILBOX_H
+#define MUSTER_BROKER_MAILBOX_H
+
+#include "broker/store.h"
+#include "muster/result.h"
+
+/* Handed out beyond MU_WINDOW_MAX, and for directives alone: they reach an agent that has stopped
+ * acknowledging its mail. */
+enum { MAILBOX_RESERVE = 8 };
+
+/* What may be handed out just now. */
+enum mailbox_gate { GATE_SHUT, GATE_URGENT, GATE_OPEN };
+
+enum post_list { POST_HELD, POST_URGENT, POST_ORDINARY, POST_FLIGHT };
+
+struct post {
+    struct mail *mail;
+    uint32_t next, prev;                 /* in the list of its box; next also in the free list */
+    uint32_t sibling_next, sibling_prev; /* posts of the same mail */
+    uint32_t agent;
+    uint8_t list; /* enum post_list */
+    bool sent;    /* has gone out on the network */
+};
+
+struct post_queue {
+    uint32_t head, tail, count;
+};
+
+struct box {
+    bool begun;
+    bool watched; /* in the list of boxes that wait for an acknowledgement */
+    struct post_queue lists[POST_FLIGHT + 1]; /* POST_HELD: its count alone */
+    uint64_t acked;                           /* the number before the first one in flight */
+    uint32_t out;     /* the first in flight that is to go out (again); or MU_NONE */
+    uint32_t written; /* how many in flight stand before it */
+    uint64_t progress_ns;
+    uint32_t watch_next, watch_prev;
+};
+
+struct mailbox {
+    struct post *posts;  /* MU_POSTS_MAX of them */
+    uint32_t posts_used; /* high-water mark */
+    uint32_t posts_free;
+    uint32_t posts_live;
+    struct box *boxes;               /* one for each agent of the registry */
+    uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
+};
+
+void mailbox_init(struct mailbox *m, uint32_t agents);
+
+/** @return the box of an agent */
+struct box *mailbox_box(struct mailbox *m, uint32_t agent);
+
+/** @return posts in the box, waiting, held and in flight */
+uint32_t mailbox_count(const struct box *box);
+
+/** Puts a mail into a box, or holds it until mailbox_admit.  @return MU_OK, or MU_FULL */
+mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held);
+
+/** A held post may be handed out from now on. */
+void mailbox_admit(struct mailbox *m, uint32_t post);
+
+/** Takes a post out that is not in flight; its mail remains. */
+void mailbox_withdraw(struct mailbox *m, uint32_t post);
+
+/** Hands out as much as the gate and the window allow. */
+void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate);
+
+/** Takes back what was handed out but has never gone out. */
+void mailbox_take_back(struct mailbox *m, uint32_t agent);
+
+/**
+ * The next count posts from box->out on have gone out.
+ *
+ * @return how many of them not for the first time
+ */
+uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count);
+
+/** Everything in flight is to go out again. */
+void mailbox_repeat(struct mailbox *m, uint32_t agent);
+
+/** @return whether the receiver can have had this number */
+bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number);
+
+/** Takes out the oldest post in flight, as acknowledged.  @return its mail */
+struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);
+
+/** The box has made progress now, or is to be watched from now on, if anything is in flight. */
+void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns);
+void mailbox_unwatch(struct mailbox *m, uint32_t agent);
+
+#endif

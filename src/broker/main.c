@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
+#include "broker/broker.h"
+#include "bus/bus.h"
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/name.h"
+#include "core/network.h"
+#include "core/options.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* How often, by the wall, matched writers are looked at and counters are told. */
+static const uint64_t LOOK_NS = 100000000;
+static const int64_t IMPATIENT_NS = 2000000;
+
+/* The writer into one process's partition. */
+struct mailbag {
+    char process[MU_PROCESS_MAX + 1];
+    struct bus_writer writer;
+    bool matched;
+};
+
+struct post {
+    struct bus bus;
+    struct broker *broker;
+    struct bus_reader registrations, ups, rosters;
+    struct bus_writer members, status;
+    struct mailbag bags[MU_PROCESSES_MAX];
+    uint32_t bag_count;
+    uint64_t began_ns, looked_ns;
+    muster_BrokerStatus told; /* the counters that were told last */
+};
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+static uint64_t post_now(const struct post *p)
+{
+    return mu_clock_ns() - p->began_ns;
+}
+
+static mu_result post_open(struct post *p)
+{
+    MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
+    MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
+    MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
+    MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_STATUS, NULL, NULL, &p->status));
+    return MU_OK;
+}
+
+/* --- in ------------------------------------------------------------------------------------------ */
+
+static void registrations_take(struct post *p)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&p->registrations, &life))) {
+        if (life == BUS_DATA) {
+            broker_registration(p->broker, r, post_now(p));
+        } else {
+            broker_gone(p->broker, r->name, r->process, life == BUS_LOST, post_now(p));
+        }
+    }
+}
+
+static void post_take(struct post *p)
+{
+    enum bus_life life;
+    registrations_take(p);
+    const muster_Roster *roster;
+    while ((roster = bus_next(&p->rosters, &life))) {
+        if (life == BUS_DATA) {
+            broker_roster(p->broker, roster, post_now(p));
+        }
+    }
+    const muster_Up *up;
+    while ((up = bus_next(&p->ups, &life))) {
+        if (life == BUS_DATA) {
+            broker_up(p->broker, up, post_now(p));
+        }
+    }
+}
+
+/* --- out ----------------------------------------------------------------------------------------- */
+
+static struct mailbag *bag_find(struct post *p, const char *process)
+{
+    for (uint32_t i = 0; i < p->bag_count; i++) {
+        if (strcmp(p->bags[i].process, process) == 0) {
+            return &p->bags[i];
+        }
+    }
+    return NULL;
+}
+
+static void bag_add(struct post *p, const char *process)
+{
+    if (p->bag_count == MU_PROCESSES_MAX) {
+        mu_log(MU_LOG_ERROR, "too-many-processes", "process=%s max=%d", process, MU_PROCESSES_MAX);
+        return;
+    }
+    struct mailbag *bag = &p->bags[p->bag_count];
+    *bag = (struct mailbag){0};
+    mu_text_copy(bag->process, sizeof bag->process, process);
+    if (bus_writer_open(&p->bus, BUS_DELIVERY, process, NULL, &bag->writer) == MU_OK) {
+        p->bag_count++;
+    }
+}
+
+/* Opens a bag for every new process, and closes those of processes that are gone for good. */
+static void bags_follow(struct post *p)
+{
+    const char *process;
+    for (uint32_t i = 0; (process = broker_process(p->broker, i)); i++) {
+        if (!bag_find(p, process)) {
+            bag_add(p, process);
+        }
+    }
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < p->bag_count; i++) {
+        struct mailbag *bag = &p->bags[i];
+        if (bag->matched || broker_serves(p->broker, bag->process)) {
+            p->bags[kept++] = *bag;
+        } else {
+            bus_writer_close(&bag->writer);
+        }
+    }
+    p->bag_count = kept;
+}
+
+/* Tells the broker which processes have matched.  @return whether any has not */
+static bool bags_look(struct post *p, bool all)
+{
+    bool some_missing = false;
+    for (uint32_t i = 0; i < p->bag_count; i++) {
+        struct mailbag *bag = &p->bags[i];
+        if (bag->matched && !all) {
+            continue;
+        }
+        bool matched = bus_writer_matches(&bag->writer) > 0;
+        if (matched != bag->matched) {
+            bag->matched = matched;
+            broker_matched(p->broker, bag->process, matched, post_now(p));
+        }
+        some_missing = some_missing || !matched;
+    }
+    return some_missing;
+}
+
+/* @return whether the network took all that was ready */
+static bool deliveries_write(struct post *p)
+{
+    const char *process;
+    muster_Delivery delivery;
+    while (broker_next(p->broker, &process, &delivery)) {
+        const struct mailbag *bag = bag_find(p, process);
+        if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
+            broker_undelivered(p->broker);
+            return false;
+        }
+        broker_delivered(p->broker, post_now(p));
+    }
+    return true;
+}
+
+static void members_tell(struct post *p)
+{
+    muster_Member member;
+    while (broker_member_news(p->broker, &member)) {
+        mu_result written = bus_write(&p->members, &member);
+        (void)written; /* reliable, and the last state of a line is what counts */
+    }
+}
+
+static void status_tell(struct post *p)
+{
+    muster_BrokerStatus status = {0};
+    broker_status(p->broker, &status);
+    status.malformed += p->bus.malformed;
+    if (memcmp(&status, &p->told, sizeof status) != 0 &&
+        bus_write(&p->status, &status) == MU_OK) {
+        p->told = status;
+    }
+}
+
+/* --- the loop ------------------------------------------------------------------------------------ */
+
+static int64_t wait_ns(const struct post *p, bool impatient)
+{
+    uint64_t now_ns = post_now(p);
+    uint64_t due_ns = broker_deadline_ns(p->broker);
+    uint64_t most_ns = impatient ? (uint64_t)IMPATIENT_NS : LOOK_NS;
+    uint64_t until_ns = due_ns > now_ns ? due_ns - now_ns : 0;
+    return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
+}
+
+static void post_round(struct post *p)
+{
+    post_take(p);
+    bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
+    bags_follow(p);
+    bool impatient = bags_look(p, look);
+    broker_tick(p->broker, post_now(p));
+    impatient = !deliveries_write(p) || impatient;
+    members_tell(p);
+    if (look) {
+        p->looked_ns = mu_clock_ns();
+        status_tell(p);
+    }
+    bus_wait(&p->bus, wait_ns(p, impatient));
+}
+
+int main(int argc, char **argv)
+{
+    struct mu_network network = {0};
+    bool verbose = false;
+    struct mu_option table[] = {
+        MU_NETWORK_OPTIONS(network),
+        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
+         .target = &verbose},
+    };
+    static struct mu_options options;
+    options = (struct mu_options){
+        .program = "muster broker",
+        .usage = "NAME [OPTION...]",
+        .about = "Knows every agent by name and carries their mail.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    if (options.words_count != 1 || !mu_name_valid(options.words[0])) {
+        fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
+        return MU_EXIT_USAGE;
+    }
+    mu_log_open("broker", verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+
+    struct post *p = mu_startup_alloc(sizeof *p);
+    p->began_ns = mu_clock_ns();
+    char host[MU_FIELD_MAX + 1] = "";
+    gethostname(host, sizeof host - 1);
+    struct broker_options broker = {.name = options.words[0],
+                                    .incarnation = mu_clock_wall_ns(),
+                                    .host = host,
+                                    .pid = (uint32_t)getpid(),
+                                    .wall_ns = mu_clock_wall_ns()};
+    p->broker = broker_open(&broker);
+    struct bus_options bus = {.domain = (int)network.domain, .place = BUS_BROKER,
+                              .name = "broker", .interface = network.interface,
+                              .hub = network.peer};
+    mu_result opened = bus_open(&p->bus, &bus);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n", bus.domain);
+    }
+    if (opened != MU_OK || post_open(p) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_memory_seal();
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", broker.name, bus.domain);
+    while (!signal_came) {
+        post_round(p);
+    }
+    status_tell(p);
+    (void)bus_drain(&p->status, 200000000);
+    bus_close(&p->bus);
+    return MU_EXIT_DONE;
+}

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/places.h"
+
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void places_init(struct places *p)
+{
+    *p = (struct places){0};
+    p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
+    p->used = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->used);
+    p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
+    mu_table_init(&p->names, MU_PROCESSES_MAX);
+}
+
+bool places_name_valid(const char *name)
+{
+    size_t len = 0;
+    while (len <= MU_PROCESS_MAX && name[len] != '\0') {
+        char c = name[len];
+        if (c <= ' ' || c > '~' || c == '*' || c == '?') { /* wildcards of DDS partitions */
+            return false;
+        }
+        len++;
+    }
+    return len >= 1 && len <= MU_PROCESS_MAX;
+}
+
+uint32_t places_find(const struct places *p, const char *name)
+{
+    return mu_table_find(&p->names, name);
+}
+
+static bool place_is_needed(const struct place *at)
+{
+    return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched;
+}
+
+/* Somebody who was turned down and never met: makes way only when its place is wanted. */
+static bool place_is_spare(const struct place *at)
+{
+    return !at->used || !place_is_needed(at);
+}
+
+static void place_forget(struct places *p, uint32_t place)
+{
+    struct place *at = &p->at[place];
+    bool gone = mu_table_remove(&p->names, at->name) == MU_OK;
+    MU_ASSERT(gone && !at->matched);
+    places_set_blocked(p, place, false);
+    at->used = false;
+    p->unmatched--;
+    uint32_t i = 0;
+    while (p->used[i] != place) {
+        i++;
+    }
+    p->used_count--;
+    memmove(&p->used[i], &p->used[i + 1], (p->used_count - i) * sizeof *p->used);
+}
+
+static uint32_t place_free(struct places *p)
+{
+    if (p->used_count < p->top || p->top == MU_PROCESSES_MAX) {
+        for (uint32_t i = 0; i < p->top; i++) {
+            if (!p->at[i].used) {
+                return i;
+            }
+        }
+        for (uint32_t i = 0; i < p->top; i++) {
+            if (place_is_spare(&p->at[i])) {
+                place_forget(p, i);
+                return i;
+            }
+        }
+        return MU_NONE;
+    }
+    return p->top++;
+}
+
+uint32_t places_get(struct places *p, const char *name)
+{
+    uint32_t place = places_find(p, name);
+    if (place != MU_NONE) {
+        return place;
+    }
+    place = place_free(p);
+    if (place == MU_NONE) {
+        return MU_NONE;
+    }
+    struct place *at = &p->at[place];
+    bool queued = at->queued; /* an earlier process left it in the queue: it stays there */
+    *at = (struct place){.used = true, .queued = queued, .step_had = INT64_MIN};
+    bool fits = mu_text_copy(at->name, sizeof at->name, name);
+    MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
+    p->used[p->used_count++] = place;
+    p->unmatched++;
+    return place;
+}
+
+void places_tidy(struct places *p, uint32_t place)
+{
+    struct place *at = &p->at[place];
+    if (at->used && !place_is_needed(at) && at->refusals_count == 0) {
+        place_forget(p, place);
+    }
+}
+
+void places_set_matched(struct places *p, uint32_t place, bool matched)
+{
+    struct place *at = &p->at[place];
+    p->unmatched += (uint32_t)at->matched - (uint32_t)matched;
+    at->matched = matched;
+    places_set_blocked(p, place, false);
+}
+
+void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason)
+{
+    struct place *at = &p->at[place];
+    char cut[MU_PROCESS_MAX + 1];
+    (void)mu_text_copy(cut, sizeof cut, name);
+    uint32_t i = 0;
+    while (i < at->refusals_count && strcmp(at->refusals[i].name, cut) != 0) {
+        i++;
+    }
+    if (i == MU_LOCAL_AGENTS_MAX) {
+        return;
+    }
+    memcpy(at->refusals[i].name, cut, sizeof cut);
+    at->refusals[i].reason = reason;
+    at->refusals_count += i == at->refusals_count;
+    places_wake(p, place);
+}
+
+void places_wake(struct places *p, uint32_t place)
+{
+    if (!p->at[place].queued) {
+        p->at[place].queued = true;
+        p->queue[(p->queue_head + p->queue_count++) % MU_PROCESSES_MAX] = place;
+    }
+}
+
+uint32_t places_next(struct places *p)
+{
+    if (p->queue_count == 0) {
+        return MU_NONE;
+    }
+    uint32_t place = p->queue[p->queue_head];
+    p->queue_head = (p->queue_head + 1) % MU_PROCESSES_MAX;
+    p->queue_count--;
+    p->at[place].queued = false;
+    return place;
+}
+
+void places_set_blocked(struct places *p, uint32_t place, bool blocked)
+{
+    struct place *at = &p->at[place];
+    p->blocked += (uint32_t)blocked - (uint32_t)at->blocked;
+    at->blocked = blocked;
+}

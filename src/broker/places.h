@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file places.h
+ * The processes that agents live in, and which of them have something to be told.
+ */
+#ifndef MUSTER_BROKER_PLACES_H
+#define MUSTER_BROKER_PLACES_H
+
+#include "core/table.h"
+#include "muster/limits.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* A registration that was turned down. */
+struct refusal {
+    char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
+    const char *reason;
+};
+
+struct place {
+    char name[MU_PROCESS_MAX + 1];
+    bool used;
+    bool matched;
+    bool rostered;        /* a lock step waits for it */
+    bool simulator;       /* of the lock step */
+    bool answered;        /* its Up of the current step is in */
+    bool step_due;        /* the Delivery of the last step has not gone out to it */
+    bool queued;          /* in the queue of those to look at */
+    bool blocked;         /* the network refused it; waits for the next try */
+    int64_t step_had;     /* the step of the last Delivery of this lock step */
+    uint64_t version_had; /* of the white pages */
+    uint32_t claims;      /* names that it waits for */
+    uint32_t agents_count;
+    uint32_t agents[MU_LOCAL_AGENTS_MAX]; /* in order of name */
+    uint32_t refusals_count;
+    struct refusal refusals[MU_LOCAL_AGENTS_MAX];
+};
+
+struct places {
+    struct place *at; /* MU_PROCESSES_MAX of them */
+    uint32_t top;     /* entries ever used */
+    uint32_t *used;   /* indices of those in use, the oldest first */
+    uint32_t used_count;
+    uint32_t unmatched; /* of those in use */
+    uint32_t blocked;
+    uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
+    uint32_t queue_head;
+    uint32_t queue_count;
+    struct mu_table names;
+};
+
+void places_init(struct places *p);
+
+/** @return whether a process may have that name, which is a DDS partition, too */
+bool places_name_valid(const char *name);
+
+/** @return the index of a process, or MU_NONE */
+uint32_t places_find(const struct places *p, const char *name);
+
+/** Finds a process or enters it.  @return its index, or MU_NONE when full */
+uint32_t places_get(struct places *p, const char *name);
+
+/** Forgets a process, unless somebody needs it. */
+void places_tidy(struct places *p, uint32_t place);
+
+void places_set_matched(struct places *p, uint32_t place, bool matched);
+
+/** Notes a refused registration; when there are too many, the process will ask again. */
+void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason);
+
+/** Puts a process into the queue of those that may have something to be told. */
+void places_wake(struct places *p, uint32_t place);
+
+/** Takes the first one out of the queue.  @return MU_NONE when it is empty */
+uint32_t places_next(struct places *p);
+
+/** The network refused it (true), or may be tried again (false). */
+void places_set_blocked(struct places *p, uint32_t place, bool blocked);
+
+#endif

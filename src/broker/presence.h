@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file presence.h
+ * Who is there: registrations, claims on names, and departures.
+ */
+#ifndef MUSTER_BROKER_PRESENCE_H
+#define MUSTER_BROKER_PRESENCE_H
+
+#include "broker/broker.h"
+
+/** @return nanoseconds since 1970 */
+uint64_t presence_wall_ns(const struct broker *b);
+
+/** @return whether the agent's process is in a lock step that is on */
+bool presence_in_lockstep(const struct broker *b, uint32_t agent);
+
+void presence_register(struct broker *b, const muster_Registration *r);
+
+/** A process no longer has an agent, or no longer wants its name. */
+void presence_gone(struct broker *b, uint32_t agent, uint32_t place);
+
+/**
+ * As presence_gone, when the network cannot tell which process it was: a name without any process
+ * (nobody_left) has lost its claimant, too; else it is its holder that has let it go.
+ */
+void presence_gone_unnamed(struct broker *b, uint32_t agent, bool nobody_left);
+
+/** The agent is absent from now on; who waits for its name gets it. */
+void presence_depart(struct broker *b, uint32_t agent);
+
+/** An agent's state changes, and with it perhaps what it may be handed. */
+void presence_set_state(struct broker *b, uint32_t agent, muster_State state);
+
+/** The lock step has let go of a process: departures that it held up take place. */
+void presence_settle(struct broker *b, uint32_t place);
+
+/** Refuses names that were waited for too long. */
+void presence_tick(struct broker *b);
+
+/** @return when presence_tick is needed next, or UINT64_MAX */
+uint64_t presence_deadline_ns(const struct broker *b);
+
+#endif

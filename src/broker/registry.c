@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/registry.h"
+
+#include "core/name.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void registry_init(struct registry *r)
+{
+    *r = (struct registry){0};
+    r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
+    r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
+    r->claims = mu_startup_array(REGISTRY_MAX, sizeof *r->claims);
+    r->news = mu_startup_array(REGISTRY_MAX, sizeof *r->news);
+    mu_table_init(&r->names, REGISTRY_MAX);
+}
+
+uint32_t registry_find(const struct registry *r, const char *name)
+{
+    return mu_table_find(&r->names, name);
+}
+
+const char *registry_objection(const char *name, muster_Kind kind)
+{
+    if (!mu_name_valid(name)) {
+        return "not a valid name";
+    }
+    if (!mu_name_reserved(name)) {
+        return NULL;
+    }
+    if (strcmp(name, "observer") != 0 && strcmp(name, "operator") != 0) {
+        return "reserved name";
+    }
+    return kind == muster_KIND_SPECIAL ? NULL : "reserved for a special agent";
+}
+
+/* The place of a name in the order; names are entered once, so that linear insertion is cheap. */
+static void order_insert(struct registry *r, uint32_t agent)
+{
+    uint32_t lo = 0, hi = r->count;
+    while (lo < hi) {
+        uint32_t mid = lo + (hi - lo) / 2;
+        if (strcmp(r->agents[r->order[mid]].name, r->agents[agent].name) < 0) {
+            lo = mid + 1;
+        } else {
+            hi = mid;
+        }
+    }
+    memmove(&r->order[lo + 1], &r->order[lo], (r->count - lo) * sizeof *r->order);
+    r->order[lo] = agent;
+}
+
+uint32_t registry_add(struct registry *r, const char *name)
+{
+    if (r->count == REGISTRY_MAX) {
+        return MU_NONE;
+    }
+    uint32_t index = r->count;
+    struct agent *a = &r->agents[index];
+    *a = (struct agent){.process = MU_NONE, .claim = {.process = MU_NONE}};
+    a->is.state = muster_STATE_ABSENT;
+    bool fits = mu_text_copy(a->name, sizeof a->name, name);
+    MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);
+    order_insert(r, index);
+    r->count++;
+    return index;
+}
+
+static void line_changed(struct registry *r, uint32_t agent)
+{
+    struct agent *a = &r->agents[agent];
+    a->version = ++r->version;
+    if (!a->in_news) {
+        a->in_news = true;
+        r->news[(r->news_head + r->news_count++) % REGISTRY_MAX] = agent;
+    }
+}
+
+uint32_t registry_next_news(struct registry *r)
+{
+    if (r->news_count == 0) {
+        return MU_NONE;
+    }
+    uint32_t agent = r->news[r->news_head];
+    r->news_head = (r->news_head + 1) % REGISTRY_MAX;
+    r->news_count--;
+    r->agents[agent].in_news = false;
+    return agent;
+}
+
+void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
+                   const struct presence *presence, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    r->present += a->process == MU_NONE && agent != REGISTRY_BROKER;
+    a->process = process;
+    (void)mu_text_copy(a->place, sizeof a->place, place);
+    a->is = *presence;
+    a->since_wall_ns = wall_ns;
+    a->verdict_due = process != MU_NONE;
+    a->gone = false;
+    line_changed(r, agent);
+}
+
+void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    MU_ASSERT(a->process != MU_NONE);
+    r->present--;
+    a->process = MU_NONE;
+    a->is.state = muster_STATE_ABSENT;
+    a->since_wall_ns = wall_ns;
+    a->verdict_due = false;
+    a->gone = false;
+    line_changed(r, agent);
+}
+
+bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
+                     uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    bool same_state = a->is.state == presence->state;
+    bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
+                strcmp(a->is.host, presence->host) == 0;
+    if (same) {
+        return false;
+    }
+    a->is = *presence;
+    if (!same_state) {
+        a->since_wall_ns = wall_ns;
+    }
+    line_changed(r, agent);
+    return true;
+}
+
+bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    if (a->is.state == state) {
+        return false;
+    }
+    a->is.state = state;
+    a->since_wall_ns = wall_ns;
+    line_changed(r, agent);
+    return true;
+}
+
+void registry_claim(struct registry *r, uint32_t agent, uint32_t process,
+                    const struct presence *presence, uint64_t until_ns)
+{
+    struct agent *a = &r->agents[agent];
+    MU_ASSERT(a->claim.process == MU_NONE);
+    a->claim = (struct claim){.process = process, .until_ns = until_ns, .presence = *presence};
+    r->claims[r->claims_count++] = agent;
+}
+
+void registry_unclaim(struct registry *r, uint32_t agent)
+{
+    if (r->agents[agent].claim.process == MU_NONE) {
+        return;
+    }
+    r->agents[agent].claim.process = MU_NONE;
+    uint32_t i = 0;
+    while (r->claims[i] != agent) {
+        i++;
+    }
+    r->claims_count--;
+    memmove(&r->claims[i], &r->claims[i + 1], (r->claims_count - i) * sizeof *r->claims);
+}
+
+void registry_line(const struct registry *r, uint32_t agent, const char *broker, muster_Member *out)
+{
+    struct agent *a = &r->agents[agent];
+    *out = (muster_Member){.name = a->name,
+                           .kind = a->is.kind,
+                           .state = a->is.state,
+                           .process = a->place,
+                           .host = a->is.host,
+                           .pid = a->is.pid,
+                           .since_wall_ns = a->since_wall_ns};
+    out->broker = (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
+}
+
+const char *registry_kind_word(muster_Kind kind)
+{
+    static const char *const words[] = {"agent", "robot", "host", "special"};
+    return (unsigned)kind < sizeof words / sizeof words[0] ? words[kind] : NULL;
+}
+
+const char *registry_state_word(muster_State state)
+{
+    static const char *const words[] = {"standby", "running", "suspended", "moving", "absent"};
+    return (unsigned)state < sizeof words / sizeof words[0] ? words[state] : NULL;
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file registry.h
+ * The white pages: every name that was ever registered, who bears it, and where it lives.
+ *
+ * An agent keeps its index for ever; the other parts of the broker use it to find what is theirs.
+ */
+#ifndef MUSTER_BROKER_REGISTRY_H
+#define MUSTER_BROKER_REGISTRY_H
+
+#include "core/table.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/** The broker itself stands first in the white pages. */
+enum { REGISTRY_BROKER = 0, REGISTRY_MAX = MU_AGENTS_MAX + 1 };
+
+/* What a registration says of an agent. */
+struct presence {
+    muster_Kind kind;
+    muster_State state;
+    uint64_t incarnation;
+    uint32_t pid;
+    char host[MU_FIELD_MAX + 1];
+};
+
+/* Somebody else wants the name, and waits for its holder to go. */
+struct claim {
+    uint32_t process; /* MU_NONE: nobody */
+    uint64_t until_ns;
+    struct presence presence;
+};
+
+struct agent {
+    char name[MU_NAME_MAX + 1];
+    char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
+    uint32_t process;               /* MU_NONE when absent */
+    struct presence is;
+    uint64_t since_wall_ns;
+    uint64_t version;  /* of the white pages, when this line last changed */
+    uint64_t last_seq; /* of the mails that it has sent */
+    uint64_t mark;     /* the last list of receivers that it was put on */
+    bool verdict_due;
+    bool gone; /* its process went in lock step: counts when that ends */
+    bool in_news;
+    struct claim claim;
+};
+
+struct registry {
+    struct agent *agents; /* REGISTRY_MAX of them */
+    uint32_t count;
+    uint32_t present; /* agents that are there, the broker not counted */
+    uint32_t *order;  /* indices in order of name */
+    uint32_t *claims; /* agents whose names are claimed, the oldest claim first */
+    uint32_t claims_count;
+    uint64_t version; /* of the last change */
+    uint32_t *news;   /* a ring of REGISTRY_MAX: agents whose lines changed, each once */
+    uint32_t news_head;
+    uint32_t news_count;
+    uint64_t mark;
+    struct mu_table names;
+};
+
+void registry_init(struct registry *r);
+
+/** @return the index of a name, or MU_NONE */
+uint32_t registry_find(const struct registry *r, const char *name);
+
+/** @return why nobody may register that name as that kind, or NULL */
+const char *registry_objection(const char *name, muster_Kind kind);
+
+/** Enters a new name, absent until registry_seat.  @return its index, or MU_NONE when full */
+uint32_t registry_add(struct registry *r, const char *name);
+
+/** The agent is now in this process. */
+void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
+                   const struct presence *presence, uint64_t wall_ns);
+
+/** The agent has left its process. */
+void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns);
+
+/** Takes in what a registration says of a seated agent.  @return whether anything changed */
+bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
+                     uint64_t wall_ns);
+
+/** @return whether the state changed */
+bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
+
+/** Lets a process wait for a name; the times of successive claims must not decrease. */
+void registry_claim(struct registry *r, uint32_t agent, uint32_t process,
+                    const struct presence *presence, uint64_t until_ns);
+
+/** Ends the claim on a name, if there is one. */
+void registry_unclaim(struct registry *r, uint32_t agent);
+
+/** @return the next agent whose line has changed since it was last given here, or MU_NONE */
+uint32_t registry_next_news(struct registry *r);
+
+/** Fills a line with pointers into the registry. */
+void registry_line(const struct registry *r, uint32_t agent, const char *broker,
+                   muster_Member *out);
+
+/** Words that people and rules see; NULL when out of range. */
+const char *registry_kind_word(muster_Kind kind);
+const char *registry_state_word(muster_State state);
+
+#endif

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file router.h
+ * A mail's way: admitted once, routed to the boxes of its receivers, settled by each of them.
+ */
+#ifndef MUSTER_BROKER_ROUTER_H
+#define MUSTER_BROKER_ROUTER_H
+
+#include "broker/mailbox.h"
+
+struct broker;
+
+/**
+ * Takes a mail of an agent from the wire into the store.
+ *
+ * @return the mail, to be routed or dropped; or NULL: refused, counted, and the sender told
+ */
+struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *letter);
+
+/** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
+bool router_route(struct broker *b, struct mail *m);
+
+/** Sends a mail of the broker's own to an agent. */
+void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter);
+
+/** @return whether the mail is for an agent in the lock step */
+bool router_meets_lockstep(struct broker *b, const struct mail *m);
+
+/** The agent has taken everything up to that number. */
+void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number);
+
+/** Admits mail that is due at this time of the run. */
+void router_admit_due(struct broker *b, uint64_t run_ns);
+
+/** Ends the wait of mail whose time to live is over. */
+void router_expire(struct broker *b, uint64_t mail_ns);
+
+/** @return what may be handed to the agent just now */
+enum mailbox_gate router_gate(const struct broker *b, uint32_t agent);
+
+#endif

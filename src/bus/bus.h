@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file bus.h
+ * The network under muster: Eclipse Cyclone DDS behind a dozen calls.
+ *
+ * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread; no call
+ * blocks but bus_wait.  Nothing is written from a listener: there are none.
+ */
+#ifndef MUSTER_BUS_BUS_H
+#define MUSTER_BUS_BUS_H
+
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Where a process stands in the star: the participant index that the others find it at. */
+enum bus_place {
+    BUS_BROKER,    /* index 0 */
+    BUS_SIMULATOR, /* index 1 */
+    BUS_AGENT,     /* the first free index from 10 on; peers with broker and simulator alone */
+    BUS_OBSERVER,  /* the same; peers with the whole index range */
+};
+
+/* The topics; what they carry and how is the table in topics.c. */
+enum bus_topic {
+    BUS_REGISTRATION,
+    BUS_UP,
+    BUS_SENSE,
+    BUS_DELIVERY,
+    BUS_ROSTER,
+    BUS_RUN_COMMAND,
+    BUS_RUN_STATUS,
+    BUS_MEMBER,
+    BUS_BROKER_STATUS,
+    BUS_TOPICS, /* how many */
+};
+
+struct bus_options {
+    int domain;             /* DDS domain id, 0 to 230 */
+    enum bus_place place;
+    const char *name;       /* of the participant, for DDS tools */
+    const char *interface;  /* address of the network interface; NULL: 127.0.0.1 */
+    const char *hub;        /* host of broker and simulator; NULL: the interface's own address */
+};
+
+enum { BUS_READERS_MAX = 8, BUS_BATCH = 32 };
+
+struct bus {
+    int32_t participant;
+    int32_t waitset;
+    int32_t topics[BUS_TOPICS]; /* 0: not opened yet */
+    uint64_t malformed;         /* samples refused at the border */
+};
+
+struct bus_writer {
+    int32_t writer;
+    int32_t publisher;
+};
+
+/* A reader keeps a batch of samples on loan from DDS and hands them out one at a time. */
+struct bus_reader {
+    struct bus *bus;
+    enum bus_topic topic;
+    int32_t reader;
+    int32_t count, next; /* of the batch */
+    void *samples[BUS_BATCH];
+    uint32_t states[BUS_BATCH];
+};
+
+/* What a sample says beside its data. */
+enum bus_life {
+    BUS_DATA,     /* the sample is whole */
+    BUS_DISPOSED, /* its writer took the instance back: only the key is set */
+    BUS_LOST,     /* its writer is gone or silent: only the key is set */
+};
+
+/**
+ * Creates the domain and the participant.
+ *
+ * The configuration is ours unless CYCLONEDDS_URI is set.  When it is ours and the interface is a
+ * loopback address, the sockets are bound to that address and to no other.
+ *
+ * @return MU_OK; MU_BUSY when the place's index is taken (another broker or simulator is there);
+ *         MU_FAULT_DDS
+ */
+MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *options);
+
+/** Leaves the network; what was written and not yet sent is sent first. */
+void bus_close(struct bus *bus);
+
+/** Opens a reader.  partition NULL: the default one. */
+MU_MUST_USE mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
+                                      struct bus_reader *reader);
+
+/** Opens a writer into one or two partitions; second may be NULL, first NULL is the default one. */
+MU_MUST_USE mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
+                                      const char *second, struct bus_writer *writer);
+
+void bus_writer_close(struct bus_writer *writer);
+
+/** Writes one sample.  @return MU_OK; MU_BUSY: the network does not keep up, try again; MU_FAULT_DDS */
+MU_MUST_USE mu_result bus_write(const struct bus_writer *writer, const void *sample);
+
+/** Takes an instance back; only the key of the sample is read. */
+void bus_dispose(const struct bus_writer *writer, const void *sample);
+
+/** @return how many readers a writer has found */
+uint32_t bus_writer_matches(const struct bus_writer *writer);
+
+/** @return how many writers a reader has found */
+uint32_t bus_reader_matches(const struct bus_reader *reader);
+
+/**
+ * Hands out the next sample that is there.
+ *
+ * Samples that break a rule of the wire (check.h) are dropped here and counted in bus->malformed.
+ *
+ * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
+ */
+const void *bus_next(struct bus_reader *reader, enum bus_life *life);
+
+/** Waits until a reader has something, or the time is over.  timeout_ns < 0: 0. */
+void bus_wait(struct bus *bus, int64_t timeout_ns);
+
+/** Waits until everything written has been acknowledged by its readers.  @return whether it has */
+bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
+
+/** Prints the table of topics as Markdown to standard output. */
+void bus_print_topics(void);
+
+/** @return the UDP port at which a participant index of a domain is found (RTPS 2.2, 9.6.1.1) */
+int bus_port(int domain, int index);
+
+#endif

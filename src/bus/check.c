@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bus/check.h"
+
+#include "core/name.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Names of rules that fired in one step: MU_FIRINGS_PER_STEP symbols, in bytes. */
+enum { RULES_TEXT_MAX = 64 * 1024 };
+
+static bool text_fits(const char *text, size_t max)
+{
+    return text && strnlen(text, max + 1) <= max;
+}
+
+static bool is_name(const char *name)
+{
+    return text_fits(name, MU_NAME_MAX) && mu_name_valid(name);
+}
+
+static bool is_process(const char *name)
+{
+    return text_fits(name, MU_PROCESS_MAX) && name[0] != '\0';
+}
+
+static bool mail_ok(const muster_Mail *m)
+{
+    const char *const fields[] = {m->performative, m->language,    m->ontology,
+                                  m->reply_with,   m->in_reply_to, m->conversation};
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if (!text_fits(fields[i], MU_FIELD_MAX)) {
+            return false;
+        }
+    }
+    return is_name(m->src) && m->seq > 0 && text_fits(m->dst, MU_DST_MAX) && m->dst[0] != '\0' &&
+           text_fits(m->content, MU_CONTENT_MAX);
+}
+
+static bool mails_ok(const muster_Mail *mails, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!mail_ok(&mails[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool act_ok(const muster_Act *a)
+{
+    return is_name(a->agent) && isfinite(a->forward_m_s) && isfinite(a->turn_rad_s) &&
+           text_fits(a->rules, RULES_TEXT_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
+           mails_ok(a->mails._buffer, a->mails._length);
+}
+
+static bool acks_ok(const muster_Ack *acks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!is_name(acks[i].box)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_registration(const void *sample)
+{
+    const muster_Registration *r = sample;
+    /* A name that is not one is passed on, so that the broker can say why it refuses it. */
+    return text_fits(r->name, MU_FIELD_MAX) && r->name[0] != '\0' && is_process(r->process) &&
+           text_fits(r->host, MU_FIELD_MAX);
+}
+
+bool check_up(const void *sample)
+{
+    const muster_Up *u = sample;
+    if (!is_process(u->process) || u->acts._length > MU_LOCAL_AGENTS_MAX ||
+        u->acks._length > MU_LOCAL_AGENTS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < u->acts._length; i++) {
+        if (!act_ok(&u->acts._buffer[i])) {
+            return false;
+        }
+    }
+    return acks_ok(u->acks._buffer, u->acks._length);
+}
+
+static bool percept_ok(const muster_Percept *p)
+{
+    return is_name(p->robot) && isfinite(p->x_m) && isfinite(p->y_m) && isfinite(p->heading_rad) &&
+           isfinite(p->forward_m_s) && isfinite(p->turn_rad_s) &&
+           p->sonar_m._length <= MU_SONARS_MAX;
+}
+
+bool check_sense(const void *sample)
+{
+    const muster_Sense *s = sample;
+    if (!is_process(s->process) || s->robots._length > MU_LOCAL_AGENTS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < s->robots._length; i++) {
+        if (!percept_ok(&s->robots._buffer[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_member(const void *sample)
+{
+    const muster_Member *m = sample;
+    return is_name(m->name) && text_fits(m->process, MU_PROCESS_MAX) &&
+           text_fits(m->broker, MU_FIELD_MAX) && text_fits(m->host, MU_FIELD_MAX);
+}
+
+static bool members_ok(const muster_Member *members, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!check_member(&members[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_delivery(const void *sample)
+{
+    const muster_Delivery *d = sample;
+    if (!is_process(d->process)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        const muster_Parcel *p = &d->parcels._buffer[i];
+        if (!is_name(p->box) || !mail_ok(&p->letter)) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < d->receipts._length; i++) {
+        if (!is_name(d->receipts._buffer[i].agent)) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        const muster_Verdict *v = &d->verdicts._buffer[i];
+        if (!text_fits(v->agent, MU_FIELD_MAX) || !text_fits(v->reason, 4 * MU_FIELD_MAX)) {
+            return false;
+        }
+    }
+    return members_ok(d->members._buffer, d->members._length) &&
+           mails_ok(d->outside._buffer, d->outside._length);
+}
+
+bool check_roster(const void *sample)
+{
+    const muster_Roster *r = sample;
+    if (!is_process(r->simulator) || r->processes._length > MU_PROCESSES_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < r->processes._length; i++) {
+        if (!is_process(r->processes._buffer[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_run_command(const void *sample)
+{
+    const muster_RunCommand *c = sample;
+    return is_process(c->simulator);
+}
+
+bool check_run_status(const void *sample)
+{
+    const muster_RunStatus *s = sample;
+    if (!is_process(s->simulator) || !text_fits(s->hash, MU_FIELD_MAX + 1) ||
+        !text_fits(s->waits_for, MU_CONTENT_MAX) || s->robots._length > MU_ROBOTS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < s->robots._length; i++) {
+        if (!is_name(s->robots._buffer[i].robot)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_broker_status(const void *sample)
+{
+    const muster_BrokerStatus *s = sample;
+    return is_process(s->broker);
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file check.h
+ * The border: what a sample from the network must be before a program sees it.
+ *
+ * Strings are set and not too long, names are names, numbers are finite, lists are not longer than
+ * limits.h allows.  Whether a mail makes sense is the broker's business.
+ *
+ * @return each: whether the sample keeps the rules
+ */
+#ifndef MUSTER_BUS_CHECK_H
+#define MUSTER_BUS_CHECK_H
+
+#include <stdbool.h>
+
+bool check_registration(const void *sample);
+bool check_up(const void *sample);
+bool check_sense(const void *sample);
+bool check_delivery(const void *sample);
+bool check_roster(const void *sample);
+bool check_run_command(const void *sample);
+bool check_run_status(const void *sample);
+bool check_member(const void *sample);
+bool check_broker_status(const void *sample);
+
+#endif

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bus/topics.h"
+
+#include "bus/check.h"
+#include "wire.h"
+
+#include <stdio.h>
+
+const struct topic topic_table[BUS_TOPICS] = {
+    [BUS_REGISTRATION] =
+        {"Registration", &muster_Registration_desc, .for_late_comers = true,
+         .liveliness_ns = DDS_SECS(1), .check = check_registration, .partition = "default",
+         .from_to = "agent's process to broker and simulator",
+         .carries = "an agent is there, and in which state; its liveliness is the agent's"},
+    [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .check = check_up,
+                .partition = "`broker`; `simulator` too for robots",
+                .from_to = "agent's process to broker and simulator",
+                .carries = "what its agents did in a step: speeds, mails, rules fired"},
+    [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense,
+                   .partition = "the process", .from_to = "simulator to robot's process",
+                   .carries = "a new step: percepts of the process's robots"},
+    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true,
+                      .check = check_delivery, .partition = "the process",
+                      .from_to = "broker to agent's process",
+                      .carries = "mails, receipts, changes of the white pages"},
+    [BUS_ROSTER] = {"Roster", &muster_Roster_desc, .for_late_comers = true, .check = check_roster,
+                    .partition = "default", .from_to = "simulator to broker",
+                    .carries = "the processes that every step waits for"},
+    [BUS_RUN_COMMAND] = {"RunCommand", &muster_RunCommand_desc, .for_late_comers = true,
+                         .check = check_run_command, .partition = "default",
+                         .from_to = "`muster run` to simulator",
+                         .carries = "start the first step, end the run"},
+    [BUS_RUN_STATUS] = {"RunStatus", &muster_RunStatus_desc, .for_late_comers = true,
+                        .check = check_run_status, .partition = "default",
+                        .from_to = "simulator to whoever looks",
+                        .carries = "how far the run is; its hash when it is done"},
+    [BUS_MEMBER] = {"Member", &muster_Member_desc, .for_late_comers = true, .check = check_member,
+                    .partition = "default", .from_to = "broker to whoever looks",
+                    .carries = "the white pages, a line an agent"},
+    [BUS_BROKER_STATUS] = {"BrokerStatus", &muster_BrokerStatus_desc, .for_late_comers = true,
+                           .check = check_broker_status, .partition = "default",
+                           .from_to = "broker to whoever looks", .carries = "counters of mail"},
+};
+
+dds_qos_t *topic_qos(const struct topic *topic)
+{
+    dds_qos_t *qos = dds_create_qos();
+    MU_ASSERT(qos);
+    /* A write never blocks: a timeout leaves the sample with its owner, who tries again. */
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
+    dds_qset_history(qos, topic->keeps_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
+                     topic->keeps_all ? 0 : 1);
+    /* A crash must look different from a clean leave. */
+    dds_qset_writer_data_lifecycle(qos, false);
+    if (topic->for_late_comers) {
+        dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+    }
+    if (topic->liveliness_ns) {
+        dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, topic->liveliness_ns);
+    }
+    return qos;
+}
+
+void bus_print_topics(void)
+{
+    printf("| topic | type | history | durability | partition | from, to | carries |\n"
+           "|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < BUS_TOPICS; i++) {
+        const struct topic *t = &topic_table[i];
+        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
+               t->keeps_all ? "keep all" : "keep last 1",
+               t->for_late_comers ? "transient local" : "volatile",
+               t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
+               t->carries);
+    }
+    printf("\nAll are reliable, with a maximum blocking time of 0.\n");
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/fault.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int column,
+                      const char *format, ...)
+{
+    snprintf(fault->file, sizeof fault->file, "%s", file ? file : "");
+    fault->line = line;
+    fault->column = column;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(fault->text, sizeof fault->text, format, args);
+    va_end(args);
+    return MU_FAULT_FILE;
+}
+
+void mu_fault_print(const struct mu_fault *fault)
+{
+    fprintf(stderr, "%s:", fault->file);
+    if (fault->line > 0) {
+        fprintf(stderr, "%d:", fault->line);
+    }
+    if (fault->line > 0 && fault->column > 0) {
+        fprintf(stderr, "%d:", fault->column);
+    }
+    fprintf(stderr, " %s\n", fault->text);
+}

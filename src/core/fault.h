@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file fault.h
+ * A mistake in a file that a person wrote: where it is, and what was expected.
+ */
+#ifndef MUSTER_CORE_FAULT_H
+#define MUSTER_CORE_FAULT_H
+
+#include "muster/result.h"
+
+enum { MU_FAULT_FILE_MAX = 255, MU_FAULT_TEXT_MAX = 511 };
+
+struct mu_fault {
+    char file[MU_FAULT_FILE_MAX + 1];
+    int line;   /* from 1; 0: not known */
+    int column; /* from 1; 0: not known */
+    char text[MU_FAULT_TEXT_MAX + 1];
+};
+
+/**
+ * Fills a fault; what does not fit is cut.
+ *
+ * @return MU_FAULT_FILE, so that `return mu_fault_at(...)` reads well
+ */
+mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int column,
+                      const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+/** Prints "file:line:column: text" to standard error, leaving out what is not known. */
+void mu_fault_print(const struct mu_fault *fault);
+
+#endif

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file name.h
+ * Names of agents: [A-Za-z_][A-Za-z0-9_.-]{0,30}.
+ */
+#ifndef MUSTER_CORE_NAME_H
+#define MUSTER_CORE_NAME_H
+
+#include <stdbool.h>
+
+/** @return whether this is a name that an agent may bear, a reserved one or not */
+bool mu_name_valid(const char *name);
+
+/** @return whether a robot or host may not bear it: all robots special observer operator broker broker.* */
+bool mu_name_reserved(const char *name);
+
+#endif

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file options.h
+ * The command line of every program, from one table.
+ *
+ * A value comes from the flag, else from the environment, else from the configuration file, else
+ * from the table.  The table also prints `--help`, and remembers where each value came from.
+ *
+ * The configuration file is --config FILE, else $MUSTER_CONFIG, else
+ * $XDG_CONFIG_HOME/muster/config, else ~/.config/muster/config.  Its lines are `name = value`,
+ * with the names of the options; `#` starts a comment.  All programs share it.
+ */
+#ifndef MUSTER_CORE_OPTIONS_H
+#define MUSTER_CORE_OPTIONS_H
+
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { MU_OPTION_LIST_MAX = 64, MU_OPTION_WORDS_MAX = 512, MU_OPTION_PLACE_MAX = 271 };
+
+enum mu_option_kind {
+    MU_OPTION_FLAG,    /* bool; --name, --no-name, and yes/no elsewhere */
+    MU_OPTION_STRING,  /* const char * */
+    MU_OPTION_INTEGER, /* int64_t */
+    MU_OPTION_REAL,    /* double, always finite */
+    MU_OPTION_LIST     /* struct mu_option_list; the flag may stand several times */
+};
+
+enum mu_option_source {
+    MU_OPTION_DEFAULT,
+    MU_OPTION_CONFIG,
+    MU_OPTION_ENVIRONMENT,
+    MU_OPTION_COMMAND_LINE
+};
+
+/* Elsewhere than on the command line, a list is one line with commas. */
+struct mu_option_list {
+    const char *items[MU_OPTION_LIST_MAX];
+    size_t count;
+};
+
+struct mu_option {
+    const char *name; /* without the dashes */
+    char letter;      /* of its short form; 0: none */
+    enum mu_option_kind kind;
+    const char *unit;        /* or what the value is, for --help: "S", "FILE" */
+    const char *fallback;    /* the default, as one would type it; NULL: the target is left alone */
+    const char *environment; /* "MUSTER_RATE"; NULL: none, nor in the configuration file */
+    const char *help;
+    void *target;
+    double min, max; /* of a number, both included; both 0: any */
+
+    enum mu_option_source source;        /* set by mu_options_parse */
+    char place[MU_OPTION_PLACE_MAX + 1]; /* "MUSTER_RATE", "/home/a/config:3"; else "" */
+};
+
+struct mu_options {
+    const char *program; /* "muster run" */
+    const char *usage;   /* what stands after it: "FILE [OPTION...]" */
+    const char *about;   /* one sentence or more, for --help */
+    struct mu_option *table;
+    size_t count;
+
+    const char *words[MU_OPTION_WORDS_MAX]; /* set by mu_options_parse: what is no option */
+    size_t words_count;
+};
+
+/**
+ * Reads the options of a program; argv[0] is passed over.
+ *
+ * `--` ends the options; a negative number is a word, not an option.  Names in the configuration
+ * file that the table does not know are passed over, because they may belong to another program.
+ * Call it before mu_memory_seal(): values from the configuration file are start-up memory.
+ *
+ * @return MU_OK; MU_DONE when --help or --version was asked for and printed; MU_FAULT_USAGE for an
+ *         unknown option or a bad value, MU_FAULT_FILE for a bad configuration file, both already
+ *         explained on standard error
+ */
+MU_MUST_USE mu_result mu_options_parse(struct mu_options *options, int argc, char **argv);
+
+/** Prints the help text to standard output. */
+void mu_options_print_help(const struct mu_options *options);
+
+/** @return the row of that name, or NULL */
+struct mu_option *mu_options_find(const struct mu_options *options, const char *name);
+
+/** @return "default", "configuration file", "environment" or "command line" */
+const char *mu_option_source_text(enum mu_option_source source);
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/paths.h"
+
+#include "core/text.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool program_folder(char *folder, size_t size)
+{
+    ssize_t len = readlink("/proc/self/exe", folder, size - 1);
+    if (len <= 0) {
+        return false;
+    }
+    folder[len] = '\0';
+    char *slash = strrchr(folder, '/');
+    if (!slash) {
+        return false;
+    }
+    *slash = '\0';
+    return true;
+}
+
+bool mu_path_join(char *path, size_t size, const char *folder, const char *file)
+{
+    struct mu_text t;
+    mu_text_init(&t, path, size);
+    if (file[0] != '/' && folder[0] != '\0') {
+        mu_text_format(&t, "%s/", folder);
+    }
+    mu_text_add(&t, file);
+    return !t.cut;
+}
+
+bool mu_path_program(char *path, size_t size, const char *program)
+{
+    char folder[PATH_MAX];
+    return program_folder(folder, sizeof folder) && mu_path_join(path, size, folder, program);
+}
+
+static bool has_library(const char *folder)
+{
+    char file[PATH_MAX];
+    return mu_path_join(file, sizeof file, folder, "muster.clp") && access(file, R_OK) == 0;
+}
+
+bool mu_path_rules(char *path, size_t size)
+{
+    const char *chosen = getenv("MUSTER_RULES");
+    if (chosen && chosen[0]) {
+        return mu_text_copy(path, size, chosen) && has_library(path);
+    }
+    /* build/VARIANT/bin in the source tree; bin below the prefix. */
+    static const char *const places[] = {"../../../rules", "../share/muster/rules"};
+    char folder[PATH_MAX];
+    if (!program_folder(folder, sizeof folder)) {
+        return false;
+    }
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        if (mu_path_join(path, size, folder, places[i]) && has_library(path)) {
+            return true;
+        }
+    }
+    return false;
+}

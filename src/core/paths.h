@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file paths.h
+ * Where muster's own files are, run from the build tree or installed.
+ */
+#ifndef MUSTER_CORE_PATHS_H
+#define MUSTER_CORE_PATHS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** Finds a program that stands beside the running one.  @return whether it fitted */
+bool mu_path_program(char *path, size_t size, const char *program);
+
+/**
+ * Finds the folder of the shared rules: $MUSTER_RULES, else the source tree's, else the installed.
+ *
+ * @return whether there is one with muster.clp in it
+ */
+bool mu_path_rules(char *path, size_t size);
+
+/** Makes a path that starts at a folder unless it is absolute.  @return whether it fitted */
+bool mu_path_join(char *path, size_t size, const char *folder, const char *file);
+
+#endif

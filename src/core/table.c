@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/table.h"
+
+#include "muster/memory.h"
+
+#include <string.h>
+
+static uint32_t name_hash(const char *name)
+{
+    uint32_t hash = 2166136261u; /* FNV-1a */
+    for (const char *c = name; *c; c++) {
+        hash = (hash ^ (unsigned char)*c) * 16777619u;
+    }
+    return hash;
+}
+
+/* The slot that holds the name, or else the free one where it would go. */
+static uint32_t slot_find(const struct mu_table *t, const char *name, uint32_t hash)
+{
+    uint32_t i = hash & t->mask;
+    while (t->slots[i].name && (t->slots[i].hash != hash || strcmp(t->slots[i].name, name) != 0)) {
+        i = (i + 1) & t->mask;
+    }
+    return i;
+}
+
+void mu_table_init(struct mu_table *t, uint32_t capacity)
+{
+    MU_ASSERT(capacity >= 1 && capacity <= 1u << 30);
+    uint32_t slots = 2;
+    while (slots < 2 * (uint64_t)capacity) { /* at most half full: short probes */
+        slots *= 2;
+    }
+    *t = (struct mu_table){.mask = slots - 1, .capacity = capacity};
+    t->slots = mu_startup_array(slots, sizeof *t->slots);
+}
+
+mu_result mu_table_put(struct mu_table *t, const char *name, uint32_t index)
+{
+    uint32_t hash = name_hash(name);
+    struct mu_table_slot *slot = &t->slots[slot_find(t, name, hash)];
+    if (slot->name) {
+        return MU_EXISTS;
+    }
+    if (t->count == t->capacity) {
+        return MU_FULL;
+    }
+    *slot = (struct mu_table_slot){.name = name, .hash = hash, .index = index};
+    t->count++;
+    return MU_OK;
+}
+
+uint32_t mu_table_find(const struct mu_table *t, const char *name)
+{
+    const struct mu_table_slot *slot = &t->slots[slot_find(t, name, name_hash(name))];
+    return slot->name ? slot->index : MU_NONE;
+}
+
+mu_result mu_table_remove(struct mu_table *t, const char *name)
+{
+    uint32_t hole = slot_find(t, name, name_hash(name));
+    if (!t->slots[hole].name) {
+        return MU_ABSENT;
+    }
+    /* Moves back whoever probed past the hole, so that no tombstones are needed (Knuth 6.4, R). */
+    for (uint32_t i = (hole + 1) & t->mask; t->slots[i].name; i = (i + 1) & t->mask) {
+        uint32_t home = t->slots[i].hash & t->mask;
+        if (((i - home) & t->mask) >= ((i - hole) & t->mask)) {
+            t->slots[hole] = t->slots[i];
+            hole = i;
+        }
+    }
+    t->slots[hole] = (struct mu_table_slot){0};
+    t->count--;
+    return MU_OK;
+}

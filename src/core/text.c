@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/text.h"
+
+#include "muster/result.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void mu_text_init(struct mu_text *t, char *buffer, size_t size)
+{
+    MU_ASSERT(size >= 1);
+    *t = (struct mu_text){.at = buffer, .size = size};
+    buffer[0] = '\0';
+}
+
+void mu_text_clear(struct mu_text *t)
+{
+    mu_text_init(t, t->at, t->size);
+}
+
+void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len)
+{
+    size_t room = t->size - t->len - 1;
+    if (len > room) {
+        len = room;
+        t->cut = true;
+    }
+    memcpy(t->at + t->len, s, len);
+    t->len += len;
+    t->at[t->len] = '\0';
+}
+
+void mu_text_add(struct mu_text *t, const char *s)
+{
+    mu_text_add_bytes(t, s, strlen(s));
+}
+
+void mu_text_format(struct mu_text *t, const char *format, ...)
+{
+    size_t room = t->size - t->len;
+    va_list args;
+    va_start(args, format);
+    int len = vsnprintf(t->at + t->len, room, format, args);
+    va_end(args);
+    if (len < 0 || (size_t)len >= room) {
+        t->cut = true;
+        t->len = t->size - 1;
+        return;
+    }
+    t->len += (size_t)len;
+}
+
+bool mu_text_copy(char *to, size_t size, const char *from)
+{
+    struct mu_text t;
+    mu_text_init(&t, to, size);
+    mu_text_add(&t, from);
+    return !t.cut;
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file text.h
+ * Text that is put together in a buffer of fixed size.
+ */
+#ifndef MUSTER_CORE_TEXT_H
+#define MUSTER_CORE_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct mu_text {
+    char *at;      /* always zero-terminated */
+    size_t len;    /* bytes, without the zero */
+    size_t size;   /* bytes of the buffer */
+    bool cut;      /* something did not fit */
+};
+
+/** Makes an empty text in the caller's buffer; size >= 1. */
+void mu_text_init(struct mu_text *t, char *buffer, size_t size);
+
+/** Empties it. */
+void mu_text_clear(struct mu_text *t);
+
+/** Adds a string, or as much of it as fits. */
+void mu_text_add(struct mu_text *t, const char *s);
+
+/** Adds len bytes of a string, or as many as fit. */
+void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len);
+
+/** Adds formatted text; all of it or, cut, as much as fits. */
+void mu_text_format(struct mu_text *t, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/** Copies a string into a buffer of size bytes.  @return whether all of it fitted */
+bool mu_text_copy(char *to, size_t size, const char *from);
+
+#endif

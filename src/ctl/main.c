@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster: the one command to learn.  Long-lived parts are programs of their own, git style. */
+#include "bus/bus.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/paths.h"
+#include "ctl/verbs.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+struct verb {
+    const char *name;
+    int (*run)(int argc, char **argv); /* NULL: the program below takes over */
+    const char *program;
+    const char *usage, *help;
+};
+
+static int topics_verb(int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    bus_print_topics();
+    return MU_EXIT_DONE;
+}
+
+static const struct verb verbs[] = {
+    {"run", run_verb, NULL, "FILE", "run an experiment and leave a report"},
+    {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
+    {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},
+    {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
+    {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
+    {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
+    {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},
+    {"broadcast", post_verb_broadcast, NULL, "WORD...", "mail to every active agent"},
+    {"do", post_verb_do, NULL, "TARGETS 'LINE'", "a CLIPS line to agents"},
+    {"start", post_verb_start, NULL, "TARGETS", "take agents out of standby"},
+    {"suspend", post_verb_suspend, NULL, "TARGETS", "stop agents where they are"},
+    {"resume", post_verb_resume, NULL, "TARGETS", "let them go on"},
+    {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
+};
+
+enum { VERBS = sizeof verbs / sizeof verbs[0] };
+
+static void help_print(FILE *to)
+{
+    fputs("Usage: muster VERB [...]\n\nA runtime for teams of robots and other agents on DDS.\n\n",
+          to);
+    for (size_t i = 0; i < VERBS; i++) {
+        fprintf(to, "  %-9s %-18s %s\n", verbs[i].name, verbs[i].usage, verbs[i].help);
+    }
+    fputs("\nmuster VERB --help says more.\n", to);
+}
+
+static int program_become(const struct verb *v, char **argv)
+{
+    char path[PATH_MAX];
+    if (mu_path_program(path, sizeof path, v->program)) {
+        execv(path, argv);
+    }
+    fprintf(stderr, "muster: cannot start %s: %s\n", v->program, strerror(errno));
+    return MU_EXIT_CRASH;
+}
+
+int main(int argc, char **argv)
+{
+    mu_log_open("muster", MU_LOG_WARNING);
+    if (argc < 2) {
+        help_print(stderr);
+        return MU_EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+        help_print(stdout);
+        return MU_EXIT_DONE;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("muster %s\n", MU_VERSION);
+        return MU_EXIT_DONE;
+    }
+    for (size_t i = 0; i < VERBS; i++) {
+        if (strcmp(argv[1], verbs[i].name) == 0) {
+            return verbs[i].run ? verbs[i].run(argc - 1, argv + 1)
+                                : program_become(&verbs[i], argv + 1);
+        }
+    }
+    fprintf(stderr, "muster: there is no verb '%s'; muster --help lists them\n", argv[1]);
+    return MU_EXIT_USAGE;
+}

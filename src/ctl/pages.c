@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster ps, muster lookup: the white pages. */
+#include "core/exits.h"
+#include "core/json.h"
+#include "ctl/operator.h"
+#include "ctl/verbs.h"
+
+#include <stdio.h>
+#include <time.h>
+
+static void since_text(uint64_t wall_ns, char *text, size_t size)
+{
+    time_t seconds = (time_t)(wall_ns / 1000000000u);
+    struct tm utc;
+    gmtime_r(&seconds, &utc);
+    strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc);
+}
+
+static void member_print(const struct mu_member *m, bool json)
+{
+    char since[32];
+    since_text(m->since_wall_ns, since, sizeof since);
+    if (!json) {
+        printf("%-20s %-8s %-10s %-10s %-16s %8u  %s\n", m->name, mu_kind_text(m->kind),
+               mu_state_text(m->state), m->broker, m->host, m->pid, since);
+        return;
+    }
+    struct mu_json j;
+    mu_json_to_file(&j, stdout, MU_JSON_LINE);
+    mu_json_object(&j, NULL);
+    mu_json_string(&j, "name", m->name);
+    mu_json_string(&j, "kind", mu_kind_text(m->kind));
+    mu_json_string(&j, "state", mu_state_text(m->state));
+    mu_json_string(&j, "broker", m->broker);
+    mu_json_string(&j, "host", m->host);
+    mu_json_uint(&j, "pid", m->pid);
+    mu_json_string(&j, "since", since);
+    mu_json_end(&j);
+}
+
+static void head_print(bool json)
+{
+    if (!json) {
+        printf("%-20s %-8s %-10s %-10s %-16s %8s  %s\n", "NAME", "KIND", "STATE", "BROKER", "HOST",
+               "PID", "SINCE");
+    }
+}
+
+static mu_result pages_parse(struct mu_options *o, struct operator_options *options, int argc,
+                             char **argv)
+{
+    static struct mu_option table[8];
+    const struct mu_option rows[] = {
+        OPERATOR_OPTIONS(*options),
+        {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object a line",
+         .target = &options->json},
+    };
+    o->count = sizeof rows / sizeof rows[0];
+    for (size_t i = 0; i < o->count; i++) {
+        table[i] = rows[i];
+    }
+    o->table = table;
+    return operator_parse(o, argc, argv, options);
+}
+
+int pages_verb_ps(int argc, char **argv)
+{
+    static struct operator_options options;
+    static struct mu_options o = {.program = "muster ps", .usage = "[OPTION...]",
+                                  .about = "Lists the white pages: every agent and its state."};
+    mu_result parsed = pages_parse(&o, &options, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    struct operator op;
+    int code = operator_join(&op, &options, "ps");
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    head_print(options.json);
+    const struct mu_member *m;
+    for (size_t i = 0; (m = mu_process_member(op.process, i)); i++) {
+        member_print(m, options.json);
+    }
+    operator_leave(&op);
+    return MU_EXIT_DONE;
+}
+
+int pages_verb_lookup(int argc, char **argv)
+{
+    static struct operator_options options;
+    static struct mu_options o = {.program = "muster lookup", .usage = "NAME [OPTION...]",
+                                  .about = "Looks one agent up in the white pages."};
+    mu_result parsed = pages_parse(&o, &options, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    if (o.words_count != 1) {
+        fprintf(stderr, "muster lookup: name one agent, for example: muster lookup red\n");
+        return MU_EXIT_USAGE;
+    }
+    struct operator op;
+    int code = operator_join(&op, &options, "lookup");
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    const struct mu_member *m = mu_process_lookup(op.process, o.words[0]);
+    if (m) {
+        head_print(options.json);
+        member_print(m, options.json);
+    } else {
+        fprintf(stderr, "muster lookup: no agent named %s; muster ps lists them\n", o.words[0]);
+    }
+    operator_leave(&op);
+    return m ? MU_EXIT_DONE : MU_EXIT_NO_AGENT;
+}

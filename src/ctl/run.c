@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * muster run: starts what an experiment names, watches it, ends it, reports.
+ *
+ * This process is the agent `observer`.  Its commands go to the broker before the first step, each
+ * with the time of the run at which it is due, so that no clock of ours decides when they arrive.
+ */
+#include "ctl/run.h"
+
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/options.h"
+#include "core/text.h"
+#include "ctl/runs.h"
+#include "ctl/verbs.h"
+#include "muster/memory.h"
+#include "runtime/process.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const uint64_t START_PATIENCE_NS = 20000000000u;
+static const int64_t ROUND_NS = 5000000;
+static const int STOP_PATIENCE_MS = 2000;
+
+volatile sig_atomic_t run_signal;
+
+static void signal_note(int number)
+{
+    run_signal = number;
+}
+
+/* --- options and files --------------------------------------------------------------------------- */
+
+static mu_result options_parse(struct run *r, int argc, char **argv)
+{
+    static struct mu_option_list set;
+    struct run_options *o = &r->options;
+    struct mu_option table[] = {
+        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .environment = "MUSTER_SEED",
+         .help = "seed of the run (default: the file's, else 1)", .target = &o->seed, .max = 1e15},
+        {.name = "duration", .kind = MU_OPTION_REAL, .unit = "S",
+         .help = "simulated seconds (default: the file's)", .target = &o->duration_s, .max = 1e9},
+        {.name = "rate", .kind = MU_OPTION_REAL, .unit = "R", .fallback = "0",
+         .environment = "MUSTER_RATE", .help = "times real time; 0: as fast as it goes",
+         .target = &o->rate, .max = 1e6},
+        {.name = "free", .kind = MU_OPTION_FLAG, .help = "real time without lock step",
+         .target = &o->free},
+        {.name = "set", .kind = MU_OPTION_LIST, .unit = "KEY=VALUE",
+         .help = "override a value of the file, for example robots.red.rules=x.clp",
+         .target = &set},
+        {.name = "out", .kind = MU_OPTION_STRING, .unit = "DIR",
+         .help = "folder of the report (default: out/EXPERIMENT-SEED)", .target = &o->out},
+        {.name = "domain", .kind = MU_OPTION_INTEGER, .unit = "D", .environment = "MUSTER_DOMAIN",
+         .help = "DDS domain (default: a free one)", .target = &o->domain, .max = 230},
+        {.name = "limit", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "0",
+         .help = "end the run after this much wall time, with exit code 124; 0: never",
+         .target = &o->limit_s, .max = 1e9},
+        {.name = "quiet", .letter = 'q', .kind = MU_OPTION_FLAG, .help = "say only what came out",
+         .target = &o->quiet},
+        {.name = "json", .kind = MU_OPTION_FLAG, .help = "say it as one line of JSON",
+         .target = &o->json},
+    };
+    static struct mu_options options;
+    options = (struct mu_options){
+        .program = "muster run",
+        .usage = "FILE [OPTION...]",
+        .about = "Runs an experiment with all its processes and leaves a report.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return parsed;
+    }
+    if (options.words_count != 1) {
+        fprintf(stderr, "muster run: name one experiment file, for example: "
+                        "muster run experiments/follow.yaml\n");
+        return MU_FAULT_USAGE;
+    }
+    o->file = options.words[0];
+    o->set = set.items;
+    o->set_count = set.count;
+    return MU_OK;
+}
+
+static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
+{
+    MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
+                           fault));
+    struct experiment *e = r->experiment;
+    e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
+    e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
+    return MU_OK;
+}
+
+/* The same world as the simulator's: its mistakes are found before anything starts. */
+static mu_result world_prepare(struct run *r, struct mu_fault *fault)
+{
+    const struct experiment *e = r->experiment;
+    r->world = mu_startup_alloc(sizeof *r->world);
+    mu_result done = world_load(r->world, e->world, true, fault);
+    for (unsigned i = 0; done == MU_OK && i < e->robots_count; i++) {
+        const struct experiment_robot *robot = &e->robots[i];
+        struct world_pose pose = {0};
+        if (robot->pose) {
+            pose = (struct world_pose){robot->pose->x_m, robot->pose->y_m,
+                                       robot->pose->heading_deg * M_PI / 180.0};
+        }
+        done = world_add_robot(r->world, robot->name, robot->body, robot->pose ? &pose : NULL,
+                               robot->color, fault);
+    }
+    return done == MU_OK ? world_check_places(r->world, fault) : done;
+}
+
+static mu_result folder_prepare(struct run *r, struct mu_fault *fault)
+{
+    struct mu_text t;
+    mu_text_init(&t, r->folder, sizeof r->folder);
+    if (r->options.out) {
+        mu_text_add(&t, r->options.out);
+    } else {
+        mu_text_format(&t, "out/%s-%llu", r->experiment->name,
+                       (unsigned long long)r->experiment->seed);
+    }
+    return report_folder(r->folder, fault);
+}
+
+static mu_result files_prepare(struct run *r)
+{
+    struct mu_fault fault;
+    mu_result done = experiment_prepare(r, &fault);
+    done = done == MU_OK ? world_prepare(r, &fault) : done;
+    done = done == MU_OK ? folder_prepare(r, &fault) : done;
+    if (done != MU_OK) {
+        mu_fault_print(&fault);
+    }
+    return done;
+}
+
+/* --- the observer -------------------------------------------------------------------------------- */
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    struct run *r = self;
+    r->registered = accepted;
+    r->name_refused = !accepted;
+    if (!accepted) {
+        fprintf(stderr, "muster run: the broker refuses the name %s: %s\n", mu_agent_name(a),
+                reason);
+    }
+}
+
+static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
+                       enum mu_outcome outcome)
+{
+    (void)a;
+    struct run *r = self;
+    if (outcome == MU_MAIL_STORED) {
+        r->directives_kept += last_seq - first_seq + 1;
+    } else if (outcome != MU_MAIL_DELIVERED) {
+        fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
+                mu_outcome_text(outcome));
+    }
+}
+
+/* Robots answer commands; only what went wrong is worth a line. */
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct run *r = self;
+    if (strcmp(mail->performative, "failure") == 0 && !r->options.quiet) {
+        fprintf(stderr, "muster run: %s could not do it: %s\n", mail->src, mail->content);
+    }
+}
+
+static mu_result network_join(struct run *r)
+{
+    struct mu_process_options options = {.domain = r->domain, .name = "observer"};
+    MU_TRY(mu_process_open(&r->process, &options));
+    struct bus *bus = &r->process->bus;
+    MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
+    MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
+    MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
+    struct mu_handlers handlers = {.self = r, .on_registered = on_registered,
+                                   .on_receipt = on_receipt, .on_mail = on_mail};
+    return mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers);
+}
+
+static mu_result directive_send(struct run *r, const char *to, const char *verb, const char *line,
+                                double at_s)
+{
+    struct mu_mail mail = {.dst = to, .layer = MU_DIRECTIVE, .performative = verb,
+                           .content = line, .due_ns = (int64_t)llround(at_s * 1e9)};
+    mu_result sent = mu_agent_send(r->observer, &mail, NULL);
+    r->directives_sent += sent == MU_OK;
+    return sent;
+}
+
+/* Everything that the observer will ever command goes out before the first step. */
+static mu_result commands_send(struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    mu_result sent = directive_send(r, "robots", "start", NULL, 0.0);
+    for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
+        const struct experiment_command *c = &e->observer[i];
+        char buffer[MU_DST_MAX + 1];
+        struct mu_text to;
+        mu_text_init(&to, buffer, sizeof buffer);
+        for (unsigned t = 0; t < c->targets_count; t++) {
+            mu_text_format(&to, "%s%s", t ? "," : "", c->targets[t]);
+        }
+        sent = directive_send(r, buffer, "do", c->line, c->at);
+    }
+    return sent;
+}
+
+/* --- what comes in ------------------------------------------------------------------------------- */
+
+static void status_take(struct run *r, const muster_RunStatus *s)
+{
+    mu_text_copy(r->simulator, sizeof r->simulator, s->simulator);
+    r->state = s->state;
+    r->time_ns = s->time_ns;
+    r->wall_ns = s->wall_ns;
+    r->skipped = s->skipped;
+    mu_text_copy(r->waits_for, sizeof r->waits_for, s->waits_for);
+    mu_text_copy(r->hash, sizeof r->hash, s->hash);
+    r->totals_count = s->robots._length;
+    for (uint32_t i = 0; i < r->totals_count; i++) {
+        r->totals[i] = s->robots._buffer[i];
+        r->totals[i].robot = NULL;
+    }
+}
+
+static void statuses_take(struct run *r)
+{
+    enum bus_life life;
+    const muster_RunStatus *s;
+    while ((s = bus_next(&r->status, &life))) {
+        if (life == BUS_DATA) {
+            status_take(r, s);
+        }
+    }
+    const muster_BrokerStatus *b;
+    while ((b = bus_next(&r->broker_status, &life))) {
+        if (life == BUS_DATA) {
+            r->mail = *b;
+            r->mail.broker = NULL;
+        }
+    }
+}
+
+/* One line that is written over, for people; nothing for files and pipes. */
+static void progress_show(struct run *r)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (r->options.quiet || !isatty(STDERR_FILENO) || now_ns - r->progress_wall_ns < 200000000u) {
+        return;
+    }
+    r->progress_wall_ns = now_ns;
+    double time_s = (double)r->time_ns * 1e-9;
+    double wall_s = (double)r->wall_ns * 1e-9;
+    if (r->state != muster_RUN_RUNNING || wall_s <= 0.0) {
+        return;
+    }
+    double factor = time_s / wall_s;
+    fprintf(stderr, "\r%.1f of %.0f s simulated, %.1f x real time, %.0f s to go   ", time_s,
+            r->experiment->duration, factor, (r->experiment->duration - time_s) / factor);
+}
+
+/* --- the course of a run ------------------------------------------------------------------------- */
+
+static int crash_explain(const struct child *child, bool running)
+{
+    supervise_explain(child);
+    int code = WIFEXITED(child->status) ? WEXITSTATUS(child->status) : MU_EXIT_CRASH;
+    bool explains_itself = code == MU_EXIT_FILE || code == MU_EXIT_USAGE || code == MU_EXIT_DDS ||
+                           code == MU_EXIT_WRITE;
+    return !running && explains_itself ? code : MU_EXIT_CRASH;
+}
+
+/* Looks at everything once.  @return -1: go on; else the exit code */
+static int round_live(struct run *r)
+{
+    mu_result spun = mu_process_spin(r->process, ROUND_NS);
+    statuses_take(r);
+    supervise_look(&r->children);
+    progress_show(r);
+    if (run_signal) {
+        return MU_EXIT_INTERRUPTED;
+    }
+    bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
+    const struct child *ended = over ? NULL : supervise_ended(&r->children);
+    if (ended) {
+        /* A simulator that is done says so before it ends; the word may still be on its way. */
+        for (int i = 0; i < 20 && strcmp(ended->name, "broker") != 0; i++) {
+            spun = mu_process_spin(r->process, ROUND_NS);
+            statuses_take(r);
+            if (r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT) {
+                return -1;
+            }
+        }
+        return crash_explain(ended, r->state == muster_RUN_RUNNING);
+    }
+    double limit_ns = r->options.limit_s * 1e9;
+    if (limit_ns > 0.0 && (double)(mu_clock_ns() - r->began_wall_ns) > limit_ns) {
+        fprintf(stderr, "muster run: the time limit of %g s is over\n", r->options.limit_s);
+        return MU_EXIT_TIME;
+    }
+    return r->name_refused || spun < 0 ? MU_EXIT_DDS : -1;
+}
+
+static int start_patience(const struct run *r)
+{
+    if (mu_clock_ns() - r->began_wall_ns < START_PATIENCE_NS) {
+        return -1;
+    }
+    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %s\n",
+            (int)(START_PATIENCE_NS / 1000000000u), r->waits_for);
+    return MU_EXIT_DDS;
+}
+
+/* Until all are there and the broker has every command. */
+static int gather(struct run *r)
+{
+    int code = -1;
+    while (code < 0 && !(r->registered && r->state == muster_RUN_READY)) {
+        code = round_live(r);
+        code = code < 0 ? start_patience(r) : code;
+    }
+    if (code < 0 && commands_send(r) != MU_OK) {
+        fprintf(stderr, "muster run: more commands than an agent can have under way (%d)\n",
+                MU_OUTBOX_MAX);
+        return MU_EXIT_FILE;
+    }
+    while (code < 0 && r->directives_kept < r->directives_sent) {
+        code = round_live(r);
+        code = code < 0 ? start_patience(r) : code;
+    }
+    return code;
+}
+
+static int watch(struct run *r)
+{
+    muster_RunCommand go = {.simulator = r->simulator, .order = muster_RUN_GO};
+    if (bus_write(&r->command, &go) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    int code = -1;
+    while (code < 0 && r->state != muster_RUN_DONE && r->state != muster_RUN_FAULT) {
+        code = round_live(r);
+    }
+    if (!r->options.quiet && isatty(STDERR_FILENO)) {
+        fputs("\r\033[K", stderr);
+    }
+    if (code < 0 && r->state == muster_RUN_FAULT) {
+        fprintf(stderr, "muster run: %s\n", r->waits_for);
+        return MU_EXIT_CRASH;
+    }
+    return code;
+}
+
+/* The broker goes first: its last words are the final counters. */
+static void counters_await(struct run *r)
+{
+    supervise_stop(&r->children, supervise_find(&r->children, "broker"), STOP_PATIENCE_MS);
+    if (mu_process_spin(r->process, ROUND_NS) >= 0) {
+        statuses_take(r);
+    }
+}
+
+static int live(struct run *r)
+{
+    r->began_wall_ns = mu_clock_ns();
+    if (run_start(r) != MU_OK || network_join(r) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    int code = gather(r);
+    code = code < 0 ? watch(r) : code;
+    if (code < 0) {
+        counters_await(r);
+    }
+    return code;
+}
+
+int run_verb(int argc, char **argv)
+{
+    struct run *r = mu_startup_alloc(sizeof *r);
+    r->options = (struct run_options){.seed = -1, .domain = -1, .duration_s = -1.0};
+    mu_result ready = options_parse(r, argc, argv);
+    ready = ready == MU_OK ? files_prepare(r) : ready;
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
+        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
+        return MU_EXIT_DDS;
+    }
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    sigaction(SIGHUP, &note, NULL);
+    supervise_init(&r->children, r->options.quiet);
+    int code = live(r);
+    supervise_stop_all(&r->children, STOP_PATIENCE_MS);
+    if (r->process) {
+        bus_close(&r->process->bus);
+    }
+    return code < 0 ? run_report(r) : code;
+}

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file run.h
+ * One run of an experiment: what it is made of while it lives.
+ */
+#ifndef MUSTER_CTL_RUN_H
+#define MUSTER_CTL_RUN_H
+
+#include "bus/bus.h"
+#include "ctl/experiment.h"
+#include "ctl/report.h"
+#include "ctl/supervise.h"
+#include "muster/agent.h"
+#include "world/world.h"
+#include "wire.h"
+
+#include <limits.h>
+#include <signal.h>
+
+struct run_options {
+    const char *file;
+    int64_t seed, domain;   /* < 0: the file's; the first free one */
+    double duration_s;      /* < 0: the file's */
+    double rate, limit_s;
+    bool free, quiet, json;
+    const char *out;
+    const char *const *set;
+    size_t set_count;
+};
+
+struct run {
+    struct run_options options;
+    struct experiment *experiment;
+    struct world *world;
+    int domain;
+    char folder[PATH_MAX];       /* of the report */
+    struct supervise children;
+    mu_process *process;
+    mu_agent *observer;
+    struct bus_reader status, broker_status;
+    struct bus_writer command;
+    char simulator[MU_PROCESS_MAX + 1]; /* known once it has said something */
+    muster_RunState state;
+    uint64_t time_ns, wall_ns, skipped;
+    char waits_for[1024], hash[MU_FIELD_MAX + 2];
+    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot is not set: they are in the world's order */
+    uint32_t totals_count;
+    muster_BrokerStatus mail;
+    bool registered, name_refused;
+    uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
+    uint64_t began_wall_ns, progress_wall_ns;
+};
+
+/** A signal asked the run to end. */
+extern volatile sig_atomic_t run_signal;
+
+/** Starts broker, simulator and robots, in run_start.c.  @return MU_OK or a fault, explained */
+MU_MUST_USE mu_result run_start(struct run *r);
+
+/** Writes the report and says on standard output what came out.  @return the exit code */
+int run_report(struct run *r);
+
+#endif

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How a run ends: the report in its folder, and what came out on standard output. */
+#include "core/exits.h"
+#include "core/text.h"
+#include "ctl/run.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static struct report_mail mail_of(const struct run *r)
+{
+    const muster_BrokerStatus *b = &r->mail;
+    struct report_mail m = {.sent = b->sent,
+                            .delivered = b->delivered,
+                            .waiting = b->waiting,
+                            .expired = b->expired,
+                            .refused = b->box_full + b->unknown_name + b->refused};
+    uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
+    m.lost = m.sent > accounted ? m.sent - accounted : 0;
+    for (uint32_t i = 0; i < r->totals_count; i++) {
+        m.duplicated += r->totals[i].mails_duplicated;
+    }
+    return m;
+}
+
+static void text_print(const struct run *r, const struct report_input *in,
+                       const struct report_result *out)
+{
+    printf("%s, seed %" PRIu64 ": %.1f s simulated in %.2f s, %.0f x real time\n",
+           in->experiment->name, in->seed, in->sim_time_s, in->wall_time_s,
+           in->wall_time_s > 0.0 ? in->sim_time_s / in->wall_time_s : 0.0);
+    for (size_t i = 0; i < in->robots_count; i++) {
+        printf("  %-12s %7.2f m  %3u stalls  %6" PRIu64 " mails sent  %6" PRIu64 " received\n",
+               in->robots[i].name, out->robots[i].distance_m, out->robots[i].stalls,
+               in->robots[i].mail_sent, in->robots[i].mail_received);
+    }
+    for (unsigned i = 0; i < in->experiment->expect_count; i++) {
+        printf("  %s  %s\n", out->met[i] ? "met   " : "FAILED", out->texts[i]);
+    }
+    if (r->options.free) {
+        printf("skipped %" PRIu64 " samples\n", r->skipped);
+    }
+    printf("hash   %s\nreport %s/report.html\n", in->hash, r->folder);
+}
+
+/* The summary on one line: a newline in it can only be layout. */
+static void json_print(const char *folder)
+{
+    char path[PATH_MAX + 32];
+    snprintf(path, sizeof path, "%s/summary.json", folder);
+    FILE *file = fopen(path, "r");
+    bool line_begins = false;
+    for (int c; file && (c = fgetc(file)) != EOF;) {
+        line_begins = c == '\n' || (line_begins && c == ' ');
+        if (!line_begins) {
+            putchar(c);
+        }
+    }
+    putchar('\n');
+    if (file) {
+        fclose(file);
+    }
+}
+
+static void command_write(const struct run *r, char *buffer, size_t size)
+{
+    struct mu_text t;
+    mu_text_init(&t, buffer, size);
+    mu_text_format(&t, "muster run %s --seed %" PRIu64 " --duration %g", r->options.file,
+                   r->experiment->seed, r->experiment->duration);
+    for (size_t i = 0; i < r->options.set_count; i++) {
+        mu_text_format(&t, " --set '%s'", r->options.set[i]);
+    }
+    if (r->options.free) {
+        mu_text_add(&t, " --free");
+    }
+}
+
+/* run.csv has all robots of the world, controlled or not. */
+static struct report_robot *robots_fill(const struct run *r)
+{
+    struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
+    for (size_t i = 0; i < r->world->robot_count; i++) {
+        robots[i] = (struct report_robot){.name = r->world->robots[i].name,
+                                          .color = r->world->robots[i].color};
+        if (i < r->totals_count) {
+            robots[i].mail_sent = r->totals[i].mails_sent;
+            robots[i].mail_received = r->totals[i].mails_received;
+            robots[i].rule_firings = r->totals[i].firings;
+        }
+    }
+    return robots;
+}
+
+int run_report(struct run *r)
+{
+    char command[2048];
+    command_write(r, command, sizeof command);
+    struct report_result *result = mu_startup_alloc(sizeof *result);
+    struct report_input input = {.experiment = r->experiment,
+                                 .world = r->world,
+                                 .seed = r->experiment->seed,
+                                 .hash = r->hash,
+                                 .sim_time_s = (double)r->time_ns * 1e-9,
+                                 .wall_time_s = (double)r->wall_ns * 1e-9,
+                                 .command = command,
+                                 .robots = robots_fill(r),
+                                 .robots_count = r->world->robot_count,
+                                 .mail = mail_of(r)};
+    struct mu_fault fault;
+    mu_result written = report_write(r->folder, &input, result, &fault);
+    if (written != MU_OK) {
+        mu_fault_print(&fault);
+        return mu_exit_for(written);
+    }
+    if (r->options.json) {
+        json_print(r->folder);
+    } else {
+        text_print(r, &input, result);
+    }
+    return result->all_met ? MU_EXIT_DONE : MU_EXIT_EXPECTATION;
+}

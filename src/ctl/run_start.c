@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The processes of a run and the words of their command lines. */
+#include "core/text.h"
+#include "ctl/run.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { WORDS_MAX = 4 * MU_ROBOTS_MAX + 32, WORDS_TEXT = 256 * 1024 };
+
+/* A command line that is put together. */
+struct words {
+    const char *items[WORDS_MAX];
+    size_t count;
+    struct mu_text text;
+};
+
+static struct words words;
+static char words_buffer[WORDS_TEXT];
+
+static void words_begin(const char *program)
+{
+    words.count = 0;
+    mu_text_init(&words.text, words_buffer, sizeof words_buffer);
+    words.items[words.count++] = program;
+}
+
+static void word_add(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+static void word_add(const char *format, ...)
+{
+    char word[PATH_MAX + 256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(word, sizeof word, format, args);
+    va_end(args);
+    MU_ASSERT(words.count < WORDS_MAX - 1);
+    words.items[words.count++] = words.text.at + words.text.len;
+    mu_text_add_bytes(&words.text, word, strlen(word) + 1);
+    MU_ASSERT(!words.text.cut);
+}
+
+static const char *const *words_end(void)
+{
+    words.items[words.count] = NULL;
+    return words.items;
+}
+
+static mu_result broker_start(struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    words_begin("muster-broker");
+    word_add("%s", e->brokers_count > 0 ? e->brokers[0] : "main");
+    word_add("--domain=%d", r->domain);
+    return supervise_start(&r->children, "broker", "muster-broker", words_end());
+}
+
+static void places_add(const struct experiment *e)
+{
+    for (unsigned i = 0; i < e->robots_count; i++) {
+        const struct experiment_robot *robot = &e->robots[i];
+        char pose[128] = "- - -";
+        if (robot->pose) {
+            snprintf(pose, sizeof pose, "%.17g %.17g %.17g", robot->pose->x_m, robot->pose->y_m,
+                     robot->pose->heading_deg);
+        }
+        word_add("--robots=%s", robot->name);
+        if (robot->body || robot->pose) {
+            word_add("--place=%s %s %s %s", robot->name, robot->body ? robot->body : "-", pose,
+                     robot->color ? robot->color : "-");
+        }
+    }
+}
+
+static mu_result simulator_start(struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    words_begin("muster-sim");
+    word_add("%s", e->world);
+    word_add("--domain=%d", r->domain);
+    word_add("--seed=%lld", (long long)e->seed);
+    word_add("--duration=%.17g", e->duration);
+    word_add("--step=%.17g", e->step_ms);
+    word_add("--csv=%s/run.csv", r->folder);
+    word_add("--rate=%.17g", r->options.rate);
+    word_add("--wait");
+    if (r->options.free) {
+        word_add("--free");
+    }
+    places_add(e);
+    return supervise_start(&r->children, "simulator", "muster-sim", words_end());
+}
+
+static mu_result robot_start(struct run *r, const struct experiment_robot *robot)
+{
+    words_begin("muster-robot");
+    word_add("%s", robot->name);
+    word_add("--rules=%s", robot->rules);
+    word_add("--domain=%d", r->domain);
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    for (unsigned i = 0; i < robot->globals_count; i++) {
+        word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
+    }
+    return supervise_start(&r->children, robot->name, "muster-robot", words_end());
+}
+
+mu_result run_start(struct run *r)
+{
+    MU_TRY(broker_start(r));
+    MU_TRY(simulator_start(r));
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        MU_TRY(robot_start(r, &r->experiment->robots[i]));
+    }
+    return MU_OK;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file runs.h
+ * The runs of this user that live now, each in a DDS domain of its own.
+ *
+ * A run holds a lock on a small file in $XDG_RUNTIME_DIR/muster or /tmp/muster-UID; a lock ends
+ * with its process, so a file that nobody locks is nobody's run.
+ */
+#ifndef MUSTER_CTL_RUNS_H
+#define MUSTER_CTL_RUNS_H
+
+#include "muster/result.h"
+
+/** Domains that a run picks from: below them is everybody's 0, above are ephemeral ports. */
+enum { RUNS_DOMAIN_FIRST = 1, RUNS_DOMAIN_LAST = 99 };
+
+/**
+ * Takes a domain for the life of this process.
+ *
+ * @param wanted  the domain, or -1 to pick a free one
+ * @param name    of the experiment, for who lists the runs
+ * @param domain  out
+ * @return MU_OK; MU_BUSY: another run has it, or there is none left; MU_FAULT_OS
+ */
+MU_MUST_USE mu_result runs_take(int wanted, const char *name, int *domain);
+
+/**
+ * Finds the one live run of this user.
+ *
+ * @param domain  out: its domain, or 0 when there is none
+ * @return MU_OK; MU_EXISTS: several, which are named on standard error
+ */
+MU_MUST_USE mu_result runs_find(int *domain);
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file supervise.h
+ * The processes of a run: started, listened to, and never left behind.
+ *
+ * A child dies with its parent however that ends: the kernel kills it (PR_SET_PDEATHSIG).
+ */
+#ifndef MUSTER_CTL_SUPERVISE_H
+#define MUSTER_CTL_SUPERVISE_H
+
+#include "muster/limits.h"
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 8, SUPERVISE_WORDS_MAX = 1024 };
+
+struct child {
+    char name[MU_NAME_MAX + 1]; /* broker, simulator, or the robot's */
+    pid_t pid;
+    int output;                 /* both of its outputs, read end; -1: closed */
+    bool ended;
+    int status;                 /* of waitpid */
+    char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
+    uint32_t words_len;
+};
+
+struct supervise {
+    struct child *children;     /* SUPERVISE_CHILDREN_MAX */
+    uint32_t count;
+    bool quiet;                 /* do not pass on what children say */
+};
+
+/** Takes memory at start-up. */
+void supervise_init(struct supervise *s, bool quiet);
+
+/** Starts a program that stands beside ours.  @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
+MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
+                                      const char *const *argv);
+
+/** Reads what children say and notes who has ended; never blocks. */
+void supervise_look(struct supervise *s);
+
+/** @return the first child that has ended and was not asked for before, or NULL */
+const struct child *supervise_ended(const struct supervise *s);
+
+/** @return the child of that name, or NULL */
+struct child *supervise_find(struct supervise *s, const char *name);
+
+/** Asks one child to end, waits for at most patience_ms, then kills it. */
+void supervise_stop(struct supervise *s, struct child *child, int patience_ms);
+
+/** Ends all that still live, together. */
+void supervise_stop_all(struct supervise *s, int patience_ms);
+
+/** Says on standard error how a child ended, with its last words. */
+void supervise_explain(const struct child *child);
+
+#endif

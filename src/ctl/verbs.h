@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file verbs.h
+ * The verbs of the command `muster`: one function each, with argv[0] the verb's own name.
+ *
+ * @return each: the exit code
+ */
+#ifndef MUSTER_CTL_VERBS_H
+#define MUSTER_CTL_VERBS_H
+
+int run_verb(int argc, char **argv);
+
+int pages_verb_ps(int argc, char **argv);
+int pages_verb_lookup(int argc, char **argv);
+
+int post_verb_send(int argc, char **argv);
+int post_verb_broadcast(int argc, char **argv);
+int post_verb_do(int argc, char **argv);
+int post_verb_start(int argc, char **argv);
+int post_verb_suspend(int argc, char **argv);
+int post_verb_resume(int argc, char **argv);
+
+#endif

@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/clock.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "runtime/life.h"
+#include "runtime/process.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The public enumerations are those of the wire, so that they can be cast. */
+_Static_assert((int)MU_KIND_SPECIAL == (int)muster_KIND_SPECIAL, "kinds");
+_Static_assert((int)MU_GONE == (int)muster_STATE_ABSENT, "states");
+_Static_assert((int)MU_MAIL_REFUSED == (int)muster_OUTCOME_REFUSED, "outcomes");
+
+const char *mu_kind_text(enum mu_kind kind)
+{
+    static const char *const texts[] = {"agent", "robot", "host", "special"};
+    return (unsigned)kind < sizeof texts / sizeof texts[0] ? texts[kind] : "unknown";
+}
+
+const char *mu_state_text(enum mu_state state)
+{
+    static const char *const texts[] = {"standby", "running", "suspended", "moving", "absent"};
+    return (unsigned)state < sizeof texts / sizeof texts[0] ? texts[state] : "unknown";
+}
+
+const char *mu_outcome_text(enum mu_outcome outcome)
+{
+    static const char *const texts[] = {"delivered",    "stored",    "expired", "box-full",
+                                        "unknown-name", "duplicate", "refused"};
+    return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
+}
+
+void agent_register(struct mu_agent *a)
+{
+    mu_process *p = a->process;
+    if (a->refused || a->gone) {
+        return;
+    }
+    muster_Registration r = {.name = a->name,
+                             .process = p->name,
+                             .incarnation = a->incarnation,
+                             .kind = (muster_Kind)a->kind,
+                             .state = (muster_State)a->state,
+                             .host = p->host,
+                             .pid = (uint32_t)getpid(),
+                             .ready = p->ready};
+    mu_result written = bus_write(&p->registration, &r);
+    (void)written; /* the next heartbeat says it again */
+}
+
+mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
+                        uint64_t last_number, const struct mu_handlers *handlers)
+{
+    if (!mu_name_valid(name)) {
+        return MU_MALFORMED;
+    }
+    if (p->agent_count == MU_LOCAL_AGENTS_MAX) {
+        return MU_FULL;
+    }
+    struct mu_agent *a = &p->agents[p->agent_count++];
+    a->process = p;
+    mu_text_copy(a->name, sizeof a->name, name);
+    a->kind = kind;
+    a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
+    a->handlers = *handlers;
+    a->incarnation = mu_clock_wall_ns();
+    a->last_number = a->acked_number = last_number;
+    outbox_init(&a->outbox);
+    agent_register(a);
+    *out = a;
+    return MU_OK;
+}
+
+struct mu_agent *agent_find(mu_process *p, const char *name)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        if (strcmp(p->agents[i].name, name) == 0) {
+            return &p->agents[i];
+        }
+    }
+    return NULL;
+}
+
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker)
+{
+    if (v->accepted) {
+        a->progress_ns = mu_clock_ns();
+        outbox_continue(&a->outbox, v->last_seq);
+        if (other_broker) {
+            a->last_number = a->acked_number = 0; /* its boxes count from 1 */
+            outbox_again(&a->outbox);
+        }
+        outbox_confirm(&a->outbox, 1, v->last_seq);
+    }
+    bool is_news = v->accepted ? !a->registered : !a->refused;
+    a->registered = v->accepted;
+    a->refused = !v->accepted;
+    if (is_news && a->handlers.on_registered) {
+        a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
+    }
+}
+
+static struct mu_mail mail_of(const muster_Parcel *parcel)
+{
+    const muster_Mail *m = &parcel->letter;
+    return (struct mu_mail){.src = m->src,
+                            .dst = m->dst,
+                            .seq = m->seq,
+                            .number = parcel->number,
+                            .layer = m->layer,
+                            .performative = m->performative,
+                            .language = m->language,
+                            .ontology = m->ontology,
+                            .reply_with = m->reply_with,
+                            .in_reply_to = m->in_reply_to,
+                            .conversation = m->conversation,
+                            .content = m->content,
+                            .due_ns = m->due_ns,
+                            .ttl_ns = m->ttl_ns};
+}
+
+void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    struct mu_mail mail = mail_of(parcel);
+    enum life_event event;
+    if (life_event_named(mail.performative, &event) == MU_OK) {
+        mu_agent_set_state(a, life_next(a->state, event));
+    } else if (a->handlers.on_directive) {
+        a->handlers.on_directive(a->handlers.self, a, &mail);
+    }
+}
+
+void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    if (a->handlers.on_mail) {
+        struct mu_mail mail = mail_of(parcel);
+        a->handlers.on_mail(a->handlers.self, a, &mail);
+    }
+}
+
+void mu_agent_set_state(mu_agent *a, enum mu_state state)
+{
+    if (state == a->state) {
+        return;
+    }
+    a->state = state;
+    if (state == MU_GONE) {
+        muster_Registration r = {
+            .name = a->name, .process = a->process->name, .host = a->process->host};
+        bus_dispose(&a->process->registration, &r);
+        a->gone = true;
+    } else {
+        agent_register(a);
+    }
+    if (a->handlers.on_state) {
+        a->handlers.on_state(a->handlers.self, a, state);
+    }
+}
+
+mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
+{
+    mu_result put = outbox_put(&a->outbox, a->name, mail);
+    if (put == MU_OK && seq) {
+        *seq = a->outbox.next_seq - 1;
+    }
+    return put;
+}
+
+mu_result mu_agent_broadcast(mu_agent *a, const char *content)
+{
+    return mu_agent_send(
+        a, &(struct mu_mail){.dst = "all", .layer = MU_LAYER_SPEECH, .content = content, .due_ns = -1},
+        NULL);
+}
+
+mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s)
+{
+    if (!isfinite(forward_m_s) || !isfinite(turn_rad_s)) {
+        return MU_REFUSED;
+    }
+    a->drives = true;
+    a->forward_m_s = forward_m_s;
+    a->turn_rad_s = turn_rad_s;
+    return MU_OK;
+}
+
+void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules)
+{
+    a->firings = firings;
+    mu_text_copy(a->rules, sizeof a->rules, rules);
+}
+
+const char *mu_agent_name(const mu_agent *a)
+{
+    return a->name;
+}
+
+enum mu_state mu_agent_state(const mu_agent *a)
+{
+    return a->state;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file outbox.h
+ * What an agent has sent and the broker has not yet answered for.
+ *
+ * A ring of mails in order of seq, with their text in a ring of bytes.  Pure; one thread.
+ */
+#ifndef MUSTER_RUNTIME_OUTBOX_H
+#define MUSTER_RUNTIME_OUTBOX_H
+
+#include "muster/agent.h"
+#include "wire.h"
+
+/* Text of the mails in an outbox, in bytes. */
+enum { OUTBOX_TEXT_MAX = 512 * 1024 };
+
+struct outbox_slot {
+    muster_Mail mail;   /* its strings point into the text ring */
+    size_t text_end;    /* where its text ends in the ring */
+    bool confirmed;     /* the broker has answered */
+};
+
+struct outbox {
+    struct outbox_slot *slots; /* MU_OUTBOX_MAX of them */
+    char *text;                /* OUTBOX_TEXT_MAX bytes */
+    uint64_t first_seq;        /* of the oldest mail that is kept; == next_seq: none */
+    uint64_t next_seq;         /* that the next mail will bear */
+    uint64_t unsent_seq;       /* the first that has not gone out (again) */
+    size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
+};
+
+/** Takes memory at start-up; the first mail will bear number 1. */
+void outbox_init(struct outbox *box);
+
+/** The sender's earlier mails went up to last_seq: mails not yet sent are numbered from there on. */
+void outbox_continue(struct outbox *box, uint64_t last_seq);
+
+/**
+ * Copies a mail in.
+ *
+ * @return MU_OK; MU_FULL; MU_MALFORMED: no dst, or a field is too long
+ */
+MU_MUST_USE mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail);
+
+/** Gives up to max mails that wait to go out, in order.  @return how many; pointers into the box, valid until the next put */
+uint32_t outbox_unsent(const struct outbox *box, muster_Mail *mails, uint32_t max);
+
+/** count mails of outbox_unsent went out. */
+void outbox_sent(struct outbox *box, uint32_t count);
+
+/** The broker has answered for these. */
+void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
+
+/** Everything unanswered goes out again: the broker may be another one. */
+void outbox_again(struct outbox *box);
+
+#endif

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/process.h"
+
+#include "core/clock.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A registration is said again this often, by the wall: after a stop, only new data tells the
+ * broker that its writer lives. */
+static const uint64_t HEARTBEAT_NS = 300000000;
+
+/* While something has not matched yet, look again this often. */
+static const int64_t IMPATIENT_NS = 2000000;
+
+/* A process with bodies holds its mail for the next step; when no step comes, for this long. */
+static const uint64_t STEP_PATIENCE_NS = 300000000;
+
+static mu_result endpoints_open(mu_process *p)
+{
+    MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
+    MU_TRY(bus_writer_open(&p->bus, BUS_UP, "broker", p->with_body ? "simulator" : NULL, &p->up));
+    MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
+    if (p->with_body) {
+        MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
+    }
+    return MU_OK;
+}
+
+mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
+{
+    mu_process *p = mu_startup_alloc(sizeof *p);
+    p->with_body = options->with_body;
+    p->agents = mu_startup_array(MU_LOCAL_AGENTS_MAX, sizeof *p->agents);
+    members_init(&p->members);
+    gethostname(p->host, sizeof p->host - 1);
+    /* The clock makes it unique where process ids are reused. */
+    snprintf(p->name, sizeof p->name, "p%ld.%llx", (long)getpid(),
+             (unsigned long long)(mu_clock_wall_ns() / 1000u));
+    struct bus_options bus = {.domain = options->domain,
+                              .place = BUS_AGENT,
+                              .name = options->name ? options->name : program_invocation_short_name,
+                              .interface = options->interface,
+                              .hub = options->peer};
+    MU_TRY(bus_open(&p->bus, &bus));
+    MU_TRY(endpoints_open(p));
+    *out = p;
+    return MU_OK;
+}
+
+void mu_process_close(mu_process *p)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        mu_agent_set_state(&p->agents[i], MU_GONE);
+    }
+    (void)bus_drain(&p->registration, 200000000);
+    bus_close(&p->bus);
+}
+
+bool mu_process_has_broker(const mu_process *p)
+{
+    return bus_reader_matches(&p->delivery) > 0;
+}
+
+/* Everything that a step needs has found its other side. */
+static bool process_is_ready(const mu_process *p)
+{
+    return p->with_body && bus_writer_matches(&p->up) == 2 &&
+           bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
+}
+
+static void registrations_keep(mu_process *p)
+{
+    uint64_t now_ns = mu_clock_ns();
+    bool ready = p->ready || process_is_ready(p);
+    if (ready == p->ready && now_ns - p->heartbeat_ns < HEARTBEAT_NS) {
+        return;
+    }
+    p->ready = ready;
+    p->heartbeat_ns = now_ns;
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        agent_register(&p->agents[i]);
+    }
+}
+
+static void next_delivery(mu_process *p)
+{
+    enum bus_life life;
+    do {
+        p->mail = bus_next(&p->delivery, &life);
+    } while (p->mail && life != BUS_DATA);
+}
+
+/* Takes the step that is there: the reader keeps only the newest. */
+static void next_step(mu_process *p)
+{
+    enum bus_life life;
+    const muster_Sense *sense;
+    do {
+        sense = p->with_body ? bus_next(&p->sense, &life) : NULL;
+    } while (sense && life != BUS_DATA);
+    if (!sense) {
+        return;
+    }
+    p->step_wall_ns = mu_clock_ns();
+    p->in_lockstep = sense->lockstep && !sense->last;
+    p->done = sense->last;
+    p->step = sense->last ? NULL : sense;
+}
+
+/* In free running a step takes in all the mail that is there. */
+static void live_freely(mu_process *p)
+{
+    while (p->mail) {
+        const muster_Delivery *d = p->mail;
+        step_take_delivery(p, d, NULL);
+        next_delivery(p);
+    }
+    step_live(p, p->step, NULL);
+    p->step = NULL;
+}
+
+/* @return whether something was handled */
+static bool handle_one(mu_process *p)
+{
+    if (!p->mail) {
+        next_delivery(p);
+    }
+    if (!p->step) {
+        next_step(p);
+    }
+    if (p->step && !p->step->lockstep) {
+        live_freely(p);
+        return true;
+    }
+    if (p->mail && (p->mail->step == muster_STEP_NOW)) {
+        bool hold = p->with_body && !p->in_lockstep && p->step_wall_ns &&
+                    mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+        if (hold) {
+            return false;
+        }
+        step_take_delivery(p, p->mail, NULL);
+        next_delivery(p);
+        return true;
+    }
+    if (p->step && p->mail && p->mail->step == p->step->step - 1) {
+        step_live(p, p->step, p->mail);
+        p->step = NULL;
+        p->mail = NULL;
+        return true;
+    }
+    return false;
+}
+
+mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
+{
+    registrations_keep(p);
+    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
+    int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
+    if (!p->in_lockstep) {
+        step_flush(p);
+    }
+    bus_wait(&p->bus, timeout_ns < most_ns ? timeout_ns : most_ns);
+    while (!p->done && step_retry(p) && handle_one(p)) {
+    }
+    if (!p->in_lockstep) {
+        step_flush(p);
+    }
+    return p->done ? MU_DONE : MU_OK;
+}
+
+mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
+{
+    uint64_t began_ns = mu_clock_ns();
+    while (p->broker_incarnation == 0) {
+        if (mu_clock_ns() - began_ns > patience_ns) {
+            return MU_TIMEOUT;
+        }
+        mu_result spun = mu_process_spin(p, IMPATIENT_NS);
+        if (spun != MU_OK) {
+            return spun;
+        }
+    }
+    return MU_OK;
+}
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+mu_result mu_process_run(mu_process *p)
+{
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_result spun = MU_OK;
+    while (spun == MU_OK && !p->stopped && !signal_came) {
+        spun = mu_process_spin(p, (int64_t)HEARTBEAT_NS);
+    }
+    return spun < 0 ? spun : MU_OK;
+}
+
+void mu_process_stop(mu_process *p)
+{
+    p->stopped = true;
+}
+
+const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
+{
+    return members_find(&p->members, name);
+}
+
+const struct mu_member *mu_process_member(const mu_process *p, size_t index)
+{
+    return index < p->members.count ? &p->members.lines[index] : NULL;
+}

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A control step in its fixed order: directives, percepts, mail, acting, one answer.
+ *
+ * docs/lockstep.md has the whole protocol; here is a process's side of it.
+ */
+#include "core/clock.h"
+#include "runtime/process.h"
+
+#include <string.h>
+
+/* Mail that went out and has no answer after this long, by the wall, goes out again. */
+static const uint64_t RESEND_NS = 1000000000;
+
+static bool parcel_is_fresh(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    if (!a || a->gone) {
+        return false;
+    }
+    if (parcel->number <= a->last_number) {
+        a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
+        return false;
+    }
+    /* Where a number is missing, the broker will begin there again; a new life begins anywhere. */
+    return a->handed == 0 || parcel->number == a->last_number + 1;
+}
+
+/* Directives come first, whatever order the box has: the answer to them waits for no rule. */
+static void directives_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        const muster_Parcel *parcel = &d->parcels._buffer[i];
+        struct mu_agent *a = agent_find(p, parcel->box);
+        if (parcel->letter.layer == MU_DIRECTIVE && parcel_is_fresh(a, parcel)) {
+            a->handed++;
+            agent_directive(a, parcel);
+        }
+    }
+}
+
+static void mails_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        const muster_Parcel *parcel = &d->parcels._buffer[i];
+        struct mu_agent *a = agent_find(p, parcel->box);
+        if (!parcel_is_fresh(a, parcel)) {
+            continue;
+        }
+        if (parcel->letter.layer != MU_DIRECTIVE) {
+            a->handed++;
+            agent_mail(a, parcel);
+        }
+        a->last_number = parcel->number;
+    }
+}
+
+static void notices_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        const muster_Verdict *v = &d->verdicts._buffer[i];
+        struct mu_agent *a = agent_find(p, v->agent);
+        bool other_broker =
+            p->broker_incarnation != 0 && p->broker_incarnation != v->broker_incarnation;
+        if (other_broker) {
+            members_clear(&p->members);
+        }
+        if (a) {
+            agent_verdict(a, v, other_broker);
+        }
+    }
+    if (d->verdicts._length > 0) {
+        p->broker_incarnation = d->verdicts._buffer[0].broker_incarnation;
+    }
+    for (uint32_t i = 0; i < d->members._length; i++) {
+        members_set(&p->members, &d->members._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->receipts._length; i++) {
+        const muster_Receipt *r = &d->receipts._buffer[i];
+        struct mu_agent *a = agent_find(p, r->agent);
+        if (!a) {
+            continue;
+        }
+        a->progress_ns = mu_clock_ns();
+        outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
+        /* Only the runtime sends a mail twice; its real outcome is still to come. */
+        if (a->handlers.on_receipt && r->result != muster_OUTCOME_DUPLICATE) {
+            a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
+                                   (enum mu_outcome)r->result);
+        }
+    }
+}
+
+static struct mu_percept percept_of(const muster_Sense *sense, const muster_Percept *robot)
+{
+    return (struct mu_percept){.step = sense->step,
+                               .time_ns = sense->time_ns,
+                               .x_m = robot->x_m,
+                               .y_m = robot->y_m,
+                               .heading_rad = robot->heading_rad,
+                               .forward_m_s = robot->forward_m_s,
+                               .turn_rad_s = robot->turn_rad_s,
+                               .stalled = robot->stalled,
+                               .sonar_count = robot->sonar_m._length,
+                               .sonar_m = robot->sonar_m._buffer};
+}
+
+static void percepts_take(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < sense->robots._length; i++) {
+        struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
+        if (a && a->handlers.on_step) {
+            struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
+            a->handlers.on_step(a->handlers.self, a, &percept);
+        }
+    }
+}
+
+static void agents_act(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < sense->robots._length; i++) {
+        struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
+        if (a && a->state == MU_RUNNING && a->handlers.on_act) {
+            struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
+            a->handlers.on_act(a->handlers.self, a, &percept);
+        }
+    }
+}
+
+void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
+{
+    notices_take(p, d);
+    directives_take(p, d);
+    if (sense) {
+        percepts_take(p, sense);
+    }
+    mails_take(p, d);
+}
+
+/* --- the answer ---------------------------------------------------------------------------------- */
+
+static uint32_t acks_fill(mu_process *p)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (a->acked_number != a->last_number) {
+            p->acks[count++] = (muster_Ack){
+                .box = a->name, .number = a->last_number, .handed = a->handed};
+        }
+    }
+    return count;
+}
+
+/* How many of these mails go into one Up: as many as PROCESS_UP_BYTES allow, and at least one. */
+static uint32_t mails_bounded(const muster_Mail *mails, uint32_t count, size_t *room)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        size_t bytes = strlen(mails[i].content) + sizeof *mails;
+        if (bytes > *room && i > 0) {
+            *room = 0;
+            return i;
+        }
+        *room -= bytes < *room ? bytes : *room;
+    }
+    return count;
+}
+
+static muster_Act act_of(struct mu_agent *a)
+{
+    bool runs = a->state == MU_RUNNING;
+    return (muster_Act){.agent = a->name,
+                        .state = (muster_State)a->state,
+                        .drives = runs ? a->drives : true, /* who does not run stands still */
+                        .forward_m_s = runs ? a->forward_m_s : 0.0,
+                        .turn_rad_s = runs ? a->turn_rad_s : 0.0,
+                        .firings = a->firings,
+                        .rules = a->rules};
+}
+
+/* Puts the next Up together.  @return whether there is anything in it but states */
+static bool up_fill(mu_process *p, int64_t step)
+{
+    uint32_t mails = 0;
+    size_t room = PROCESS_UP_BYTES;
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        muster_Mail *from = &p->mails[mails];
+        bool may_send = a->registered && room > 0;
+        uint32_t count = may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - mails) : 0;
+        count = mails_bounded(from, count, &room);
+        p->acts[i] = act_of(a);
+        p->acts[i].mails = (dds_sequence_muster_Mail){
+            ._maximum = count, ._length = count, ._buffer = from, ._release = false};
+        p->out_mails[i] = count;
+        mails += count;
+    }
+    uint32_t acks = acks_fill(p);
+    p->out = (muster_Up){.process = p->name, .step = step};
+    p->out.acts._buffer = p->acts;
+    p->out.acts._length = p->out.acts._maximum = p->agent_count;
+    p->out.acks._buffer = p->acks;
+    p->out.acks._length = p->out.acks._maximum = acks;
+    return mails > 0 || acks > 0;
+}
+
+bool step_retry(mu_process *p)
+{
+    if (!p->out_pending) {
+        return true;
+    }
+    if (bus_write(&p->up, &p->out) != MU_OK) {
+        return false;
+    }
+    p->out_pending = false;
+    for (uint32_t i = 0; i < p->out.acts._length; i++) {
+        struct mu_agent *a = &p->agents[i];
+        outbox_sent(&a->outbox, p->out_mails[i]);
+        if (p->out_mails[i] > 0) {
+            a->progress_ns = mu_clock_ns();
+        }
+        a->drives = false;
+        mu_agent_fired(a, 0, "");
+    }
+    for (uint32_t i = 0; i < p->out.acks._length; i++) {
+        agent_find(p, p->acks[i].box)->acked_number = p->acks[i].number;
+    }
+    return true;
+}
+
+void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
+{
+    if (d) {
+        step_take_delivery(p, d, sense);
+    } else {
+        percepts_take(p, sense);
+    }
+    agents_act(p, sense);
+    (void)up_fill(p, sense->step);
+    p->out_pending = true;
+    (void)step_retry(p);
+}
+
+static void unanswered_again(mu_process *p)
+{
+    uint64_t now_ns = mu_clock_ns();
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (a->outbox.unsent_seq > a->outbox.first_seq && now_ns - a->progress_ns > RESEND_NS) {
+            a->progress_ns = now_ns;
+            outbox_again(&a->outbox);
+        }
+    }
+}
+
+void step_flush(mu_process *p)
+{
+    unanswered_again(p);
+    while (step_retry(p) && bus_writer_matches(&p->up) > 0 && up_fill(p, muster_STEP_NOW)) {
+        p->out_pending = true;
+    }
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/grid.h"
+
+#include "muster/memory.h"
+#include "muster/result.h"
+
+#include <math.h>
+#include <string.h>
+
+#define GRID_CELL_M 1.0   /* the measured optimum for rays is flat from 0.5 to 1.5 */
+#define GRID_MARGIN_M 1.0 /* around the world */
+#define GRID_SLACK 1e-7   /* cells are a little larger than they are, so that rounding leaves no gap */
+
+struct grid_span {
+    int x0, x1, y0, y1;
+    bool inside;
+};
+
+static int grid_clamp(double cell, int count)
+{
+    return !(cell >= 0) ? 0 : cell >= count ? count - 1 : (int)cell; /* a NaN too finds a cell */
+}
+
+static struct grid_span grid_span(const struct grid *grid, const struct solid *solid)
+{
+    double ex;
+    double ey;
+    solid_extent(solid, &ex, &ey);
+    double x0 = (solid->x - ex - grid->x0) * grid->per_m - GRID_SLACK;
+    double x1 = (solid->x + ex - grid->x0) * grid->per_m + GRID_SLACK;
+    double y0 = (solid->y - ey - grid->y0) * grid->per_m - GRID_SLACK;
+    double y1 = (solid->y + ey - grid->y0) * grid->per_m + GRID_SLACK;
+    return (struct grid_span){.x0 = grid_clamp(x0, grid->nx),
+                              .x1 = grid_clamp(x1, grid->nx),
+                              .y0 = grid_clamp(y0, grid->ny),
+                              .y1 = grid_clamp(y1, grid->ny),
+                              .inside = x0 >= 0 && y0 >= 0 && x1 < grid->nx && y1 < grid->ny};
+}
+
+/* Whether a solid may reach into a cell; never no when it does. */
+static bool grid_touches(const struct grid *grid, const struct solid *solid, int i, int j)
+{
+    double half = grid->cell_m / 2 * (1 + GRID_SLACK);
+    double x = grid->x0 + (i + 0.5) * grid->cell_m - solid->x;
+    double y = grid->y0 + (j + 0.5) * grid->cell_m - solid->y;
+    if (solid->kind == WORLD_DISC) {
+        double dx = fabs(x) > half ? fabs(x) - half : 0;
+        double dy = fabs(y) > half ? fabs(y) - half : 0;
+        return dx * dx + dy * dy <= solid->half_x * solid->half_x * (1 + GRID_SLACK);
+    }
+    double lx = solid->c * x + solid->s * y;
+    double ly = solid->c * y - solid->s * x;
+    double reach = half * (fabs(solid->c) + fabs(solid->s)) + GRID_SLACK;
+    return fabs(lx) <= solid->half_x + reach && fabs(ly) <= solid->half_y + reach;
+}
+
+static void grid_build(struct grid *grid, struct grid_layer *layer)
+{
+    size_t cells = (size_t)grid->nx * (size_t)grid->ny;
+    memset(layer->start, 0, (cells + 1) * sizeof *layer->start);
+    layer->outside_count = 0;
+    for (uint32_t k = 0; k < layer->count; k++) {
+        struct grid_span span = grid_span(grid, &layer->solids[k]);
+        if (!span.inside) {
+            layer->outside[layer->outside_count++] = k;
+            continue;
+        }
+        for (int j = span.y0; j <= span.y1; j++) {
+            for (int i = span.x0; i <= span.x1; i++) {
+                layer->start[j * grid->nx + i + 1] += grid_touches(grid, &layer->solids[k], i, j);
+            }
+        }
+    }
+    for (size_t c = 0; c < cells; c++) {
+        layer->start[c + 1] += layer->start[c];
+    }
+    MU_ASSERT(layer->start[cells] <= layer->entries_max);
+    memcpy(grid->cursor, layer->start, cells * sizeof *grid->cursor);
+    for (uint32_t k = 0; k < layer->count; k++) {
+        struct grid_span span = grid_span(grid, &layer->solids[k]);
+        for (int j = span.y0; span.inside && j <= span.y1; j++) {
+            for (int i = span.x0; i <= span.x1; i++) {
+                if (grid_touches(grid, &layer->solids[k], i, j)) {
+                    layer->entries[grid->cursor[j * grid->nx + i]++] = k;
+                }
+            }
+        }
+    }
+}
+
+static void grid_measure(struct grid *grid, const struct solid *solids, size_t count)
+{
+    double min[2] = {INFINITY, INFINITY};
+    double max[2] = {-INFINITY, -INFINITY};
+    for (size_t k = 0; k < count; k++) {
+        double ex;
+        double ey;
+        solid_extent(&solids[k], &ex, &ey);
+        min[0] = fmin(min[0], solids[k].x - ex);
+        max[0] = fmax(max[0], solids[k].x + ex);
+        min[1] = fmin(min[1], solids[k].y - ey);
+        max[1] = fmax(max[1], solids[k].y + ey);
+    }
+    double width = count ? max[0] - min[0] + 2 * GRID_MARGIN_M : GRID_MARGIN_M;
+    double height = count ? max[1] - min[1] + 2 * GRID_MARGIN_M : GRID_MARGIN_M;
+    grid->x0 = count ? min[0] - GRID_MARGIN_M : 0;
+    grid->y0 = count ? min[1] - GRID_MARGIN_M : 0;
+    grid->cell_m = GRID_CELL_M;
+    while (ceil(width / grid->cell_m) * ceil(height / grid->cell_m) > GRID_CELLS_MAX) {
+        grid->cell_m *= 2;
+    }
+    grid->per_m = 1 / grid->cell_m;
+    grid->nx = (int)ceil(width * grid->per_m);
+    grid->ny = (int)ceil(height * grid->per_m);
+}
+
+/* How many cells a solid can lie in, however it stands. */
+static uint32_t grid_cells_of(const struct grid *grid, const struct solid *solid)
+{
+    double side = floor(2 * solid->reach * grid->per_m + GRID_SLACK) + 2;
+    double cells = fmin(side, grid->nx) * fmin(side, grid->ny);
+    return (uint32_t)cells;
+}
+
+static void grid_layer_init(struct grid *grid, struct grid_layer *layer,
+                            const struct solid *solids, size_t count)
+{
+    size_t cells = (size_t)grid->nx * (size_t)grid->ny;
+    uint64_t entries = 0;
+    for (size_t k = 0; k < count; k++) {
+        entries += grid_cells_of(grid, &solids[k]);
+    }
+    MU_ASSERT(entries < UINT32_MAX && count < UINT32_MAX);
+    layer->solids = solids;
+    layer->count = (uint32_t)count;
+    layer->start = mu_startup_array(cells + 1, sizeof *layer->start);
+    layer->entries = mu_startup_array(entries, sizeof *layer->entries);
+    layer->entries_max = (uint32_t)entries;
+    layer->outside = mu_startup_array(count, sizeof *layer->outside);
+    layer->seen = mu_startup_array(count, sizeof *layer->seen);
+    grid_build(grid, layer);
+}
+
+void grid_init(struct grid *grid, const struct solid *still, size_t still_count,
+               const struct solid *moving, size_t moving_count)
+{
+    *grid = (struct grid){0};
+    bool open = still_count == 0; /* nothing stands: lay it over what moves */
+    grid_measure(grid, open ? moving : still, open ? moving_count : still_count);
+    grid->cursor = mu_startup_array((size_t)grid->nx * (size_t)grid->ny, sizeof *grid->cursor);
+    grid_layer_init(grid, &grid->still, still, still_count);
+    MU_ASSERT(grid->still.outside_count == 0);
+    grid_layer_init(grid, &grid->moving, moving, moving_count);
+}
+
+void grid_update(struct grid *grid)
+{
+    grid_build(grid, &grid->moving);
+}
+
+static double grid_ray_layer(const struct grid_layer *layer, int self, const double from[2],
+                             const double along[2], double best)
+{
+    for (uint32_t k = 0; k < layer->count; k++) {
+        if ((int)k != self) {
+            best = solid_ray(&layer->solids[k], from, along, best);
+        }
+    }
+    return best;
+}
+
+static double grid_ray_cell(const struct grid *grid, int cell, int self, const double from[2],
+                            const double along[2], double best)
+{
+    const struct grid_layer *still = &grid->still;
+    const struct grid_layer *moving = &grid->moving;
+    for (uint32_t k = still->start[cell]; k < still->start[cell + 1]; k++) {
+        best = solid_ray(&still->solids[still->entries[k]], from, along, best);
+    }
+    for (uint32_t k = moving->start[cell]; k < moving->start[cell + 1]; k++) {
+        if ((int)moving->entries[k] != self) {
+            best = solid_ray(&moving->solids[moving->entries[k]], from, along, best);
+        }
+    }
+    return best;
+}
+
+/* Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
+static double grid_walk(const struct grid *grid, int self, const double from[2],
+                        const double along[2], double best)
+{
+    double gx = (from[0] - grid->x0) * grid->per_m;
+    double gy = (from[1] - grid->y0) * grid->per_m;
+    int i = (int)gx;
+    int j = (int)gy;
+    double slope_x = fabs(along[0]);
+    double slope_y = fabs(along[1]);
+    double per_x = grid->cell_m / (slope_x > 1e-12 ? slope_x : 1e-12);
+    double per_y = grid->cell_m / (slope_y > 1e-12 ? slope_y : 1e-12);
+    double next_x = (along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
+    double next_y = (along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
+    int step_x = along[0] > 0 ? 1 : -1;
+    int step_y = along[1] > 0 ? 1 : -1;
+    int end_x = along[0] > 0 ? grid->nx : -1;
+    int end_y = along[1] > 0 ? grid->ny : -1;
+    for (;;) {
+        best = grid_ray_cell(grid, j * grid->nx + i, self, from, along, best);
+        if (next_x < next_y) {
+            i += step_x;
+            if (best <= next_x || i == end_x) {
+                return best;
+            }
+            next_x += per_x;
+        } else {
+            j += step_y;
+            if (best <= next_y || j == end_y) {
+                return best;
+            }
+            next_y += per_y;
+        }
+    }
+}
+
+double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
+                double range_m)
+{
+    double gx = (from[0] - grid->x0) * grid->per_m;
+    double gy = (from[1] - grid->y0) * grid->per_m;
+    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
+        double best = grid_ray_layer(&grid->still, GRID_NOBODY, from, along, range_m);
+        return grid_ray_layer(&grid->moving, self, from, along, best);
+    }
+    double best = range_m;
+    for (uint32_t k = 0; k < grid->moving.outside_count; k++) {
+        if ((int)grid->moving.outside[k] != self) {
+            best = solid_ray(&grid->moving.solids[grid->moving.outside[k]], from, along, best);
+        }
+    }
+    return grid_walk(grid, self, from, along, best);
+}
+
+static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k, uint32_t *list,
+                        size_t count)
+{
+    if (layer->seen[k] == grid->query) {
+        return count;
+    }
+    layer->seen[k] = grid->query;
+    list[count] = k;
+    return count + 1;
+}
+
+static void grid_meet_cell(struct grid *grid, uint32_t index, int cell, struct grid_near *near)
+{
+    struct grid_layer *still = &grid->still;
+    struct grid_layer *moving = &grid->moving;
+    for (uint32_t k = still->start[cell]; k < still->start[cell + 1]; k++) {
+        near->still_count =
+            grid_meet(grid, still, still->entries[k], near->still, near->still_count);
+    }
+    for (uint32_t k = moving->start[cell]; k < moving->start[cell + 1]; k++) {
+        if (moving->entries[k] > index) {
+            near->moving_count =
+                grid_meet(grid, moving, moving->entries[k], near->moving, near->moving_count);
+        }
+    }
+}
+
+void grid_near(struct grid *grid, uint32_t index, struct grid_near *near)
+{
+    struct grid_layer *moving = &grid->moving;
+    struct grid_span span = grid_span(grid, &moving->solids[index]);
+    near->still_count = 0;
+    near->moving_count = 0;
+    grid->query++;
+    for (int j = span.y0; j <= span.y1; j++) {
+        for (int i = span.x0; i <= span.x1; i++) {
+            grid_meet_cell(grid, index, j * grid->nx + i, near);
+        }
+    }
+    if (!span.inside) { /* it lies in no cell: whoever is on the grid may touch it */
+        for (uint32_t k = index + 1; k < moving->count; k++) {
+            near->moving_count = grid_meet(grid, moving, k, near->moving, near->moving_count);
+        }
+        return;
+    }
+    for (uint32_t k = 0; k < moving->outside_count; k++) {
+        if (moving->outside[k] > index) {
+            near->moving_count =
+                grid_meet(grid, moving, moving->outside[k], near->moving, near->moving_count);
+        }
+    }
+}

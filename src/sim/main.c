@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-sim: one world, its physics and senses, and the clock of the run. */
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/network.h"
+#include "core/options.h"
+#include "muster/memory.h"
+#include "sim/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+struct settings {
+    struct mu_network network;
+    int64_t seed;
+    double duration_s, rate, step_ms, silence_s;
+    bool free, waits_for_go, verbose;
+    const char *csv;
+    struct mu_option_list robots; /* names; none: all of the world */
+    struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
+};
+
+static mu_result settings_parse(struct settings *set, int argc, char **argv, const char **world)
+{
+    struct mu_option table[] = {
+        MU_NETWORK_OPTIONS(set->network),
+        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "1",
+         .environment = "MUSTER_SEED", .help = "seed of the run", .target = &set->seed},
+        {.name = "duration", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "0",
+         .help = "simulated seconds; 0: until stopped", .target = &set->duration_s, .max = 1e9},
+        {.name = "rate", .kind = MU_OPTION_REAL, .unit = "R", .fallback = "0",
+         .environment = "MUSTER_RATE", .help = "times real time; 0: as fast as it goes",
+         .target = &set->rate, .max = 1e6},
+        {.name = "step", .kind = MU_OPTION_REAL, .unit = "MS", .fallback = "100",
+         .help = "length of a control step, a multiple of 20", .target = &set->step_ms,
+         .min = 20, .max = 10000},
+        {.name = "silence", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "5",
+         .help = "wall time after which a silent controller ends the run",
+         .target = &set->silence_s, .min = 0.1, .max = 3600},
+        {.name = "free", .kind = MU_OPTION_FLAG, .help = "real time without lock step",
+         .target = &set->free},
+        {.name = "wait", .kind = MU_OPTION_FLAG, .help = "the first step waits for `muster run`",
+         .target = &set->waits_for_go},
+        {.name = "csv", .kind = MU_OPTION_STRING, .unit = "FILE", .help = "record tracks here",
+         .target = &set->csv},
+        {.name = "robots", .kind = MU_OPTION_LIST, .unit = "NAME",
+         .help = "a robot that has a controller (default: all)", .target = &set->robots},
+        {.name = "place", .kind = MU_OPTION_LIST, .unit = "'NAME BODY X Y DEG COLOR'",
+         .help = "put a robot into the world, or elsewhere; - for what the world says",
+         .target = &set->places},
+        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
+         .target = &set->verbose},
+    };
+    static struct mu_options options;
+    options = (struct mu_options){
+        .program = "muster sim",
+        .usage = "WORLD [OPTION...]",
+        .about = "Simulates the robots of a world file and keeps the clock of the run.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return parsed;
+    }
+    if (options.words_count != 1) {
+        fprintf(stderr, "muster sim: name one world file, for example: muster sim worlds/arena.world\n");
+        return MU_FAULT_USAGE;
+    }
+    *world = options.words[0];
+    return MU_OK;
+}
+
+/* Puts one robot where --place says. */
+static mu_result place_robot(struct world *world, const char *text, struct mu_fault *fault)
+{
+    char name[64], body[64], color[64];
+    char number[3][32];
+    if (sscanf(text, "%63s %63s %31s %31s %31s %63s", name, body, number[0], number[1], number[2],
+               color) != 6) {
+        return mu_fault_at(fault, "--place", 0, 0, "'%s': expected NAME BODY X Y DEG COLOR", text);
+    }
+    double values[3];
+    bool has_pose = strcmp(number[0], "-") != 0;
+    for (size_t i = 0; has_pose && i < 3; i++) {
+        char *end;
+        values[i] = strtod(number[i], &end);
+        if (*end || !isfinite(values[i])) {
+            return mu_fault_at(fault, "--place", 0, 0, "'%s': expected a number", number[i]);
+        }
+    }
+    struct world_pose pose = {0};
+    if (has_pose) {
+        pose = (struct world_pose){values[0], values[1], values[2] * M_PI / 180.0};
+    }
+    return world_add_robot(world, name, strcmp(body, "-") == 0 ? NULL : body,
+                           has_pose ? &pose : NULL, strcmp(color, "-") == 0 ? NULL : color, fault);
+}
+
+static mu_result world_prepare(struct world *world, const struct settings *set, const char *path)
+{
+    struct mu_fault fault;
+    mu_result loaded = world_load(world, path, false, &fault);
+    for (size_t i = 0; loaded == MU_OK && i < set->places.count; i++) {
+        loaded = place_robot(world, set->places.items[i], &fault);
+    }
+    loaded = loaded == MU_OK ? world_check_places(world, &fault) : loaded;
+    if (loaded != MU_OK) {
+        mu_fault_print(&fault);
+    }
+    return loaded;
+}
+
+static bool robots_choose(struct session *s, const struct mu_option_list *names)
+{
+    for (size_t r = 0; names->count > 0 && r < s->robot_count; r++) {
+        s->robots[r].controlled = false;
+        for (size_t i = 0; i < names->count; i++) {
+            s->robots[r].controlled |= strcmp(names->items[i], s->robots[r].name) == 0;
+        }
+    }
+    for (size_t i = 0; i < names->count; i++) {
+        bool found = false;
+        for (size_t r = 0; r < s->robot_count; r++) {
+            found = found || strcmp(names->items[i], s->robots[r].name) == 0;
+        }
+        if (!found) {
+            fprintf(stderr, "muster sim: the world has no robot named %s\n", names->items[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static int session_live(struct session *s)
+{
+    mu_result gathered = session_gather(s, &signal_came);
+    if (gathered == MU_DONE) {
+        return MU_EXIT_DONE;
+    }
+    if (gathered != MU_OK) {
+        fprintf(stderr, "muster sim: no broker answers; start one with: muster broker NAME\n");
+        return MU_EXIT_DDS;
+    }
+    if (session_run(s, &signal_came) != MU_OK) {
+        fprintf(stderr, "muster sim: %s\n", s->waits_for);
+        return MU_EXIT_CRASH;
+    }
+    if (s->recorder && recorder_close(s->recorder) != MU_OK) {
+        return MU_EXIT_WRITE;
+    }
+    return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+}
+
+int main(int argc, char **argv)
+{
+    struct settings set = {0};
+    const char *path;
+    mu_result parsed = settings_parse(&set, argc, argv, &path);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    mu_log_open("sim", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    struct world *world = mu_startup_alloc(sizeof *world);
+    mu_result prepared = world_prepare(world, &set, path);
+    if (prepared != MU_OK) {
+        return mu_exit_for(prepared);
+    }
+    uint64_t step_ns = (uint64_t)llround(set.step_ms / 20.0) * 20000000u;
+    struct engine_options physics = {.seed = (uint64_t)set.seed, .step_ns = step_ns};
+    struct session *s = mu_startup_alloc(sizeof *s);
+    struct recorder *recorder = NULL;
+    if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {
+        return MU_EXIT_WRITE;
+    }
+    struct bus_options bus = {.domain = (int)set.network.domain, .place = BUS_SIMULATOR,
+                              .name = "simulator", .interface = set.network.interface,
+                              .hub = set.network.peer};
+    mu_result opened = bus_open(&s->bus, &bus);
+    if (opened != MU_OK) {
+        fprintf(stderr, "muster sim: domain %d has a simulator already, or no network\n", bus.domain);
+        return MU_EXIT_DDS;
+    }
+    struct session_options options = {.step_ns = step_ns,
+                                      .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
+                                      .rate = set.rate,
+                                      .free = set.free,
+                                      .waits_for_go = set.waits_for_go,
+                                      .silence_ns = (uint64_t)(set.silence_s * 1e9)};
+    if (session_open(s, &options, world, engine_open(world, &physics), recorder) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    if (!robots_choose(s, &set.robots)) {
+        return MU_EXIT_USAGE;
+    }
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_memory_seal();
+    int code = session_live(s);
+    bus_close(&s->bus);
+    return code;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file ode_world.h
+ * Rigid bodies in the plane, moved by ODE.  Nothing else of muster sees ODE.
+ *
+ * Each body moves in x, y and heading alone: all forces and contacts lie in the plane, so that
+ * height, roll and pitch stay exactly 0.  There is one such world in a process.
+ */
+#ifndef MUSTER_SIM_ODE_WORLD_H
+#define MUSTER_SIM_ODE_WORLD_H
+
+#include "sim/narrow.h"
+
+#include <stdint.h>
+
+enum { ODE_WORLD_STATE = 13, ODE_WORLD_STANDS = -1 };
+
+struct ode_body_size {
+    double mass_kg, length_m, width_m;
+    double middle_x_m, middle_y_m; /* of the outline, seen from the body's own point */
+};
+
+/* What the rest of the simulator wants to know of a body. */
+struct ode_motion {
+    double x, y, c, s;       /* pose; cosine and sine of the heading */
+    double vx, vy, turn;     /* in the world's frame */
+};
+
+/** Starts ODE with room for so many bodies. */
+void ode_world_open(size_t bodies_max);
+
+void ode_world_close(void);
+
+/** Adds the next body, numbered from 0.  @return its moment of inertia about its own point, kg m2 */
+double ode_world_add(const struct ode_body_size *size, struct world_pose pose);
+
+void ode_world_motion(size_t body, struct ode_motion *motion);
+
+/** Position, quaternion (w x y z), linear and angular velocity. */
+void ode_world_state(size_t body, double state[ODE_WORLD_STATE]);
+
+/** Puts a body at a place, at rest. */
+void ode_world_put(size_t body, double x, double y, double heading_rad);
+
+/** Pushes a body for the next step, in the world's frame; all finite. */
+void ode_world_push(size_t body, double fx_n, double fy_n, double torque_nm);
+
+/** Keeps two bodies, or one and what stands (b is ODE_WORLD_STANDS), apart in the next step. */
+void ode_world_touch(size_t a, int b, const struct narrow_contact *contact);
+
+/** Moves all bodies on.  The same seed and state give the same bits. */
+void ode_world_step(double dt_s, uint64_t seed);
+
+#endif

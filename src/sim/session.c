@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How a run begins: who controls which robot, and is everybody there. */
+#include "sim/session.h"
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const uint64_t BROKER_PATIENCE_NS = 2500000000;
+static const int64_t IMPATIENT_NS = 2000000;
+static const uint64_t STATUS_PERIOD_NS = 50000000;
+
+static mu_result topics_open(struct session *s)
+{
+    MU_TRY(bus_writer_open(&s->bus, BUS_ROSTER, NULL, NULL, &s->roster));
+    MU_TRY(bus_writer_open(&s->bus, BUS_RUN_STATUS, NULL, NULL, &s->status));
+    MU_TRY(bus_reader_open(&s->bus, BUS_REGISTRATION, NULL, &s->registrations));
+    MU_TRY(bus_reader_open(&s->bus, BUS_UP, "simulator", &s->ups));
+    MU_TRY(bus_reader_open(&s->bus, BUS_DELIVERY, s->name, &s->deliveries));
+    MU_TRY(bus_reader_open(&s->bus, BUS_RUN_COMMAND, NULL, &s->commands));
+    return MU_OK;
+}
+
+mu_result session_open(struct session *s, const struct session_options *options,
+                       const struct world *world, struct engine *engine,
+                       struct recorder *recorder)
+{
+    s->options = *options;
+    s->world = world;
+    s->engine = engine;
+    s->recorder = recorder;
+    s->hash = runhash_open();
+    s->step = -1;
+    s->mail_step = muster_STEP_NOW;
+    snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
+    s->robot_count = world->robot_count;
+    s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
+    for (size_t i = 0; i < s->robot_count; i++) {
+        s->robots[i].name = world->robots[i].name;
+        s->robots[i].controlled = true;
+        s->robots[i].process = -1;
+    }
+    s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
+    s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
+    s->totals = mu_startup_array(s->robot_count, sizeof *s->totals);
+    return topics_open(s);
+}
+
+/* --- who is there -------------------------------------------------------------------------------- */
+
+static struct session_robot *robot_find(struct session *s, const char *name)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
+        if (strcmp(s->robots[i].name, name) == 0) {
+            return &s->robots[i];
+        }
+    }
+    return NULL;
+}
+
+static int32_t process_find(const struct session *s, const char *name)
+{
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        if (strcmp(s->processes[i].name, name) == 0) {
+            return (int32_t)i;
+        }
+    }
+    return -1;
+}
+
+static int32_t process_add(struct session *s, const char *name)
+{
+    int32_t found = process_find(s, name);
+    if (found >= 0 || s->process_count == MU_PROCESSES_MAX) {
+        return found;
+    }
+    struct session_process *p = &s->processes[s->process_count];
+    *p = (struct session_process){.answered = -1};
+    mu_text_copy(p->name, sizeof p->name, name);
+    if (bus_writer_open(&s->bus, BUS_SENSE, name, NULL, &p->sense) != MU_OK) {
+        return -1;
+    }
+    return (int32_t)s->process_count++;
+}
+
+static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
+{
+    struct session_robot *robot = robot_find(s, r->name);
+    if (!robot || !robot->controlled || (life == BUS_DATA && r->kind != muster_KIND_ROBOT)) {
+        return;
+    }
+    if (life == BUS_DATA) {
+        robot->process = process_add(s, r->process);
+        if (robot->process >= 0) {
+            s->processes[robot->process].ready = r->ready;
+        }
+    } else if (robot->process >= 0 &&
+               strcmp(s->processes[robot->process].name, r->process) == 0) {
+        robot->process = -1;
+    }
+}
+
+/* While steps run, the roster is fixed: whoever does not answer is found by its silence. */
+static void registrations_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&s->registrations, &life))) {
+        if (s->step < 0 || s->options.free) {
+            registration_take(s, r, life);
+        }
+    }
+}
+
+static void commands_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_RunCommand *c;
+    while ((c = bus_next(&s->commands, &life))) {
+        if (life == BUS_DATA && strcmp(c->simulator, s->name) == 0) {
+            s->go = s->go || c->order == muster_RUN_GO;
+            s->end = s->end || c->order == muster_RUN_END;
+        }
+    }
+}
+
+static bool everybody_is_ready(struct session *s)
+{
+    struct mu_text missing;
+    mu_text_init(&missing, s->waits_for, sizeof s->waits_for);
+    for (size_t i = 0; i < s->robot_count; i++) {
+        int32_t process = s->robots[i].process;
+        if (!s->robots[i].controlled) {
+            continue;
+        }
+        if (process < 0 || !s->processes[process].ready ||
+            bus_writer_matches(&s->processes[process].sense) == 0) {
+            mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
+        }
+    }
+    return missing.len == 0;
+}
+
+void session_tell(struct session *s, muster_RunState state, bool always)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
+        return;
+    }
+    s->status_wall_ns = now_ns;
+    bool done = state == muster_RUN_DONE;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        const struct session_robot *r = &s->robots[i];
+        s->totals[i] = (muster_RobotTotals){.robot = s->world->robots[i].name,
+                                            .firings = r->firings,
+                                            .mails_sent = r->mails_sent,
+                                            .mails_received = r->mails_received,
+                                            .mails_duplicated = r->mails_duplicated};
+    }
+    static char none[] = "none";
+    int64_t steps = s->step > 0 ? s->step : 0;
+    muster_RunStatus status = {.simulator = s->name,
+                               .state = state,
+                               .step = steps,
+                               .time_ns = (uint64_t)steps * s->options.step_ns,
+                               .wall_ns = s->last_step_wall_ns - s->first_step_wall_ns,
+                               .duration_ns = s->options.duration_ns,
+                               .skipped = s->skipped,
+                               .hash = done && !s->options.free ? s->hash_text : none,
+                               .waits_for = s->waits_for};
+    status.robots._buffer = s->totals;
+    status.robots._length = status.robots._maximum = done ? (uint32_t)s->robot_count : 0;
+    mu_result written = bus_write(&s->status, &status);
+    (void)written; /* the next one says more */
+}
+
+/* --- the beginning ------------------------------------------------------------------------------- */
+
+/* Tells the broker which processes make the lock step. */
+static mu_result roster_write(struct session *s, bool lockstep)
+{
+    static char *names[MU_PROCESSES_MAX];
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        names[i] = s->processes[i].name;
+    }
+    muster_Roster roster = {.simulator = s->name,
+                            .lockstep = lockstep,
+                            .step = s->step,
+                            .step_ns = s->options.step_ns};
+    roster.processes._buffer = names;
+    roster.processes._length = roster.processes._maximum = s->process_count;
+    return bus_write(&s->roster, &roster);
+}
+
+/* Drops processes that control nothing: they came and went before the first step. */
+static void processes_prune(struct session *s)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        bool used = false;
+        for (size_t r = 0; r < s->robot_count; r++) {
+            used = used || s->robots[r].process == (int32_t)i;
+        }
+        if (!used) {
+            bus_writer_close(&s->processes[i].sense);
+            continue;
+        }
+        for (size_t r = 0; r < s->robot_count; r++) {
+            if (s->robots[r].process == (int32_t)i) {
+                s->robots[r].process = (int32_t)kept;
+            }
+        }
+        s->processes[kept++] = s->processes[i];
+    }
+    s->process_count = kept;
+}
+
+/* Lays the percepts out so that each process's robots stand together. */
+static void samples_lay_out(struct session *s)
+{
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        p->sample = (muster_Sense){.process = p->name, .lockstep = !s->options.free};
+        p->sample.robots._buffer = &s->percepts[next];
+        for (size_t r = 0; r < s->robot_count; r++) {
+            if (s->robots[r].process == (int32_t)i) {
+                s->percepts[next++].robot = s->world->robots[r].name;
+                p->sample.robots._length++;
+            }
+        }
+        p->sample.robots._maximum = p->sample.robots._length;
+    }
+}
+
+static bool is_over(const struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    return s->end || *signal_came;
+}
+
+mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    uint64_t began_ns = mu_clock_ns();
+    bool ready = false;
+    s->go = !s->options.waits_for_go;
+    while (!ready || !s->go) {
+        session_take(s);
+        if (is_over(s, signal_came)) {
+            return MU_DONE;
+        }
+        if (bus_writer_matches(&s->roster) == 0 && mu_clock_ns() - began_ns > BROKER_PATIENCE_NS) {
+            return MU_TIMEOUT;
+        }
+        bool was_ready = ready;
+        ready = everybody_is_ready(s);
+        session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
+        bus_wait(&s->bus, IMPATIENT_NS);
+    }
+    processes_prune(s);
+    samples_lay_out(s);
+    s->step = 0;
+    s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+    mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
+           s->process_count, !s->options.free);
+    mu_result told = roster_write(s, !s->options.free);
+    return told < 0 ? told : MU_OK;
+}
+
+/* --- what comes in ------------------------------------------------------------------------------- */
+
+static void act_take(struct session *s, const muster_Act *act, int32_t process)
+{
+    struct session_robot *r = robot_find(s, act->agent);
+    if (!r || r->process != process) {
+        return;
+    }
+    r->drives = act->drives;
+    if (act->drives) {
+        r->forward_m_s = act->forward_m_s;
+        r->turn_rad_s = act->turn_rad_s;
+    }
+    r->firings += act->firings;
+    r->mails_sent += act->mails._length;
+    runhash_act(s->hash, act, r->digest);
+}
+
+static void up_take(struct session *s, const muster_Up *up)
+{
+    int32_t process = process_find(s, up->process);
+    bool is_answer = up->step == s->step || (s->options.free && up->step >= 0);
+    if (process < 0 || !is_answer || s->processes[process].answered >= up->step) {
+        return;
+    }
+    struct session_process *p = &s->processes[process];
+    p->answered = up->step;
+    p->answered_wall_ns = mu_clock_ns();
+    if (s->answers_missing > 0) {
+        s->answers_missing--;
+    }
+    for (uint32_t i = 0; i < up->acts._length; i++) {
+        act_take(s, &up->acts._buffer[i], process);
+    }
+    for (uint32_t i = 0; i < up->acks._length; i++) {
+        struct session_robot *r = robot_find(s, up->acks._buffer[i].box);
+        if (r) {
+            const muster_Ack *ack = &up->acks._buffer[i];
+            r->mails_received = ack->handed;
+            r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
+        }
+    }
+}
+
+static void delivery_take(struct session *s, const muster_Delivery *d)
+{
+    if (d->step == muster_STEP_NOW || d->step <= s->mail_step) {
+        return;
+    }
+    s->mail_step = d->step;
+    runhash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside);
+}
+
+void session_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_Up *up;
+    while ((up = bus_next(&s->ups, &life))) {
+        if (life == BUS_DATA) {
+            up_take(s, up);
+        }
+    }
+    const muster_Delivery *delivery;
+    while ((delivery = bus_next(&s->deliveries, &life))) {
+        if (life == BUS_DATA) {
+            delivery_take(s, delivery);
+        }
+    }
+    registrations_take(s);
+    commands_take(s);
+}

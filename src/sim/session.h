@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file session.h
+ * A run, seen from the simulator: who controls which robot, and one step after the other.
+ *
+ * docs/lockstep.md has the protocol.  The order of a step is fixed: senses out, answers in,
+ * commands in the order of the robots, hash, record, physics.
+ */
+#ifndef MUSTER_SIM_SESSION_H
+#define MUSTER_SIM_SESSION_H
+
+#include "bus/bus.h"
+#include "sim/engine.h"
+#include "sim/recorder.h"
+#include "sim/runhash.h"
+#include "wire.h"
+
+#include <signal.h>
+
+/* The dead-man, in control steps and, in free running, by the wall. */
+enum { SESSION_QUIET_STEPS = 10 };
+
+struct session_robot {
+    const char *name;
+    bool controlled;   /* the run waits for its controller; else it is an obstacle */
+    int32_t process;   /* index of the process that controls it; -1: none */
+    bool drives;       /* of the last answer: a speed was set */
+    double forward_m_s, turn_rad_s;
+    uint32_t quiet_steps; /* since a speed was set */
+    unsigned char digest[RUNHASH_BYTES];
+    uint64_t firings, mails_sent, mails_received, mails_duplicated;
+    struct engine_percept percept;
+};
+
+struct session_process {
+    char name[MU_PROCESS_MAX + 1];
+    struct bus_writer sense;
+    bool ready;           /* it has matched all that it needs */
+    int64_t answered;     /* the last step that it has answered */
+    uint64_t answered_wall_ns;
+    muster_Sense sample;  /* what it is sent; its robots lie in the session's pool */
+    bool sample_pending;  /* the network has refused it: try again */
+};
+
+struct session_options {
+    uint64_t step_ns;
+    uint64_t duration_ns;  /* 0: no end */
+    double rate;           /* times real time; 0: as fast as it goes */
+    bool free;             /* no lock step */
+    bool waits_for_go;     /* the first step waits for a RunCommand */
+    uint64_t silence_ns;   /* wall time after which a silent controller is a fault */
+};
+
+struct session {
+    struct session_options options;
+    const struct world *world;
+    struct engine *engine;
+    struct recorder *recorder; /* NULL: no record */
+    struct runhash *hash;
+    struct bus bus;
+    char name[MU_PROCESS_MAX + 1]; /* also its partition */
+    struct bus_writer roster, status;
+    struct bus_reader registrations, ups, deliveries, commands;
+    struct session_robot *robots;
+    size_t robot_count;
+    struct session_process *processes; /* MU_PROCESSES_MAX */
+    uint32_t process_count;
+    muster_Percept *percepts;          /* one for each robot, in order of process */
+    muster_RobotTotals *totals;
+    int64_t step;
+    int64_t mail_step;       /* the last step whose Delivery is in */
+    unsigned char outside[RUNHASH_BYTES]; /* digest of that step's mails from outside */
+    uint32_t answers_missing;
+    uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
+    uint64_t skipped;
+    bool go, end;
+    char waits_for[1024];
+    char hash_text[RUNHASH_TEXT];
+};
+
+/** Opens the topics.  The bus is open already. */
+MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
+                                   const struct world *world, struct engine *engine,
+                                   struct recorder *recorder);
+
+/**
+ * Waits until every robot has a controller that is ready and, if asked, for the word to go.
+ *
+ * @return MU_OK; MU_TIMEOUT: no broker answers within 2.5 s; MU_DONE: ended before it began
+ */
+MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came);
+
+/**
+ * Runs to the end.
+ *
+ * @return MU_OK; MU_TIMEOUT: a controller or the broker was silent for too long, and waits_for
+ *         says which
+ */
+MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came);
+
+/* session_steps.c shares with session.c: */
+
+/** Takes what has come on every topic. */
+void session_take(struct session *s);
+
+/** Says how the run goes; at most every 50 ms unless always. */
+void session_tell(struct session *s, muster_RunState state, bool always);
+
+#endif

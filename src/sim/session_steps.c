@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How a run goes on: one step after the other. */
+#include "core/clock.h"
+#include "core/text.h"
+#include "sim/session.h"
+
+#include <string.h>
+
+static const int64_t WAIT_NS = 50000000;
+static const int64_t RETRY_NS = 1000000;
+
+/* In free running a controller that has not answered for this long has let go of its robot. */
+static const uint64_t DEADMAN_NS = 300000000;
+
+/* --- senses out ---------------------------------------------------------------------------------- */
+
+static void percepts_read(struct session *s)
+{
+    for (size_t r = 0; r < s->robot_count; r++) {
+        engine_sense(s->engine, r, &s->robots[r].percept);
+    }
+}
+
+static void percept_fill(muster_Percept *to, struct engine_percept *from)
+{
+    to->x_m = from->pose.x_m;
+    to->y_m = from->pose.y_m;
+    to->heading_rad = from->pose.heading_rad;
+    to->forward_m_s = from->forward_m_s;
+    to->turn_rad_s = from->turn_rad_s;
+    to->stalled = from->stalled;
+    to->sonar_m._buffer = from->sonar_m;
+    to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
+}
+
+static bool sense_write(struct session_process *p)
+{
+    p->sample_pending = bus_write(&p->sense, &p->sample) != MU_OK;
+    return !p->sample_pending;
+}
+
+static void senses_send(struct session *s, bool last)
+{
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        for (size_t r = 0; r < s->robot_count; r++) {
+            if (s->robots[r].process == (int32_t)i) {
+                percept_fill(&s->percepts[next++], &s->robots[r].percept);
+            }
+        }
+        struct session_process *p = &s->processes[i];
+        p->sample.step = s->step;
+        p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
+        p->sample.last = last;
+        (void)sense_write(p);
+    }
+    s->answers_missing = s->process_count;
+}
+
+/* @return whether every process has its step */
+static bool senses_retry(struct session *s)
+{
+    bool all = true;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        all = (!p->sample_pending || sense_write(p)) && all;
+    }
+    return all;
+}
+
+/* --- one step ------------------------------------------------------------------------------------ */
+
+/* Hashes and records the world as this step found it; done while the controllers think. */
+static void world_record(struct session *s)
+{
+    runhash_fold_number(s->hash, (uint64_t)s->step);
+    for (size_t r = 0; r < s->robot_count; r++) {
+        double state[ENGINE_STATE_DOUBLES];
+        engine_state(s->engine, r, state);
+        runhash_fold(s->hash, state, sizeof state);
+        if (s->recorder) {
+            recorder_add(s->recorder, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
+                         &s->robots[r].percept);
+        }
+    }
+}
+
+/* The dead-man: a speed that nobody renews for 10 steps, or whose owner is silent, is no speed. */
+static bool robot_is_held(const struct session *s, const struct session_robot *r, uint64_t now_ns)
+{
+    if (r->process < 0 || r->quiet_steps >= SESSION_QUIET_STEPS) {
+        return false;
+    }
+    return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < DEADMAN_NS;
+}
+
+static void commands_apply(struct session *s)
+{
+    uint64_t now_ns = s->options.free ? mu_clock_ns() : 0;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *r = &s->robots[i];
+        r->quiet_steps = r->drives ? 0 : r->quiet_steps + 1;
+        r->drives = false;
+        bool held = robot_is_held(s, r, now_ns);
+        double forward_m_s = held ? r->forward_m_s : 0.0;
+        double turn_rad_s = held ? r->turn_rad_s : 0.0;
+        /* The border has refused what is not finite, so the engine cannot. */
+        MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        runhash_fold(s->hash, r->digest, sizeof r->digest);
+    }
+}
+
+static void step_finish(struct session *s)
+{
+    runhash_fold(s->hash, s->outside, sizeof s->outside);
+    commands_apply(s);
+    engine_step(s->engine);
+    s->step++;
+    s->last_step_wall_ns = mu_clock_ns();
+}
+
+/* --- lock step ----------------------------------------------------------------------------------- */
+
+static mu_result silence_report(struct session *s)
+{
+    struct mu_text who;
+    mu_text_init(&who, s->waits_for, sizeof s->waits_for);
+    mu_text_format(&who, "silent for %llu s at step %lld:",
+                   (unsigned long long)(s->options.silence_ns / 1000000000u), (long long)s->step);
+    if (s->answers_missing == 0) {
+        mu_text_add(&who, " the broker");
+    }
+    for (size_t i = 0; s->answers_missing > 0 && i < s->robot_count; i++) {
+        int32_t process = s->robots[i].process;
+        if (process >= 0 && s->processes[process].answered < s->step) {
+            mu_text_format(&who, " %s", s->robots[i].name);
+        }
+    }
+    return MU_TIMEOUT;
+}
+
+/* Waits for the answers of this step, and for the mail of the one before. */
+static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    uint64_t began_ns = s->last_step_wall_ns;
+    for (;;) {
+        session_take(s);
+        if (s->answers_missing == 0 && s->mail_step >= s->step - 1) {
+            return MU_OK;
+        }
+        if (s->end || *signal_came) {
+            return MU_DONE;
+        }
+        if (mu_clock_ns() - began_ns > s->options.silence_ns) {
+            return silence_report(s);
+        }
+        bus_wait(&s->bus, senses_retry(s) ? WAIT_NS : RETRY_NS);
+    }
+}
+
+/* Paces the run: the step may begin when its time has come on the clock of the rate. */
+static void pace(struct session *s)
+{
+    if (s->options.rate <= 0.0) {
+        return;
+    }
+    double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
+    int64_t wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
+    while (wait_ns > 0 && !s->end) {
+        bus_wait(&s->bus, wait_ns);
+        session_take(s);
+        wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
+    }
+    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
+}
+
+static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    bool in_time = s->options.duration_ns == 0 ||
+                   (uint64_t)s->step * s->options.step_ns < s->options.duration_ns;
+    return in_time && !s->end && !*signal_came;
+}
+
+static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    mu_result waited = MU_OK;
+    while (goes_on(s, signal_came) && waited == MU_OK) {
+        pace(s);
+        percepts_read(s);
+        /* The very first step waits for the broker: it must know the roster. */
+        if (s->step > 0) {
+            senses_send(s, false);
+        }
+        world_record(s);
+        if (s->step == 0) {
+            s->answers_missing = 0;
+            waited = answers_wait(s, signal_came);
+            s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+            senses_send(s, false);
+        }
+        waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
+        if (waited == MU_OK) {
+            step_finish(s);
+            session_tell(s, muster_RUN_RUNNING, false);
+        }
+    }
+    if (waited == MU_OK && !s->end && !*signal_came) {
+        s->answers_missing = 0; /* the mail of the last step is part of the hash */
+        waited = answers_wait(s, signal_came);
+    }
+    return waited == MU_DONE ? MU_OK : waited;
+}
+
+/* --- free running -------------------------------------------------------------------------------- */
+
+static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    uint64_t due_ns = mu_clock_ns();
+    while (goes_on(s, signal_came)) {
+        percepts_read(s);
+        s->skipped += s->answers_missing;
+        senses_send(s, false);
+        world_record(s);
+        due_ns += s->options.step_ns;
+        for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end; now_ns = mu_clock_ns()) {
+            bus_wait(&s->bus, (int64_t)(due_ns - now_ns));
+            session_take(s);
+        }
+        step_finish(s);
+        session_tell(s, muster_RUN_RUNNING, false);
+    }
+    return MU_OK;
+}
+
+mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    mu_result ran = s->options.free ? free_run(s, signal_came) : lockstep_run(s, signal_came);
+    percepts_read(s);
+    if (ran == MU_OK) {
+        s->waits_for[0] = '\0';
+        world_record(s);
+        runhash_fold(s->hash, s->outside, sizeof s->outside);
+    }
+    senses_send(s, true);
+    runhash_end(s->hash, s->hash_text);
+    session_tell(s, ran == MU_OK ? muster_RUN_DONE : muster_RUN_FAULT, true);
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        (void)bus_drain(&s->processes[i].sense, 200000000);
+    }
+    (void)bus_drain(&s->status, 500000000);
+    return ran;
+}

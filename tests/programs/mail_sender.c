@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Sends numbered mails and waits until each has been delivered.
+ *   mail_sender DOMAIN NAME RECEIVER COUNT [SECONDS]
+ * Prints "delivered N" and ends with 0 when that is all of them.
+ */
+#include <muster/muster.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+static uint64_t delivered, other;
+
+static void on_receipt(void *self, mu_agent *a, uint64_t first, uint64_t last,
+                       enum mu_outcome outcome)
+{
+    (void)self;
+    (void)a;
+    if (outcome == MU_MAIL_DELIVERED) {
+        delivered += last - first + 1;
+    } else if (outcome != MU_MAIL_STORED) {
+        fprintf(stderr, "mails %llu to %llu: %s\n", (unsigned long long)first,
+                (unsigned long long)last, mu_outcome_text(outcome));
+        other += last - first + 1;
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 5) {
+        return 2;
+    }
+    uint64_t count = strtoull(argv[4], NULL, 10);
+    time_t until = time(NULL) + (argc > 5 ? atol(argv[5]) : 60);
+    mu_process *p;
+    mu_agent *a;
+    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
+    struct mu_handlers handlers = {.on_receipt = on_receipt};
+    if (mu_process_open(&p, &options) != MU_OK ||
+        mu_agent_join(p, &a, argv[2], MU_KIND_AGENT, 0, &handlers) != MU_OK ||
+        mu_process_await_broker(p, 5000000000u) != MU_OK) {
+        return 4;
+    }
+    uint64_t sent = 0;
+    while (delivered + other < count && time(NULL) < until) {
+        char content[64];
+        struct mu_mail mail = {.dst = argv[3], .layer = MU_LAYER_SPEECH, .content = content,
+                               .due_ns = -1};
+        for (mu_result r = MU_OK; sent < count && r == MU_OK; sent += r == MU_OK) {
+            snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);
+            r = mu_agent_send(a, &mail, NULL);
+        }
+        if (mu_process_spin(p, 10000000) != MU_OK) {
+            break;
+        }
+    }
+    printf("delivered %llu\n", (unsigned long long)delivered);
+    mu_process_close(p);
+    return delivered == count ? 0 : 1;
+}

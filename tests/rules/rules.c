@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Runs rule files against a body and a post office that are not there, and compares what they do
+ * with the comments in them:
+ *
+ *   ; options: library=no budget=3    before everything else; both are optional
+ *   ; fails: 7 text                   the file is refused at line 7, and the message holds the text
+ *   ; mail: red mate-pos red 1.0 2.0  arrives in the next step
+ *   ; speech: ask-one q1 red what     the same with a performative and a reply-with
+ *   ; text: red plain any words       the same in another language than clips
+ *   ; step: x=100 heading=90 sonar=5000 s3=400 stalled=1   one control step; mm, deg; values stay
+ *   ; steps: 50                       so many
+ *   ; line: (follow red)              what a person types
+ *   ; acts: on                        each step also says why it ended and which rules fired
+ *   ; expect: text                    the next line of output
+ *
+ * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `mail TO "content"`
+ * and `do WHO "line"`.  The file is loaded over the library as a robot's rule file, then its
+ * comments are done in order.  Output that no expect: names is a failure.
+ */
+#include "agent/mind.h"
+#include "muster/limits.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LINES_MAX = 512, LINE_MAX_BYTES = 4096, MAILS_MAX = 64, FILES_MAX = 256, SONARS = 16 };
+
+static const double deg = 180 / 3.14159265358979323846;
+
+struct waiting {
+    char from[64], performative[64], reply_with[64], language[64];
+    char content[LINE_MAX_BYTES];
+};
+
+struct bench {
+    const char *file;
+    int line;
+    struct mind *mind;
+    unsigned passed, failed;
+    /* what came out and was not yet expected */
+    char output[LINES_MAX][LINE_MAX_BYTES];
+    size_t first, count;
+    char part[LINE_MAX_BYTES]; /* of a line that is not complete */
+    /* the body */
+    double x_mm, y_mm, heading_deg, speed_mm_s, turn_deg_s;
+    float sonar_m[SONARS];
+    bool stalled, acts;
+    uint64_t steps, mail_id;
+    struct waiting mails[MAILS_MAX];
+    size_t mail_count;
+};
+
+static struct bench bench;
+static struct mind *minds[FILES_MAX]; /* a mind's memory is for the life of the process */
+static size_t mind_count;
+
+static void out_line(struct bench *b, const char *text)
+{
+    if (b->count < LINES_MAX) {
+        mu_text_copy(b->output[b->count++], LINE_MAX_BYTES, text);
+    }
+}
+
+static void out_print(void *self, const char *text)
+{
+    struct bench *b = self;
+    for (; *text; text++) {
+        size_t len = strlen(b->part);
+        if (*text == '\n') {
+            out_line(b, b->part);
+            b->part[0] = '\0';
+        } else if (len + 1 < sizeof b->part) {
+            b->part[len] = *text;
+            b->part[len + 1] = '\0';
+        }
+    }
+}
+
+static void out_flush(struct bench *b)
+{
+    if (b->part[0]) {
+        out_line(b, b->part);
+        b->part[0] = '\0';
+    }
+}
+
+static mu_result post(void *self, const struct mind_letter *letter)
+{
+    char bytes[LINE_MAX_BYTES];
+    struct mu_text t;
+    mu_text_init(&t, bytes, sizeof bytes);
+    if (strcmp(letter->dst, "nobody") == 0) {
+        return MU_FULL;
+    }
+    mu_text_format(&t, "%s %s", letter->directive ? letter->performative : "mail", letter->dst);
+    const char *const parts[][2] = {
+        {"", letter->directive ? "" : letter->performative},
+        {"language=", strcmp(letter->language, "clips") == 0 ? "" : letter->language},
+        {"ontology=", letter->ontology},
+        {"reply-with=", letter->reply_with},
+        {"in-reply-to=", letter->in_reply_to},
+        {"conversation=", letter->conversation},
+    };
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        if (parts[i][1][0]) {
+            mu_text_format(&t, " %s%s", parts[i][0], parts[i][1]);
+        }
+    }
+    if (letter->ttl_ns) {
+        mu_text_format(&t, " ttl=%.1f", (double)letter->ttl_ns * 1e-9);
+    }
+    mu_text_format(&t, " \"%s\"", letter->content);
+    out_flush(self);
+    out_line(self, t.at);
+    return MU_OK;
+}
+
+/* A small society, in order of name. */
+static const struct mind_member members[] = {
+    {"blue", "robot", "running", "here"},
+    {"green", "robot", "standby", "there"},
+    {"red", "robot", "running", "here"},
+};
+
+static mu_result listing(void *self, size_t index, struct mind_member *out)
+{
+    (void)self;
+    if (index >= sizeof members / sizeof members[0]) {
+        return MU_DONE;
+    }
+    *out = members[index];
+    return MU_OK;
+}
+
+static mu_result lookup(void *self, const char *name, struct mind_member *out)
+{
+    for (size_t i = 0; listing(self, i, out) == MU_OK; i++) {
+        if (strcmp(out->name, name) == 0) {
+            return MU_OK;
+        }
+    }
+    return MU_ABSENT;
+}
+
+static void complain(struct bench *b, const char *want, const char *got)
+{
+    b->failed++;
+    printf("%s:%d:\n  want: %s\n  got:  %s\n", b->file, b->line, want, got);
+}
+
+/* Whatever is left was not expected. */
+static void settle(struct bench *b)
+{
+    out_flush(b);
+    for (; b->first < b->count; b->first++) {
+        complain(b, "(nothing)", b->output[b->first]);
+    }
+    b->first = 0;
+    b->count = 0;
+}
+
+static void do_expect(struct bench *b, const char *text)
+{
+    out_flush(b);
+    const char *got = b->first < b->count ? b->output[b->first++] : "(nothing)";
+    if (strcmp(text, got) == 0) {
+        b->passed++;
+    } else {
+        complain(b, text, got);
+    }
+}
+
+static void show_act(struct bench *b, const struct mind_act *act)
+{
+    static const char *const ends[] = {"idle", "sense-again", "budget", "stopped"};
+    char line[LINE_MAX_BYTES];
+    struct mu_text t;
+    mu_text_init(&t, line, sizeof line);
+    if (act->drives) {
+        /* + 0.0: no negative zero */
+        mu_text_format(&t, "speed %.6g %.6g", act->forward_m_s * 1000 + 0.0,
+                       act->turn_rad_s * deg + 0.0);
+        out_line(b, line);
+    }
+    if (b->acts) {
+        mu_text_clear(&t);
+        mu_text_format(&t, "%s%s%s, %u fired, %u errors:%s%.200s", ends[act->end],
+                       act->why ? " " : "", act->why ? act->why : "", act->firings, act->errors,
+                       act->rules[0] ? " " : "", act->rules);
+        out_line(b, line);
+    }
+}
+
+static void step(struct bench *b)
+{
+    struct mind_act act;
+    struct mind_percept p = {
+        .time_ns = b->steps++ * MU_STEP_NS, .x_m = b->x_mm / 1000, .y_m = b->y_mm / 1000,
+        .heading_rad = b->heading_deg / deg, .forward_m_s = b->speed_mm_s / 1000,
+        .turn_rad_s = b->turn_deg_s / deg, .stalled = b->stalled, .sonar_count = SONARS,
+        .sonar_m = b->sonar_m};
+    mind_percept(b->mind, &p);
+    for (size_t i = 0; i < b->mail_count; i++) {
+        const struct waiting *w = &b->mails[i];
+        struct mind_mail mail = {++b->mail_id, w->from, w->performative, w->language, "",
+                                 w->reply_with, "", "", w->content};
+        mind_take_mail(b->mind, &mail);
+    }
+    b->mail_count = 0;
+    mind_fire(b->mind, &act);
+    out_flush(b);
+    show_act(b, &act);
+}
+
+static void set_sonar(struct bench *b, int index, double mm)
+{
+    for (int i = 0; i < SONARS; i++) {
+        b->sonar_m[i] = i == index || index < 0 ? (float)(mm / 1000) : b->sonar_m[i];
+    }
+}
+
+static void set_value(struct bench *b, const char *key, double value)
+{
+    const struct {
+        const char *key;
+        double *at;
+    } numbers[] = {{"x", &b->x_mm},
+                   {"y", &b->y_mm},
+                   {"heading", &b->heading_deg},
+                   {"speed", &b->speed_mm_s},
+                   {"turn", &b->turn_deg_s}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (strcmp(key, numbers[i].key) == 0) {
+            *numbers[i].at = value;
+            return;
+        }
+    }
+    if (strcmp(key, "stalled") == 0) {
+        b->stalled = value != 0;
+    } else if (strcmp(key, "sonar") == 0) {
+        set_sonar(b, -1, value);
+    } else if (key[0] == 's' && strspn(key + 1, "0123456789") == strlen(key + 1)) {
+        set_sonar(b, (int)strtol(key + 1, NULL, 10), value);
+    } else {
+        complain(b, "a key of step:", key);
+    }
+}
+
+static void do_step(struct bench *b, const char *text)
+{
+    char key[32];
+    double value;
+    int len;
+    while (sscanf(text, " %31[a-z0-9]=%lf%n", key, &value, &len) == 2) {
+        set_value(b, key, value);
+        text += len;
+    }
+    step(b);
+}
+
+static void do_steps(struct bench *b, const char *text)
+{
+    for (long n = strtol(text, NULL, 10); n > 0; n--) {
+        step(b);
+    }
+}
+
+/* Cuts the first word off. */
+static const char *cut_word(const char *text, char *word, size_t size)
+{
+    size_t len = strcspn(text, " ");
+    snprintf(word, size, "%.*s", (int)len, text);
+    return text + len + (text[len] == ' ');
+}
+
+static struct waiting *new_mail(struct bench *b)
+{
+    struct waiting *w = &b->mails[b->mail_count < MAILS_MAX - 1 ? b->mail_count++ : MAILS_MAX - 1];
+    *w = (struct waiting){.from = ""};
+    return w;
+}
+
+static void do_mail(struct bench *b, const char *text)
+{
+    struct waiting *w = new_mail(b);
+    mu_text_copy(w->content, sizeof w->content, cut_word(text, w->from, sizeof w->from));
+}
+
+static void do_speech(struct bench *b, const char *text)
+{
+    struct waiting *w = new_mail(b);
+    text = cut_word(text, w->performative, sizeof w->performative);
+    text = cut_word(text, w->reply_with, sizeof w->reply_with);
+    mu_text_copy(w->content, sizeof w->content, cut_word(text, w->from, sizeof w->from));
+}
+
+static void do_text(struct bench *b, const char *text)
+{
+    struct waiting *w = new_mail(b);
+    text = cut_word(text, w->from, sizeof w->from);
+    mu_text_copy(w->content, sizeof w->content, cut_word(text, w->language, sizeof w->language));
+}
+
+static void do_line(struct bench *b, const char *text)
+{
+    static char bytes[LINES_MAX * 64];
+    struct mu_text out;
+    mu_text_init(&out, bytes, sizeof bytes);
+    mu_result r = mind_line(b->mind, text, &out);
+    out_flush(b);
+    out_print(b, bytes);
+    out_flush(b);
+    if (r != MU_OK) {
+        out_line(b, "refused");
+    }
+    if (mind_wants_to_run(b->mind)) {
+        out_line(b, "wants to run");
+    }
+}
+
+static void do_acts(struct bench *b, const char *text)
+{
+    b->acts = strcmp(text, "on") == 0;
+}
+
+static const struct {
+    const char *word;
+    void (*call)(struct bench *b, const char *text);
+} directives[] = {{"step", do_step},     {"steps", do_steps}, {"mail", do_mail},
+                  {"speech", do_speech}, {"text", do_text},   {"line", do_line},
+                  {"acts", do_acts}};
+
+/* One line of the file; a comment that is a directive is done. */
+static void do_file_line(struct bench *b, const char *line)
+{
+    char word[16];
+    int len = 0;
+    if (sscanf(line, "; %15[a-z]:%n", word, &len) != 1 || len == 0) {
+        return;
+    }
+    const char *text = line + len + (line[len] == ' ');
+    if (strcmp(word, "expect") == 0) {
+        do_expect(b, text);
+        return;
+    }
+    for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
+        if (strcmp(word, directives[i].word) == 0) {
+            settle(b);
+            directives[i].call(b, text);
+        }
+    }
+}
+
+/* Finds the text of a directive that stands before all others, or NULL. */
+static const char *find_header(FILE *f, const char *word, char *line, size_t size, int *number)
+{
+    rewind(f);
+    for (*number = 1; fgets(line, (int)size, f); (*number)++) {
+        line[strcspn(line, "\n")] = '\0';
+        if (strncmp(line, "; ", 2) == 0 && strncmp(line + 2, word, strlen(word)) == 0) {
+            return line + 2 + strlen(word);
+        }
+    }
+    return NULL;
+}
+
+static bool expect_fault(struct bench *b, FILE *f, mu_result r, const struct mu_fault *fault)
+{
+    char line[LINE_MAX_BYTES];
+    char got[1024];
+    char *rest;
+    const char *fails = find_header(f, "fails: ", line, sizeof line, &b->line);
+    snprintf(got, sizeof got, "%d %s", fault->line, r == MU_OK ? "loaded" : fault->text);
+    if (!fails) {
+        if (r != MU_OK) {
+            complain(b, "a file that loads", got);
+        }
+        return r != MU_OK;
+    }
+    long number = strtol(fails, &rest, 10);
+    if (r != MU_OK && fault->line == number && strstr(fault->text, rest + (*rest == ' '))) {
+        b->passed++;
+    } else {
+        complain(b, fails, got);
+    }
+    return true;
+}
+
+static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
+{
+    char line[LINE_MAX_BYTES];
+    int number;
+    unsigned budget = 0;
+    const char *options = find_header(f, "options: ", line, sizeof line, &number);
+    bool library = !options || !strstr(options, "library=no");
+    if (options && strstr(options, "budget=")) {
+        budget = (unsigned)strtoul(strstr(options, "budget=") + 7, NULL, 10);
+    }
+    struct mind_options o = {.name = "blue", .seed = 1, .rules_folder = library ? "rules" : NULL,
+                             .firings_max = budget, .forward_max_m_s = 0.5,
+                             .turn_max_rad_s = 90 / deg,
+                             .ports = {b, post, lookup, listing, out_print}};
+    mu_result r = mind_open(&b->mind, &o, fault);
+    minds[mind_count++] = b->mind;
+    return r == MU_OK ? mind_load(b->mind, b->file, fault) : r;
+}
+
+static void run_file(struct bench *b, const char *path)
+{
+    static char line[LINE_MAX_BYTES * 8];
+    struct mu_fault fault = {.line = 0};
+    unsigned passed = b->passed;
+    unsigned failed = b->failed;
+    *b = (struct bench){.file = path, .passed = passed, .failed = failed};
+    set_sonar(b, -1, 5000);
+    FILE *f = fopen(path, "r");
+    if (!f) {
+        complain(b, "a file that can be opened", path);
+        return;
+    }
+    mu_result r = load(b, f, &fault);
+    if (!expect_fault(b, f, r, &fault)) {
+        rewind(f);
+        for (b->line = 1; fgets(line, sizeof line, f); b->line++) {
+            line[strcspn(line, "\n")] = '\0';
+            do_file_line(b, line);
+        }
+        settle(b);
+    }
+    fclose(f);
+    mind_close(b->mind);
+}
+
+int main(int argc, char **argv)
+{
+    for (int i = 1; i < argc && i < FILES_MAX; i++) {
+        run_file(&bench, argv[i]);
+    }
+    printf("%u passed, %u failed\n", bench.passed, bench.failed);
+    return bench.failed > 0 || bench.passed == 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+}

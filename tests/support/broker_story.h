@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file broker_story.h
+ * Lets a broker test read like a story: agents join, send and acknowledge, and what the broker
+ * hands out is one line of text.
+ *
+ * The agent `red` lives in the process `p-red` unless the story says otherwise.  Of each Delivery
+ * the text has, in this order and separated by "; ":
+ *
+ *     PROCESS@STEP                 in lock step only
+ *     NAME #NUMBER SRC/SEQ CONTENT a parcel
+ *     NAME FIRST-LAST OUTCOME      receipts
+ *     NAME welcome SEQ             an accepted registration, and the last mail of that name
+ *     NAME: REASON                 a refused one
+ *     outside SRC/SEQ              to the simulator
+ */
+#ifndef MUSTER_TESTS_BROKER_STORY_H
+#define MUSTER_TESTS_BROKER_STORY_H
+
+#include "broker/broker.h"
+#include "core/text.h"
+
+#include <CUnit/Basic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MS 1000000ull
+
+struct story {
+    struct broker *b;
+    uint64_t now_ns;
+    uint32_t members; /* lines of the white pages that the last story_collect saw */
+    struct mu_text text;
+    char buffer[1 << 16];
+};
+
+static struct story story;
+
+/* idlc makes no const members; the broker writes to none. */
+static inline char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+static inline void story_begin(void)
+{
+    static struct broker *all[64]; /* kept, so that leak checkers see them */
+    static unsigned count;
+    struct broker_options options = {
+        .name = "alpha", .incarnation = 5, .host = "here", .pid = 9, .wall_ns = 1000};
+    story.b = all[count++ % 64] = broker_open(&options);
+    story.now_ns = 0;
+    mu_text_init(&story.text, story.buffer, sizeof story.buffer);
+}
+
+static inline muster_Registration registration(const char *name, const char *process)
+{
+    return (muster_Registration){.name = words(name),
+                                 .process = words(process),
+                                 .incarnation = 1,
+                                 .kind = muster_KIND_ROBOT,
+                                 .state = muster_STATE_RUNNING,
+                                 .host = words("here"),
+                                 .pid = 1};
+}
+
+static inline void story_register(const char *name, const char *process)
+{
+    muster_Registration r = registration(name, process);
+    if (strcmp(name, "operator") == 0 || strcmp(name, "observer") == 0) {
+        r.kind = muster_KIND_SPECIAL;
+    }
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+static inline void story_state(const char *name, muster_State state)
+{
+    char process[MU_PROCESS_MAX + 1];
+    snprintf(process, sizeof process, "p-%s", name);
+    muster_Registration r = registration(name, process);
+    r.state = state;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+static inline void story_match(const char *process)
+{
+    broker_matched(story.b, process, true, story.now_ns);
+}
+
+static inline void story_gone(const char *name, const char *process)
+{
+    broker_gone(story.b, name, process, true, story.now_ns);
+}
+
+/* --- what the broker hands out ---------------------------------------------------------------- */
+
+static inline const char *outcome_word(muster_Outcome o)
+{
+    static const char *const all[] = {"delivered",    "stored",    "expired", "box-full",
+                                      "unknown-name", "duplicate", "refused"};
+    return all[o];
+}
+
+static inline void story_line(const char *line)
+{
+    mu_text_add(&story.text, story.text.len ? "; " : "");
+    mu_text_add(&story.text, line);
+}
+
+static inline void story_note(const muster_Delivery *d)
+{
+    char line[MU_CONTENT_MAX + 128];
+    if (d->step != muster_STEP_NOW) {
+        snprintf(line, sizeof line, "%s@%lld", d->process, (long long)d->step);
+        story_line(line);
+    }
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        const muster_Parcel *p = &d->parcels._buffer[i];
+        snprintf(line, sizeof line, "%s #%llu %s/%llu %s", p->box, (unsigned long long)p->number,
+                 p->letter.src, (unsigned long long)p->letter.seq, p->letter.content);
+        story_line(line);
+    }
+    for (uint32_t i = 0; i < d->receipts._length; i++) {
+        const muster_Receipt *r = &d->receipts._buffer[i];
+        snprintf(line, sizeof line, "%s %llu-%llu %s", r->agent, (unsigned long long)r->first_seq,
+                 (unsigned long long)r->last_seq, outcome_word(r->result));
+        story_line(line);
+    }
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        const muster_Verdict *v = &d->verdicts._buffer[i];
+        if (v->accepted) {
+            snprintf(line, sizeof line, "%s welcome %llu", v->agent,
+                     (unsigned long long)v->last_seq);
+        } else {
+            snprintf(line, sizeof line, "%s: %s", v->agent, v->reason);
+        }
+        story_line(line);
+    }
+    for (uint32_t i = 0; i < d->outside._length; i++) {
+        snprintf(line, sizeof line, "outside %s/%llu", d->outside._buffer[i].src,
+                 (unsigned long long)d->outside._buffer[i].seq);
+        story_line(line);
+    }
+    story.members += d->members._length;
+}
+
+/* Takes everything that is ready.  @return it as text */
+static inline const char *story_collect(void)
+{
+    const char *process;
+    muster_Delivery d;
+    mu_text_clear(&story.text);
+    story.members = 0;
+    while (broker_next(story.b, &process, &d)) {
+        CU_ASSERT_STRING_EQUAL(process, d.process);
+        story_note(&d);
+        broker_delivered(story.b, story.now_ns);
+    }
+    return story.text.at;
+}
+
+/* What is ready is exactly this. */
+#define EXPECT(wanted)                                                \
+    do {                                                              \
+        const char *got_ = story_collect();                           \
+        if (strcmp(got_, (wanted)) != 0) {                            \
+            printf("\n  wanted: %s\n  got:    %s\n", (wanted), got_); \
+        }                                                             \
+        CU_ASSERT_STRING_EQUAL(got_, (wanted));                       \
+    } while (0)
+
+static inline void story_join(const char *name)
+{
+    char process[MU_PROCESS_MAX + 1];
+    snprintf(process, sizeof process, "p-%s", name);
+    story_register(name, process);
+    story_match(process);
+    (void)story_collect();
+}
+
+static inline void story_tick(uint64_t later_ns)
+{
+    story.now_ns += later_ns;
+    broker_tick(story.b, story.now_ns);
+}
+
+static inline muster_BrokerStatus story_status(void)
+{
+    muster_BrokerStatus status;
+    broker_status(story.b, &status);
+    return status;
+}
+
+/* @return the white pages' line of a name, as "NAME STATE PROCESS" */
+static inline const char *story_member(const char *name)
+{
+    static char line[160];
+    static const char *const states[] = {"standby", "running", "suspended", "moving", "absent"};
+    muster_Member m;
+    snprintf(line, sizeof line, "nobody");
+    for (uint32_t i = 0; broker_member(story.b, i, &m); i++) {
+        if (strcmp(m.name, name) == 0) {
+            snprintf(line, sizeof line, "%s %s %s", m.name, states[m.state], m.process);
+        }
+    }
+    return line;
+}
+
+/* --- what agents say -------------------------------------------------------------------------- */
+
+static inline muster_Mail letter(const char *src, uint64_t seq, const char *dst,
+                                 const char *content)
+{
+    return (muster_Mail){.src = words(src),
+                         .seq = seq,
+                         .dst = words(dst),
+                         .layer = 3,
+                         .performative = words("tell"),
+                         .language = words(""),
+                         .ontology = words(""),
+                         .reply_with = words(""),
+                         .in_reply_to = words(""),
+                         .conversation = words(""),
+                         .due_ns = -1,
+                         .content = words(content)};
+}
+
+/* The Up of a process with one agent in it. */
+static inline void story_up(const char *name, int64_t step, muster_State state, muster_Mail *mails,
+                            uint32_t count, uint64_t ack)
+{
+    char process[MU_PROCESS_MAX + 1];
+    snprintf(process, sizeof process, "p-%s", name);
+    muster_Act act = {.agent = words(name), .state = state, .rules = words("")};
+    act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
+    muster_Ack taken = {.box = words(name), .number = ack};
+    muster_Up up = {.process = process, .step = step};
+    up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
+    up.acks = (dds_sequence_muster_Ack){._length = ack > 0, ._buffer = &taken};
+    broker_up(story.b, &up, story.now_ns);
+}
+
+static inline void story_mail(muster_Mail m)
+{
+    story_up(m.src, muster_STEP_NOW, muster_STATE_RUNNING, &m, 1, 0);
+}
+
+static inline void story_send(const char *src, uint64_t seq, const char *dst, const char *content)
+{
+    story_mail(letter(src, seq, dst, content));
+}
+
+static inline void story_ack(const char *name, uint64_t number)
+{
+    story_up(name, muster_STEP_NOW, muster_STATE_RUNNING, NULL, 0, number);
+}
+
+static inline int story_run(const char *suite, CU_TestInfo *tests)
+{
+    CU_SuiteInfo suites[] = {{suite, NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+#endif

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the system tests share: programs, domains, processes that never stay behind."""
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = ROOT / "build" / os.environ.get("BUILD", "release")
+BIN = BUILD / "bin"
+MUSTER = str(BIN / "muster")
+FOLLOW = str(ROOT / "experiments" / "follow.yaml")
+# Domains of this test run: far from those that `muster run` picks, different for each process.
+FIRST_DOMAIN = 101 + (os.getpid() % 10) * 10
+
+_next_domain = 0
+
+
+class Skip(Exception):
+    """A test that cannot run here says why."""
+
+
+def new_domain():
+    """A DDS domain that no other test of this run uses at the same time."""
+    global _next_domain
+    _next_domain = (_next_domain + 1) % 10
+    return FIRST_DOMAIN + _next_domain
+
+
+def check(condition, why):
+    if not condition:
+        raise AssertionError(why)
+
+
+def check_equal(got, want, what):
+    check(got == want, f"{what}: got {got!r}, want {want!r}")
+
+
+def wait_for(condition, seconds, what):
+    """Waits for an event, not for a time: polls until it is true."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.01)
+    raise AssertionError(f"not within {seconds} s: {what}")
+
+
+@contextlib.contextmanager
+def folder():
+    path = pathlib.Path(tempfile.mkdtemp(prefix="muster-test-"))
+    try:
+        yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def muster(*words, timeout=60, **kwargs):
+    """Runs one command to its end."""
+    return subprocess.run([MUSTER, *map(str, words)], capture_output=True, text=True,
+                          timeout=timeout, stdin=subprocess.DEVNULL, **kwargs)
+
+
+def experiment_run(out, *words, file=FOLLOW, timeout=120):
+    """Runs an experiment quietly; gives the process and, when there is one, its summary."""
+    done = muster("run", file, "--quiet", "--out", out, *words, timeout=timeout)
+    path = pathlib.Path(out) / "summary.json"
+    summary = json.loads(path.read_text()) if path.exists() else None
+    return done, summary
+
+
+def program(name):
+    return str(BUILD / "programs" / name)
+
+
+class Processes:
+    """Processes that end with the test, however it ends."""
+
+    def __init__(self):
+        self.started = []
+
+    def start(self, *words, **kwargs):
+        kwargs.setdefault("stdout", subprocess.DEVNULL)
+        kwargs.setdefault("stderr", subprocess.DEVNULL)
+        p = subprocess.Popen([str(w) for w in words], stdin=subprocess.DEVNULL, **kwargs)
+        self.started.append(p)
+        return p
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exc):
+        for p in self.started:
+            if p.poll() is None:
+                p.send_signal(signal.SIGCONT)
+                p.terminate()
+        for p in self.started:
+            try:
+                p.wait(3)
+            except subprocess.TimeoutExpired:
+                p.kill()
+                p.wait()
+
+
+def broker_start(processes, domain):
+    p = processes.start(MUSTER, "broker", "main", "--domain", domain)
+    wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker that answers")
+    return p
+
+
+def members(domain):
+    """The white pages as a dictionary by name."""
+    done = muster("ps", "--json", "--domain", domain)
+    check_equal(done.returncode, 0, f"muster ps: {done.stderr}")
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    return {m["name"]: m for m in lines}
+
+
+def children_of(pid):
+    """Process ids whose parent this is, from /proc."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            stat = (entry / "stat").read_text()
+        except OSError:
+            continue
+        fields = stat.rsplit(")", 1)[1].split()
+        if int(fields[1]) == pid and fields[0] != "Z":
+            found.append(int(entry.name))
+    return found
+
+
+def alive(pid):
+    try:
+        state = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def command_of(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[0].decode()
+    except OSError:
+        return ""

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the processes are on the network: loopback alone, readable by DDS tools."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from support import (BUILD, MUSTER, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
+                     muster, new_domain, wait_for)
+
+
+def test_every_socket_is_bound_to_loopback():
+    if not shutil.which("ss"):
+        raise Skip("no ss here")
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        robot = processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp",
+                                "--domain", domain)
+        simulator = processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--domain", domain)
+        wait_for(lambda: "red" in muster("ps", "--domain", domain).stdout, 10, "the robot")
+        pids = [p.pid for p in processes.started]
+        listing = subprocess.run(["ss", "-H", "-a", "-n", "-u", "-t", "-p"], capture_output=True,
+                                 text=True, check=True).stdout
+        ours = [line for line in listing.splitlines()
+                if any(f"pid={pid}," in line for pid in pids)]
+        check(len(ours) >= 3, f"sockets of {pids}: {listing}")
+        for line in ours:
+            address = line.split()[4]
+            check(address.startswith("127.0.0.1:"), f"bound to {address}")
+        check(robot.poll() is None and simulator.poll() is None, "both live")
+
+
+def test_a_missing_broker_is_named():
+    domain = new_domain()
+    for words in (["ps"], ["send", "red", "x"],
+                  ["robot", "red", "--rules", ROOT / "rules/follower.clp"],
+                  ["sim", ROOT / "worlds/arena.world"]):
+        done = muster(*words, "--domain", domain, timeout=20)
+        check_equal(done.returncode, 4, f"{words}: {done.stderr}")
+        check("muster broker" in done.stderr, f"what to do: {done.stderr}")
+
+
+def test_a_second_broker_is_refused():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        done = muster("broker", "other", "--domain", domain)
+        check_equal(done.returncode, 4, "a second broker")
+        check("already" in done.stderr, done.stderr)
+
+
+def tool_python():
+    """A Python that has the cyclonedds package, in build/; installed if that can be done."""
+    home = BUILD.parent / "python"
+    python = home / "bin" / "python"
+    has = [str(python), "-c", "import cyclonedds"]
+    if python.exists() and subprocess.run(has, capture_output=True).returncode == 0:
+        return home
+    made = subprocess.run([sys.executable, "-m", "venv", str(home)], capture_output=True)
+    if made.returncode == 0:
+        subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--timeout", "15",
+                        "--retries", "1", "cyclonedds", "setuptools<80"], capture_output=True)
+    if not python.exists() or subprocess.run(has, capture_output=True).returncode != 0:
+        raise Skip("the Python package cyclonedds cannot be had here")
+    return home
+
+
+def observer_environment():
+    uri = ("<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/>"
+           "</Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery>"
+           "<ParticipantIndex>auto</ParticipantIndex>"
+           "<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
+           "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>")
+    return {**os.environ, "CYCLONEDDS_URI": uri, "COLUMNS": "300"}
+
+
+def test_dds_tools_list_and_decode_the_topics():
+    home = tool_python()
+    tool = [str(home / "bin" / "python"), str(home / "bin" / "cyclonedds")]
+    domain = new_domain()
+
+    def tool_run(*words, seconds=20):
+        return subprocess.run([*tool, *words], capture_output=True, text=True, timeout=seconds,
+                              env=observer_environment(), stdin=subprocess.DEVNULL).stdout
+
+    with Processes() as processes:
+        broker_start(processes, domain)
+        processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp",
+                        "--domain", domain)
+        wait_for(lambda: "red" in muster("ps", "--domain", domain).stdout, 10, "the robot")
+        options = ["-i", str(domain), "-r", "2", "--suppress-progress-bar"]
+        ps = tool_run("ps", *options)
+        check("broker" in ps and "red" in ps, f"cyclonedds ps: {ps}")
+        ls = tool_run("ls", *options)
+        for topic in ("Registration", "Up", "Delivery", "Member", "BrokerStatus"):
+            check(topic in ls, f"{topic} in cyclonedds ls: {ls}")
+        for topic, member in (("Up", "sequence<muster::Act> acts"), ("Member", "string name"),
+                              ("Delivery", "sequence<muster::Parcel> parcels")):
+            typeof = tool_run("typeof", topic, *options)
+            words = re.sub(r"\s+", " ", typeof).replace("muster::", "")
+            check(member.replace("muster::", "") in words, f"typeof {topic}: {typeof}")
+        subscribe = processes.start(*tool, "subscribe", "Member", *options,
+                                    stdout=subprocess.PIPE, env=observer_environment(), text=True)
+        seen = ""
+        os.set_blocking(subscribe.stdout.fileno(), False)
+
+        def decoded():
+            nonlocal seen
+            seen += subscribe.stdout.read() or ""
+            return "name='red'" in seen or 'name="red"' in seen
+
+        wait_for(decoded, 20, "the line of red, decoded by cyclonedds subscribe")
+
+
+def test_library_and_headers_build_a_stranger_s_controller():
+    if not shutil.which("pkg-config"):
+        raise Skip("no pkg-config here")
+    with folder() as out:
+        subprocess.run(["make", "-s", "DEPS=skip", "install", f"BUILD={BUILD.name}",
+                        f"DESTDIR={out}", "PREFIX=/usr"], cwd=ROOT, check=True,
+                       capture_output=True)
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(out / "usr/lib/pkgconfig"),
+                       "PKG_CONFIG_SYSROOT_DIR": str(out)}
+        flags = subprocess.run(["pkg-config", "--cflags", "--libs", "muster"], env=environment,
+                               check=True, capture_output=True, text=True).stdout.split()
+        sanitize = ["-fsanitize=address,undefined"] if BUILD.name == "asan" else []
+        built = subprocess.run(["gcc", "-o", out / "spin", ROOT / "examples/spin.c", *flags,
+                                *sanitize], capture_output=True, text=True)
+        check_equal(built.returncode, 0, f"a build against the installed library: {built.stderr}")
+        libraries = subprocess.run(["ldd", out / "spin"], capture_output=True, text=True).stdout
+        check("libclips" not in libraries and "libode" not in libraries, libraries)
+        installed = pathlib.Path(out, "usr/bin/muster")
+        done = subprocess.run([installed, "run", ROOT / "experiments/follow.yaml", "--quiet",
+                               "--duration", "2", "--out", out / "report"], capture_output=True,
+                              text=True, timeout=60)
+        check(done.returncode in (0, 1), f"the installed muster: {done.stderr}")

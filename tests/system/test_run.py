@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""muster run: the same run every time, its report, its end."""
+import csv
+import json
+import os
+import pathlib
+import random
+import re
+import signal
+import subprocess
+import xml.dom.minidom
+
+from support import (BIN, FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
+                     command_of, experiment_run, folder, muster, new_domain, wait_for)
+
+SHORT = ("--duration", "20")
+
+
+def hash_of(out, *words, **kwargs):
+    done, summary = experiment_run(out, *words, **kwargs)
+    check(summary, f"no summary: {done.stderr}")
+    check(re.fullmatch("[0-9a-f]{64}", summary["hash"]), f"hash {summary['hash']}")
+    return summary["hash"]
+
+
+def test_one_seed_one_hash_another_seed_another():
+    with folder() as out:
+        first = hash_of(out / "a", *SHORT)
+        check_equal(hash_of(out / "b", *SHORT), first, "the same seed")
+        check_equal(hash_of(out / "c", *SHORT, "--rate", "40"), first, "the same seed, paced")
+        check(hash_of(out / "d", *SHORT, "--seed", "2") != first, "another seed, the same hash")
+
+
+def test_a_busy_machine_changes_nothing():
+    with folder() as out, Processes() as processes:
+        first = hash_of(out / "a", *SHORT)
+        for _ in range(2):
+            processes.start("timeout", "60", "sh", "-c", "while :; do :; done")
+        check_equal(hash_of(out / "b", *SHORT), first, "beside two busy loops")
+
+
+def test_a_changed_rule_changes_the_hash():
+    with folder() as out:
+        first = hash_of(out / "a", *SHORT)
+        rules = out / "rules.clp"
+        rules.write_text((ROOT / "rules/follower.clp").read_text() +
+                         "\n(defrule hello (initial-fact) => (bind ?x 1))\n")
+        changed = hash_of(out / "b", *SHORT, "--set", f"robots.red.rules={rules}")
+        check(changed != first, "one more rule fired, the same hash")
+        rules.write_text((ROOT / "rules/follower.clp").read_text() +
+                         "\n(defrule hello (initial-fact) => (bind ?x 1) (send blue hello))\n")
+        mailed = hash_of(out / "c", *SHORT, "--set", f"robots.red.rules={rules}")
+        check(mailed not in (first, changed), "one more mail, the same hash")
+        rules.write_text((ROOT / "rules/follower.clp").read_text() +
+                         "\n(defrule hello (initial-fact) => (bind ?x 1) (setSpeed 1 0))\n")
+        driven = hash_of(out / "d", *SHORT, "--set", f"robots.red.rules={rules}")
+        check(driven not in (first, changed, mailed), "another wheel command, the same hash")
+
+
+def parts_of_a_run(domain, out, processes, order):
+    """Starts the processes of the follow experiment by hand, in any order, without muster run."""
+    robots = ("red", "blue", "green", "yellow")
+    parts = [[MUSTER, "broker", "main"],
+             [MUSTER, "sim", ROOT / "worlds/arena.world", "--duration", "10", "--csv",
+              out / "run.csv"]]
+    parts += [[MUSTER, "robot", name, "--rules", ROOT / "rules/follower.clp"] for name in robots]
+    order.shuffle(parts)
+    started = [(words[1], processes.start(*words, "--domain", domain)) for words in parts]
+    return next(p for kind, p in started if kind == "sim")
+
+
+def test_the_order_of_starting_changes_nothing():
+    tracks = set()
+    for seed in range(4):
+        with folder() as out, Processes() as processes:
+            simulator = parts_of_a_run(new_domain(), out, processes, random.Random(seed))
+            check_equal(simulator.wait(60), 0, "the simulator's exit code")
+            tracks.add((out / "run.csv").read_bytes())
+    check_equal(len(tracks), 1, "different tracks of four orders of starting")
+
+
+def test_the_report_is_whole():
+    with folder() as out:
+        done, summary = experiment_run(out / "r")
+        check_equal(done.returncode, 0, f"the follow experiment: {done.stdout} {done.stderr}")
+        report = out / "r"
+        keys = {"experiment", "seed", "hash", "sim_time_s", "wall_time_s", "real_time_factor",
+                "robots", "explored_fraction", "most_efficient", "mail", "expectations"}
+        check(keys <= set(summary), f"keys of summary.json: {sorted(summary)}")
+        check_equal([r["name"] for r in summary["robots"]], ["red", "blue", "green", "yellow"],
+                    "robots")
+        robot_keys = {"name", "distance_m", "stalls", "stalled_s", "mean_speed_m_s", "mail_sent",
+                      "mail_received", "rule_firings", "final"}
+        check(robot_keys <= set(summary["robots"][0]), f"keys: {sorted(summary['robots'][0])}")
+        mail = summary["mail"]
+        check_equal((mail["lost"], mail["duplicated"], mail["refused"]), (0, 0, 0), "mail")
+        check(mail["sent"] > 1000, f"mail {mail}")
+        check_equal(mail["sent"], mail["delivered"] + mail["waiting"] + mail["expired"],
+                    "mail that is accounted for")
+        for robot in summary["robots"]:
+            check(robot["rule_firings"] > 100 and robot["mail_sent"] > 100, f"{robot}")
+        check(all(e["met"] for e in summary["expectations"]), f"{summary['expectations']}")
+        with open(report / "run.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        check_equal(len(rows), 4 * 1201, "rows of run.csv")
+        check_equal(list(rows[0]), ["time_s", "robot", "x_m", "y_m", "heading_rad", "forward_m_s",
+                                    "turn_rad_s", "stalled"], "columns of run.csv")
+        for name in ("tracks.svg", "bearing.svg"):
+            drawing = xml.dom.minidom.parse(str(report / name))
+            check(drawing.getElementsByTagName("svg"), name)
+        page = (report / "report.html").read_text()
+        check(summary["hash"] in page and page.count("<svg") == 2, "report.html")
+        experiment_run(out / "r", "--duration", "1")
+        check((out / "r.1/summary.json").exists(), "the earlier report at .1")
+
+
+def test_followers_follow():
+    """The behaviour that the paper's figure shows, measured from the tracks."""
+    with folder() as out:
+        experiment_run(out / "r")
+        with open(out / "r/run.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+    at = {}
+    for row in rows:
+        at.setdefault(round(float(row["time_s"]), 1), {})[row["robot"]] = row
+
+    def share_near(who, mate, begin, end):
+        near = total = 0
+        for time_s, robots in at.items():
+            if begin <= time_s <= end:
+                dx = float(robots[who]["x_m"]) - float(robots[mate]["x_m"])
+                dy = float(robots[who]["y_m"]) - float(robots[mate]["y_m"])
+                near += dx * dx + dy * dy <= 2.5 * 2.5
+                total += 1
+        return near / total
+
+    for who, mate in (("blue", "red"), ("green", "blue"), ("yellow", "green")):
+        check(share_near(who, mate, 30, 60) >= 0.8, f"{who} near {mate}")
+    check(share_near("red", "green", 80, 120) >= 0.8, "red near green after the command")
+
+
+def test_free_running_goes_by_the_clock_and_has_no_hash():
+    with folder() as out:
+        done, summary = experiment_run(out / "r", "--free", "--duration", "5")
+        check(summary, done.stderr)
+        check_equal(summary["hash"], "none", "hash")
+        check(summary["mail"]["delivered"] > 50, f"mail {summary['mail']}")
+
+
+def wrong(text, replacement, out, name="wrong.yaml"):
+    """The follow experiment with one thing changed, beside copies of what it names."""
+    path = out / name
+    source = pathlib.Path(FOLLOW).read_text()
+    check(text in source, f"{text} in follow.yaml")
+    source = source.replace(text, replacement)
+    path.write_text(source.replace("../", f"{ROOT}/"))
+    return path
+
+
+def test_bad_files_are_refused_with_their_place():
+    with folder() as out:
+        bad = wrong("duration: 120", "duration: soon", out)
+        done = muster("run", bad, "--quiet", "--out", out / "r")
+        check_equal(done.returncode, 3, f"a bad experiment: {done.stderr}")
+        check(re.search(r"wrong\.yaml:\d+:\d+: ", done.stderr), done.stderr)
+
+        world = out / "bad.world"
+        world.write_text((ROOT / "worlds/pioneer.inc").read_text() + "\ndefine x model ( size [1\n")
+        done = muster("run", FOLLOW, "--quiet", "--out", out / "r", "--set", f"world={world}")
+        check_equal(done.returncode, 3, f"a bad world: {done.stderr}")
+        check(re.search(r"bad\.world:\d+:\d+: .*expected", done.stderr), done.stderr)
+
+        rules = out / "bad.clp"
+        rules.write_text("(defrule broken\n  (goal ?x)\n  =>\n  (setSpeed ?nope))\n")
+        done = muster("run", FOLLOW, "--quiet", "--out", out / "r", "--set",
+                      f"robots.red.rules={rules}")
+        check_equal(done.returncode, 3, f"bad rules: {done.stderr}")
+        check(re.search(r"bad\.clp:\d+: ", done.stderr), done.stderr)
+
+        check_equal(muster("run", "nothing.yaml").returncode, 3, "a missing file")
+        check_equal(muster("run", FOLLOW, "--no-such").returncode, 2, "an unknown option")
+        check_equal(muster("nonsense").returncode, 2, "an unknown verb")
+
+
+def run_start(processes, out, *words):
+    """A slow run in the background, and the pids of all its processes."""
+    run = processes.start(MUSTER, "run", FOLLOW, "--rate", "1", "--out", out, *words,
+                          stderr=subprocess.PIPE)
+    children = wait_for(lambda: len(children_of(run.pid)) == 6 and children_of(run.pid), 10,
+                        "six children")
+    wait_for(lambda: (out / "run.csv").exists(), 10, "the record")
+    wait_for(lambda: all(command_of(pid).startswith("muster-") for pid in children), 10,
+             "the programs of the children")
+    return run, children
+
+
+def all_gone(pids):
+    return not any(alive(pid) for pid in pids)
+
+
+def test_ctrl_c_leaves_nothing_behind():
+    with folder() as out, Processes() as processes:
+        run, children = run_start(processes, out / "r")
+        run.send_signal(signal.SIGINT)
+        check_equal(run.wait(10), 130, "exit code")
+        wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_killing_the_run_leaves_nothing_behind():
+    with folder() as out, Processes() as processes:
+        run, children = run_start(processes, out / "r")
+        run.kill()
+        run.wait(5)
+        wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_killed_child_ends_the_run_and_is_named():
+    for index, name in ((0, "broker"), (1, "simulator"), (3, "blue")):
+        with folder() as out, Processes() as processes:
+            run, children = run_start(processes, out / "r")
+            os.kill(sorted(children)[index], signal.SIGKILL)
+            _, words = run.communicate(timeout=15)
+            check_equal(run.returncode, 5, f"exit code after the death of {name}")
+            check(f"{name} was killed by signal 9" in words.decode(), words.decode())
+            wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_silent_controller_is_a_fault():
+    with folder() as out, Processes() as processes:
+        run, children = run_start(processes, out / "r")
+        os.kill(sorted(children)[3], signal.SIGSTOP)
+        _, words = run.communicate(timeout=20)
+        check_equal(run.returncode, 5, "exit code")
+        check("silent" in words.decode() and "blue" in words.decode(), words.decode())
+        wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_the_command_line_reaches_a_run():
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        run, _ = run_start(processes, out / "r", "--domain", str(domain))
+        options = ("--domain", domain)
+        wait_for(lambda: '"name": "red"' in muster("ps", "--json", *options).stdout or
+                 '"name":"red"' in muster("ps", "--json", *options).stdout, 10, "red")
+        done = muster("do", "red", "(+ 40 2)", *options)
+        check_equal((done.returncode, done.stdout.strip()), (0, "red: 42"), f"do: {done.stderr}")
+        check_equal(muster("suspend", "red", *options).returncode, 0, "suspend")
+        states = [json.loads(line) for line in muster("ps", "--json", *options).stdout.splitlines()]
+        check_equal([m["state"] for m in states if m["name"] == "red"], ["suspended"], "red")
+        check_equal(muster("resume", "red", *options).returncode, 0, "resume")
+        run.send_signal(signal.SIGINT)
+        check_equal(run.wait(10), 130, "exit code")
+
+
+def test_programs_stay_small():
+    """Resident memory of a robot and of the broker while the run lives."""
+    if BIN.parent.name != "release":
+        return
+    with folder() as out, Processes() as processes:
+        run, children = run_start(processes, out / "r")
+        wait_for(lambda: (out / "r/run.csv").stat().st_size > 0 or run.poll() is None, 5, "steps")
+        for pid, most_kb in ((sorted(children)[0], 12 * 1024), (sorted(children)[2], 16 * 1024)):
+            status = pathlib.Path(f"/proc/{pid}/status").read_text()
+            resident_kb = int(re.search(r"VmRSS:\s+(\d+)", status)[1])
+            check(resident_kb <= most_kb, f"{command_of(pid)} has {resident_kb} kB resident")

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The mind from C: its limits, its globals, and the fragment of rules that the paper publishes. */
+#include "agent/mind.h"
+#include "muster/limits.h"
+
+#include <CUnit/Basic.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MINDS_MAX = 32, SONARS = 16, PRINTED = 8192 };
+
+static struct mind *minds[MINDS_MAX]; /* a mind's memory is for the life of the process */
+static size_t mind_count;
+static char printed[PRINTED];
+static size_t printed_bytes;
+static char posted[MU_CONTENT_MAX + 64];
+static float sonar_m[SONARS];
+static uint64_t steps;
+
+static void print(void *self, const char *text)
+{
+    (void)self;
+    printed_bytes += strlen(text);
+    size_t len = strlen(printed);
+    snprintf(printed + len, sizeof printed - len, "%s", text);
+}
+
+static mu_result post(void *self, const struct mind_letter *letter)
+{
+    (void)self;
+    snprintf(posted, sizeof posted, "%s: %s", letter->dst, letter->content);
+    return MU_OK;
+}
+
+static struct mind *open_mind(const char *rules_folder)
+{
+    struct mu_fault fault;
+    struct mind *m = NULL;
+    struct mind_options options = {.name = "blue", .seed = 1, .rules_folder = rules_folder,
+                                   .forward_max_m_s = 0.5, .turn_max_rad_s = 1.6,
+                                   .ports = {.send = post, .print = print}};
+    mu_result r = mind_open(&m, &options, &fault);
+    if (r != MU_OK) {
+        mu_fault_print(&fault);
+    }
+    CU_ASSERT_EQUAL_FATAL(r, MU_OK);
+    CU_ASSERT_FATAL(mind_count < MINDS_MAX);
+    minds[mind_count++] = m;
+    printed[0] = '\0';
+    printed_bytes = 0;
+    posted[0] = '\0';
+    for (size_t i = 0; i < SONARS; i++) {
+        sonar_m[i] = 5;
+    }
+    return m;
+}
+
+static mu_result say(struct mind *m, const char *line, char *answer, size_t size)
+{
+    struct mu_text out;
+    mu_text_init(&out, answer, size);
+    return mind_line(m, line, &out);
+}
+
+static mu_result answers(struct mind *m, const char *line, const char *want)
+{
+    static char got[4096];
+    mu_result r = say(m, line, got, sizeof got);
+    if (strcmp(got, want) != 0) {
+        printf("\n  %.60s\n  want %s  got  %s", line, want, got);
+    }
+    CU_ASSERT_STRING_EQUAL(got, want);
+    return r;
+}
+
+static void sense(struct mind *m)
+{
+    struct mind_percept p = {.time_ns = steps++ * MU_STEP_NS, .x_m = 1, .y_m = 2,
+                             .sonar_count = SONARS, .sonar_m = sonar_m};
+    mind_percept(m, &p);
+}
+
+static void take(struct mind *m, uint64_t id, const char *content)
+{
+    struct mind_mail mail = {id, "red", "", "", "", "", "", "", content};
+    mind_take_mail(m, &mail);
+}
+
+static struct mind_act step(struct mind *m)
+{
+    struct mind_act act;
+    sense(m);
+    mind_fire(m, &act);
+    return act;
+}
+
+static void test_name_is_checked(void)
+{
+    struct mu_fault fault;
+    struct mind *m = NULL;
+    struct mind_options options = {.name = "not a name"};
+    CU_ASSERT_EQUAL(mind_open(&m, &options, &fault), MU_FAULT_FILE);
+}
+
+static void test_paper_fragment(void)
+{
+    const char *folder = getenv("MUSTER_TEST_DATA");
+    char path[512];
+    struct mu_fault fault;
+    if (!folder) {
+        printf("skipped: MUSTER_TEST_DATA is not set ");
+        return;
+    }
+    snprintf(path, sizeof path, "%s/paper-fragment.clp", folder);
+    struct mind *m = open_mind("rules");
+    CU_ASSERT_EQUAL_FATAL(mind_load(m, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL(mind_set_global(m, "mate", "red"), MU_OK);
+    char answer[256];
+    CU_ASSERT_EQUAL(say(m, "(follow red)", answer, sizeof answer), MU_OK);
+    struct mind_act act = step(m);
+    CU_ASSERT_STRING_EQUAL(act.rules, "wait-for-mate");
+    sense(m);
+    take(m, 1, "mate-pos red 5000.0 2000.0");
+    mind_fire(m, &act);
+    CU_ASSERT_STRING_EQUAL(act.rules, "follow-robot");
+    CU_ASSERT_EQUAL(act.end, MIND_SENSE_AGAIN);
+    CU_ASSERT(act.drives && act.forward_m_s > 0.3 && fabs(act.turn_rad_s) < 1e-9);
+    CU_ASSERT_STRING_EQUAL(posted, "all: mate-pos blue 1000.0 2000.0");
+    sonar_m[5] = 0.3F; /* something close at the right */
+    act = step(m);
+    CU_ASSERT_STRING_EQUAL(act.rules, "safe-following");
+    CU_ASSERT(act.turn_rad_s > 0);
+    for (size_t i = 1; i <= 6; i++) {
+        sonar_m[i] = 0.2F;
+    }
+    act = step(m);
+    CU_ASSERT(act.forward_m_s == 0 && act.turn_rad_s == 1.6); /* 180 deg/s, clamped */
+    CU_ASSERT_EQUAL(say(m, "(ppdefrule follow-robot)", answer, sizeof answer), MU_OK);
+    CU_ASSERT_PTR_NOT_NULL(strstr(answer, "(message mate-pos ?*mate* ?mate-x ?mate-y)"));
+    mind_close(m);
+}
+
+static void test_globals(void)
+{
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(answers(m, "?*my-name*", "blue\n"), MU_OK);
+    CU_ASSERT_EQUAL(mind_set_global(m, "mate", "red"), MU_OK);
+    CU_ASSERT_EQUAL(mind_set_global(m, "follow-distance", "700.5"), MU_OK);
+    CU_ASSERT_EQUAL(mind_set_global(m, "no-such", "1"), MU_ABSENT);
+    CU_ASSERT_EQUAL(mind_set_global(m, "mate", "red) (x"), MU_MALFORMED);
+    CU_ASSERT_EQUAL(mind_set_global(m, "mate", ""), MU_MALFORMED);
+    CU_ASSERT_EQUAL(answers(m, "(reset)", ""), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(create$ ?*mate* ?*follow-distance*)", "(red 700.5)\n"), MU_OK);
+    mind_close(m);
+}
+
+static void test_limit_line(void)
+{
+    static char line[20000];
+    struct mind *m = open_mind(NULL);
+    memset(line, ' ', 16384);
+    memcpy(line, "(+ 1 2)", 7);
+    line[16384] = '\0';
+    CU_ASSERT_EQUAL(answers(m, line, "3\n"), MU_OK);
+    line[16384] = ' ';
+    line[16385] = '\0';
+    CU_ASSERT_EQUAL(answers(m, line, "a line has at most 16384 bytes\n"), MU_MALFORMED);
+    mind_close(m);
+}
+
+static void nest(char *line, int depth)
+{
+    struct mu_text t;
+    mu_text_init(&t, line, 4096);
+    for (int i = 0; i < depth; i++) {
+        mu_text_add(&t, "(+ 1 ");
+    }
+    mu_text_add(&t, "1");
+    for (int i = 0; i < depth; i++) {
+        mu_text_add(&t, ")");
+    }
+}
+
+static void test_limit_nesting(void)
+{
+    static char line[4096];
+    static char answer[4096];
+    struct mind *m = open_mind(NULL);
+    for (int depth = 256; depth <= 257; depth++) {
+        nest(line, depth);
+        CU_ASSERT_EQUAL(say(m, line, answer, sizeof answer), depth == 256 ? MU_OK : MU_MALFORMED);
+    }
+    mind_close(m);
+}
+
+static void test_limit_messages(void)
+{
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    for (uint64_t i = 0; i < 1025; i++) {
+        char content[32];
+        snprintf(content, sizeof content, "word%llu x", (unsigned long long)i);
+        take(m, i, content);
+    }
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message $?)))", "1024\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message word0 x)))", "0\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (mail)))", "1024\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(getmsg)", "(red word1 x)\n"), MU_OK);
+    mind_close(m);
+}
+
+static void test_limit_content(void)
+{
+    static char content[MU_CONTENT_MAX + 2];
+    static char answer[2 * MU_CONTENT_MAX];
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    memset(content, 'x', MU_CONTENT_MAX);
+    take(m, 1, content);
+    CU_ASSERT_EQUAL(answers(m, "(str-length (nth$ 2 (getmsg)))", "16384\n"), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(bind ?s \"x\") (loop-for-count (?i 1 14) do (bind ?s (str-cat ?s ?s)))"
+                           " (send red (sub-string 3 16384 ?s))", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(strlen(posted), strlen("red: ") + 16384);
+    CU_ASSERT_EQUAL(say(m, "(send red (sub-string 2 16384 ?s))", answer, sizeof answer),
+                    MU_MALFORMED);
+    CU_ASSERT_PTR_NOT_NULL(strstr(answer, "a content of at most 16384 bytes"));
+    mind_close(m);
+}
+
+static void test_limit_print(void)
+{
+    char answer[256];
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(defrule talk (talk) => (loop-for-count (?i 1 200000) do"
+                           " (printout t \"ten bytes.\")))", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(assert (talk))", answer, sizeof answer), MU_OK);
+    struct mind_act act = step(m);
+    CU_ASSERT_EQUAL(act.firings, 1);
+    CU_ASSERT(printed_bytes > 1000000 && printed_bytes < (1 << 20) + 200);
+    mind_close(m);
+}
+
+static void test_limit_fired_names(void)
+{
+    char answer[256];
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(defrule a-name-that-is-long-enough-to-fill-8-KiB-with-200-of-it "
+                           "?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))",
+                        answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(assert (n 1))", answer, sizeof answer), MU_OK);
+    struct mind_act act = step(m);
+    CU_ASSERT_EQUAL(act.firings, MU_FIRINGS_PER_STEP);
+    CU_ASSERT_EQUAL(act.end, MIND_BUDGET);
+    CU_ASSERT(strlen(act.rules) == 8191);
+    mind_close(m);
+}
+
+static bool write_file(const char *path, const char *text, size_t blanks)
+{
+    FILE *f = fopen(path, "w");
+    if (!f) {
+        return false;
+    }
+    fputs(text, f);
+    for (size_t i = 0; i < blanks; i++) {
+        fputc(' ', f);
+    }
+    return fclose(f) == 0;
+}
+
+static void test_limit_file(void)
+{
+    enum { MIB = 1 << 20 };
+    char path[] = "/tmp/muster-test-XXXXXX";
+    struct mu_fault fault;
+    struct mind *m = open_mind(NULL);
+    int fd = mkstemp(path);
+    CU_ASSERT_FATAL(fd >= 0);
+    close(fd);
+    CU_ASSERT(write_file(path, "(deffacts x (x))", MIB - 16));
+    CU_ASSERT_EQUAL(mind_load(m, path, &fault), MU_OK);
+    CU_ASSERT(write_file(path, "(deffacts x (x))", MIB - 15));
+    CU_ASSERT_EQUAL(mind_load(m, path, &fault), MU_FAULT_FILE);
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "1 MiB"));
+    unlink(path);
+    CU_ASSERT_EQUAL(mind_load(m, path, &fault), MU_FAULT_FILE);
+    mind_close(m);
+}
+
+static void test_limit_extends(void)
+{
+    enum { DEEP = 17 };
+    char folder[] = "/tmp/muster-test-XXXXXX";
+    char path[DEEP][64];
+    struct mu_fault fault;
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
+    for (int i = 0; i < DEEP; i++) {
+        char text[64];
+        snprintf(path[i], sizeof path[i], "%s/%d.clp", folder, i);
+        snprintf(text, sizeof text, "%s(extends \"%d.clp\")", i + 1 < DEEP ? "" : "; ", i + 1);
+        CU_ASSERT(write_file(path[i], text, 0));
+    }
+    CU_ASSERT_EQUAL(mind_load(m, path[1], &fault), MU_OK);
+    CU_ASSERT_EQUAL(mind_load(m, path[0], &fault), MU_FAULT_FILE);
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "more than 16 files deep"));
+    for (int i = 0; i < DEEP; i++) {
+        unlink(path[i]);
+    }
+    rmdir(folder);
+    mind_close(m);
+}
+
+static void test_percepts_that_are_no_numbers(void)
+{
+    struct mind *m = open_mind(NULL);
+    float bad[2] = {NAN, INFINITY};
+    struct mind_percept p = {.x_m = NAN, .y_m = INFINITY, .sonar_count = 2, .sonar_m = bad};
+    mind_percept(m, &p);
+    CU_ASSERT_EQUAL(answers(m, "(gps) (sonar)", "(0.0 0.0 0.0)\n(0.0 0.0)\n"), MU_OK);
+    mind_close(m);
+}
+
+static void test_same_seed_same_numbers(void)
+{
+    char first[256];
+    struct mind *m = open_mind(NULL);
+    struct mind *other = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(create$ (random) (random) (random))", first, sizeof first), MU_OK);
+    CU_ASSERT_EQUAL(answers(other, "(create$ (random) (random) (random))", first), MU_OK);
+    mind_close(m);
+    mind_close(other);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a name is checked", test_name_is_checked},
+        {"the paper's fragment runs unchanged", test_paper_fragment},
+        {"globals are set, and survive (reset)", test_globals},
+        {"limit: a line", test_limit_line},
+        {"limit: nesting", test_limit_nesting},
+        {"limit: message and mail facts", test_limit_messages},
+        {"limit: content", test_limit_content},
+        {"limit: what a step prints", test_limit_print},
+        {"limit: names of the rules fired", test_limit_fired_names},
+        {"limit: size of a rule file", test_limit_file},
+        {"limit: files that extend each other", test_limit_extends},
+        {"percepts that are no numbers", test_percepts_that_are_no_numbers},
+        {"the same seed gives the same numbers", test_same_seed_same_numbers},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"agent/mind", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,420 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/broker_story.h"
+#include "core/random.h"
+
+static void roster_say(bool lockstep, int64_t step, const char *names)
+{
+    static char text[256];
+    char *processes[8], *save = NULL;
+    muster_Roster roster = {
+        .simulator = words("sim"), .lockstep = lockstep, .step = step, .step_ns = 100 * MS};
+    snprintf(text, sizeof text, "%s", names);
+    for (char *word = strtok_r(text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
+        processes[roster.processes._length++] = word;
+    }
+    roster.processes._buffer = processes;
+    broker_roster(story.b, &roster, story.now_ns);
+}
+
+static void answer(const char *name, int64_t step)
+{
+    story_up(name, step, muster_STATE_RUNNING, NULL, 0, 0);
+}
+
+static void answer_with(muster_Mail m, int64_t step)
+{
+    story_up(m.src, step, muster_STATE_RUNNING, &m, 1, 0);
+}
+
+/* green and red in lock step from step 0 on, the operator outside */
+static void run_begin(void)
+{
+    story_begin();
+    story_join("green");
+    story_join("red");
+    story_join("operator");
+    story_match("sim");
+    (void)story_collect();
+    roster_say(true, 0, "p-green p-red");
+    EXPECT("p-green@-1; p-red@-1; sim@-1");
+}
+
+static void test_the_barrier(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    EXPECT("");
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 hello; p-red@0; sim@0");
+    story_up("green", 1, muster_STATE_RUNNING, NULL, 0, 1);
+    answer("red", 0); /* an older step */
+    answer("red", 2); /* a later one */
+    EXPECT("");
+    answer("red", 1);
+    EXPECT("p-red@1; red 1-1 delivered; p-green@1; sim@1");
+    CU_ASSERT_EQUAL(story_status().delivered, 1);
+}
+
+static void test_a_repeated_answer_is_dropped(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer_with(letter("red", 2, "green", "more"), 0);
+    EXPECT("");
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 hello; p-red@0; sim@0");
+    CU_ASSERT_EQUAL(story_status().duplicates_dropped, 0);
+}
+
+static void test_outside_mail_waits_for_the_step(void)
+{
+    run_begin();
+    story_send("operator", 1, "red", "stop");
+    story_send("operator", 2, "operator", "a note");
+    EXPECT("operator #1 operator/2 a note");
+    answer("red", 0);
+    EXPECT("");
+    answer_with(letter("green", 1, "red,operator", "hi"), 0);
+    EXPECT("p-red@0; red #1 green/1 hi; red #2 operator/1 stop; operator #2 green/1 hi; "
+           "p-green@0; sim@0; outside operator/1");
+    story_send("operator", 3, "all", "hi");
+    story_gone("operator", "p-operator"); /* it has left; what it said stands */
+    story_up("red", 1, muster_STATE_RUNNING, NULL, 0, 2);
+    answer("green", 1);
+    EXPECT("p-green@1; green #1 operator/3 hi; p-red@1; red #3 operator/3 hi; sim@1; "
+           "outside operator/3");
+}
+
+static void test_an_untrusted_directive_from_outside(void)
+{
+    run_begin();
+    story_join("mallory");
+    muster_Mail m = letter("mallory", 1, "all", "(stop)");
+    m.layer = 0;
+    story_mail(m);
+    answer("red", 0);
+    answer("green", 0);
+    EXPECT("mallory 1-1 refused; p-green@0; p-red@0; sim@0");
+}
+
+static void test_states_come_from_acts(void)
+{
+    run_begin();
+    story_state("red", muster_STATE_SUSPENDED); /* a registration */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+    EXPECT("");
+    story_up("red", 0, muster_STATE_SUSPENDED, NULL, 0, 0);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+    answer_with(letter("green", 1, "red", "hi"), 0);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red suspended p-red");
+    EXPECT("p-green@0; green 1-1 stored; p-red@0; sim@0");
+    CU_ASSERT_EQUAL(story.members, 4); /* three in step and the operator */
+    answer("green", 1);
+    answer("red", 1);
+    EXPECT("p-green@1; p-red@1; red #1 green/1 hi; sim@1");
+    story_up("red", 2, muster_STATE_ABSENT, NULL, 0, 0); /* it is gone for good */
+    answer("green", 2);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+}
+
+static void test_white_pages_change_between_steps(void)
+{
+    run_begin();
+    story_join("blue");
+    EXPECT("");
+    answer("red", 0);
+    answer("green", 0);
+    EXPECT("p-green@0; p-red@0; sim@0");
+    CU_ASSERT_EQUAL(story.members, 3);
+}
+
+static void test_deaths_are_the_simulators_business(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "last words"), 0);
+    story_gone("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+    EXPECT("");
+    roster_say(true, 0, "p-green"); /* none of what red did in this step exists */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    answer("green", 0);
+    EXPECT("p-green@0; sim@0");
+    CU_ASSERT_EQUAL(story_status().sent, 0);
+}
+
+static void test_the_missing_one_is_dropped(void)
+{
+    run_begin();
+    answer_with(letter("green", 1, "operator", "where is red"), 0);
+    EXPECT("");
+    roster_say(true, 1, "p-green"); /* step 0 ends without red */
+    EXPECT("operator #1 green/1 where is red; p-green@0; sim@0");
+    answer("green", 1);
+    EXPECT("p-green@1; sim@1");
+}
+
+static void test_a_process_joins_a_run(void)
+{
+    run_begin();
+    story_join("blue");
+    (void)story_collect();
+    answer("green", 0);
+    roster_say(true, 0, "p-green p-red p-blue");
+    EXPECT("p-blue@-1"); /* the others have had it */
+    answer("blue", 0);
+    EXPECT("");
+    answer("red", 0);
+    EXPECT("p-green@0; p-red@0; p-blue@0; sim@0");
+}
+
+static void test_the_end_of_lock_step(void)
+{
+    run_begin();
+    story_gone("green", "p-green");
+    answer_with(letter("red", 1, "operator,green", "half a step"), 0);
+    story_send("operator", 1, "red", "hi");
+    roster_say(false, 1, "");
+    EXPECT("operator #1 red/1 half a step; red #1 operator/1 hi");
+    CU_ASSERT_STRING_EQUAL(story_member("green"), "green absent p-green");
+    answer_with(letter("red", 2, "operator", "free"), 7);
+    EXPECT("operator #2 red/2 free");
+    story_state("red", muster_STATE_SUSPENDED);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red suspended p-red");
+}
+
+static void test_another_run(void)
+{
+    run_begin();
+    answer("green", 0);
+    answer("red", 0);
+    EXPECT("p-green@0; p-red@0; sim@0");
+    roster_say(false, 1, "");
+    roster_say(true, 0, "p-green p-red");
+    EXPECT("p-green@-1; p-red@-1; sim@-1");
+    roster_say(true, 5, "p-green p-red"); /* from the middle */
+    EXPECT("p-green@4; p-red@4; sim@4");
+}
+
+static void test_due_and_expiry_count_steps(void)
+{
+    run_begin();
+    muster_Mail due = letter("red", 1, "green", "at 0.2 s");
+    due.due_ns = (int64_t)(200 * MS);
+    muster_Mail first = letter("operator", 1, "green", "at 0.1 s");
+    first.due_ns = (int64_t)(100 * MS);
+    muster_Mail short_lived = letter("operator", 2, "red", "for 0.1 s");
+    short_lived.ttl_ns = 100 * MS;
+    story_mail(first);
+    story_mail(short_lived);
+    story_tick(5000 * MS); /* the wall's time does not matter */
+    answer_with(due, 0);
+    story_up("green", 0, muster_STATE_RUNNING, NULL, 0, 0);
+    EXPECT("p-green@0; green #1 operator/1 at 0.1 s; p-red@0; red #1 operator/2 for 0.1 s; "
+           "red 1-1 stored; sim@0; outside operator/1; outside operator/2");
+    short_lived.seq = 3;
+    story_mail(short_lived);
+    story_up("red", 1, muster_STATE_SUSPENDED, NULL, 0, 1);
+    answer("green", 1);
+    EXPECT("operator 2-2 delivered; operator 3-3 stored; p-red@1; p-green@1; "
+           "green #2 red/1 at 0.2 s; sim@1; outside operator/3");
+    story_up("red", 2, muster_STATE_RUNNING, NULL, 0, 0); /* too late by one step */
+    answer("green", 2);
+    EXPECT("operator 3-3 expired; p-green@2; p-red@2; sim@2");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+}
+
+static void test_no_resending_in_lock_step(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 hello; p-red@0; sim@0");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    story_tick(10000 * MS);
+    EXPECT("");
+    roster_say(false, 1, "");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 11000 * MS);
+}
+
+static void test_a_lost_reader_is_given_its_step_again(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 hello; p-red@0; sim@0");
+    broker_matched(story.b, "p-green", false, 0);
+    story_match("p-green");
+    EXPECT("p-green@0; green #1 red/1 hello; green welcome 0");
+}
+
+static void test_a_question_in_a_step(void)
+{
+    run_begin();
+    muster_Mail m = letter("red", 1, "broker", "green");
+    m.layer = 2;
+    m.performative = words("lookup");
+    answer_with(m, 0);
+    EXPECT("");
+    m.src = words("operator"); /* from outside, at once, without shifting red's numbers */
+    story_mail(m);
+    EXPECT("operator #1 broker/4611686018427387905 member green robot running alpha here 1; "
+           "operator 1-1 delivered");
+    answer("green", 0);
+    EXPECT("p-red@0; red #1 broker/1 member green robot running alpha here 1; red 1-1 delivered; "
+           "p-green@0; sim@0");
+}
+
+static void test_limit_outside_mails_in_one_step(void)
+{
+    enum { EXTRA = 10, MAX = 1024 };
+    run_begin();
+    for (uint64_t i = 1; i <= MAX + EXTRA; i++) {
+        story_send("operator", i, "sim-is-no-agent,red", "m");
+    }
+    for (int64_t step = 0; step < 2; step++) {
+        const char *process;
+        muster_Delivery d;
+        answer("green", step);
+        answer("red", step);
+        uint32_t outside = 0;
+        while (broker_next(story.b, &process, &d)) {
+            outside += d.outside._length;
+            broker_delivered(story.b, 0);
+        }
+        CU_ASSERT_EQUAL(outside, step == 0 ? MAX : EXTRA);
+    }
+}
+
+/* --- the order of arrival --------------------------------------------------------------------- */
+
+enum { PLAYERS = 6, STEPS = 40 };
+
+static const char *const players[PLAYERS] = {"a", "b", "c", "d", "e", "f"};
+static uint64_t acked[PLAYERS];
+static uint64_t seqs[PLAYERS];
+static uint64_t run_digest;
+
+static void digest(const char *s)
+{
+    for (; *s; s++) {
+        run_digest = (run_digest ^ (unsigned char)*s) * 1099511628211ull;
+    }
+}
+
+/* Takes all Deliveries of a step, and digests them in order of process. */
+static void step_collect(void)
+{
+    static char lines[PLAYERS + 1][1 << 15];
+    const char *process;
+    muster_Delivery d;
+    memset(lines, 0, sizeof lines);
+    while (broker_next(story.b, &process, &d)) {
+        uint32_t at = strcmp(process, "sim") == 0 ? PLAYERS : (uint32_t)(process[2] - 'a');
+        mu_text_clear(&story.text);
+        story_note(&d);
+        for (uint32_t i = 0; i < d.members._length; i++) {
+            story_line(d.members._buffer[i].name);
+        }
+        snprintf(lines[at], sizeof lines[at], "%s", story.text.at);
+        if (at < PLAYERS && d.parcels._length > 0) {
+            acked[at] = d.parcels._buffer[d.parcels._length - 1].number;
+        }
+        broker_delivered(story.b, 0);
+    }
+    for (uint32_t i = 0; i <= PLAYERS; i++) {
+        digest(lines[i]);
+    }
+}
+
+/* What a player does depends on the seed, its name and the step alone. */
+static void player_acts(uint32_t player, int64_t step)
+{
+    static const char *const targets[] = {"a", "b", "c", "d", "e", "f", "all", "a,c,e", "nobody"};
+    char stream[16], content[16];
+    struct mu_random r;
+    snprintf(stream, sizeof stream, "%s%d", players[player], (int)step);
+    snprintf(content, sizeof content, "m%d", (int)step);
+    mu_random_seed(&r, 1, stream);
+    muster_Mail mails[3];
+    uint32_t count = (uint32_t)mu_random_between(&r, 0, 3);
+    for (uint32_t i = 0; i < count; i++) {
+        mails[i] =
+            letter(players[player], ++seqs[player], targets[mu_random_between(&r, 0, 8)], content);
+        mails[i].ttl_ns = (uint64_t)mu_random_between(&r, 0, 1) * 150 * MS;
+        mails[i].due_ns = mu_random_between(&r, 0, 4) ? -1 : (int64_t)MS * 100 * (step + 3);
+    }
+    muster_State state = (muster_State)mu_random_between(&r, 0, 3);
+    story_up(players[player], step, state, mails, count, acked[player]);
+}
+
+static uint64_t run_shuffled(uint64_t seed)
+{
+    struct mu_random r;
+    story_begin();
+    mu_random_seed(&r, seed, "order");
+    run_digest = 14695981039346656037ull;
+    memset(acked, 0, sizeof acked);
+    memset(seqs, 0, sizeof seqs);
+    uint32_t order[PLAYERS];
+    for (uint32_t i = 0; i < PLAYERS; i++) {
+        order[i] = i;
+    }
+    for (int64_t step = -1; step < STEPS; step++) {
+        for (uint32_t i = PLAYERS; i > 1; i--) {
+            uint32_t j = (uint32_t)mu_random_between(&r, 0, i - 1), swap = order[j];
+            order[j] = order[i - 1];
+            order[i - 1] = swap;
+        }
+        for (uint32_t i = 0; i < PLAYERS; i++) {
+            if (step < 0) {
+                story_join(players[order[i]]);
+            } else {
+                player_acts(order[i], step);
+                story_tick((uint64_t)mu_random_between(&r, 0, 1000) * MS);
+            }
+        }
+        if (step < 0) {
+            story_match("sim");
+            (void)story_collect();
+            roster_say(true, 0, "p-c p-a p-b p-f p-e p-d");
+        }
+        step_collect();
+    }
+    return run_digest;
+}
+
+static void test_order_of_arrival_does_not_matter(void)
+{
+    uint64_t first = run_shuffled(1);
+    muster_BrokerStatus s = story_status();
+    CU_ASSERT_TRUE(s.delivered > 100 && s.expired > 10 && s.unknown_name > 5);
+    for (uint64_t seed = 2; seed <= 12; seed++) {
+        CU_ASSERT_EQUAL(run_shuffled(seed), first);
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"the barrier", test_the_barrier},
+        {"a repeated answer is dropped", test_a_repeated_answer_is_dropped},
+        {"outside mail waits for the step", test_outside_mail_waits_for_the_step},
+        {"an untrusted directive from outside", test_an_untrusted_directive_from_outside},
+        {"states come from acts", test_states_come_from_acts},
+        {"white pages change between steps", test_white_pages_change_between_steps},
+        {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
+        {"the missing one is dropped", test_the_missing_one_is_dropped},
+        {"a process joins a run", test_a_process_joins_a_run},
+        {"the end of lock step", test_the_end_of_lock_step},
+        {"another run", test_another_run},
+        {"due and expiry count steps", test_due_and_expiry_count_steps},
+        {"no resending in lock step", test_no_resending_in_lock_step},
+        {"a lost reader is given its step again", test_a_lost_reader_is_given_its_step_again},
+        {"a question in a step", test_a_question_in_a_step},
+        {"limit: outside mails in one step", test_limit_outside_mails_in_one_step},
+        {"the order of arrival does not matter", test_order_of_arrival_does_not_matter},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("broker/lockstep", tests);
+}

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/broker_story.h"
+
+#define X10 "xxxxxxxxxx"
+
+static void team(void)
+{
+    story_begin();
+    story_join("blue");
+    story_join("green");
+    story_join("red");
+    (void)story_collect();
+}
+
+static void test_mail_by_name_and_its_receipt(void)
+{
+    team();
+    story_send("red", 1, "green", "hello");
+    story_send("red", 2, "green", "again");
+    EXPECT("green #1 red/1 hello; green #2 red/2 again");
+    CU_ASSERT_EQUAL(story_status().waiting, 2);
+    story_ack("green", 2);
+    EXPECT("red 1-2 delivered");
+    muster_BrokerStatus s = story_status();
+    CU_ASSERT_EQUAL(s.sent, 2);
+    CU_ASSERT_EQUAL(s.delivered, 2);
+    CU_ASSERT_EQUAL(s.waiting, 0);
+    story_send("red", 3, "nobody", "hello");
+    EXPECT("red 3-3 unknown-name");
+    story_send("red", 4, "red", "a note to myself");
+    EXPECT("red #1 red/4 a note to myself");
+}
+
+static void test_lists_of_names(void)
+{
+    team();
+    story_send("red", 1, "green,blue,green", "hello");
+    EXPECT("green #1 red/1 hello; blue #1 red/1 hello");
+    story_ack("green", 1);
+    EXPECT("");
+    story_ack("blue", 1);
+    EXPECT("red 1-1 delivered");
+    story_send("red", 2, "green,nobody", "hello"); /* the bad news at once, the mail all the same */
+    EXPECT("green #2 red/2 hello; red 2-2 unknown-name");
+    story_ack("green", 2);
+    EXPECT("");
+    CU_ASSERT_EQUAL(story_status().sent, 4);
+    CU_ASSERT_EQUAL(story_status().unknown_name, 1);
+}
+
+static void test_broadcast_reaches_who_is_there(void)
+{
+    team();
+    story_join("operator");
+    story_join("grey");
+    story_state("blue", muster_STATE_SUSPENDED);
+    story_gone("grey", "p-grey");
+    (void)story_collect();
+    story_send("red", 1, "all", "hi");
+    EXPECT("green #1 red/1 hi; operator #1 red/1 hi; red 1-1 stored");
+    story_state("blue", muster_STATE_RUNNING);
+    EXPECT("blue #1 red/1 hi");
+    story_register("grey", "p-grey");
+    EXPECT("grey welcome 0"); /* it was absent then */
+    story_send("red", 2, "special", "hi");
+    EXPECT("operator #2 red/2 hi");
+    story_send("operator", 1, "robots", "go");
+    EXPECT("blue #2 operator/1 go; green #2 operator/1 go; grey #1 operator/1 go; "
+           "red #1 operator/1 go");
+    story_send("operator", 2, "special", "nobody else is special");
+    EXPECT("operator 2-2 delivered");
+}
+
+static void test_mail_waits_for_the_absent(void)
+{
+    team();
+    story_gone("green", "p-green");
+    (void)story_collect();
+    story_send("red", 1, "green", "one");
+    story_send("red", 2, "green", "two");
+    EXPECT("red 1-2 stored");
+    story_register("green", "p-new");
+    EXPECT("");
+    story_match("p-new");
+    EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
+    story_gone("green", "p-new"); /* a crash before it has acknowledged */
+    story_register("green", "p-green");
+    EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
+    CU_ASSERT_EQUAL(story_status().resent, 2);
+    story_ack("green", 2);
+    EXPECT("red 1-2 delivered");
+}
+
+static void test_moving_and_suspended_wait(void)
+{
+    team();
+    story_state("green", muster_STATE_MOVING);
+    story_state("blue", muster_STATE_SUSPENDED);
+    story_send("red", 1, "green,blue", "hello");
+    EXPECT("red 1-1 stored");
+    story_state("green", muster_STATE_STANDBY);
+    EXPECT("green #1 red/1 hello");
+    story_state("blue", muster_STATE_RUNNING);
+    EXPECT("blue #1 red/1 hello");
+}
+
+static muster_Mail directive(const char *src, uint64_t seq, const char *dst)
+{
+    muster_Mail m = letter(src, seq, dst, "(wander)");
+    m.layer = 0;
+    m.performative = words("do");
+    return m;
+}
+
+static void test_directives(void)
+{
+    team();
+    story_join("operator");
+    (void)story_collect();
+    story_mail(directive("red", 1, "green"));
+    EXPECT("red 1-1 refused");
+    story_mail(directive("red", 2, "all"));
+    EXPECT("red 2-2 refused");
+    CU_ASSERT_EQUAL(story_status().refused, 4);
+    story_state("green", muster_STATE_SUSPENDED);
+    story_send("red", 3, "green", "waits");
+    EXPECT("red 3-3 stored");
+    story_mail(directive("operator", 1, "green"));
+    EXPECT("green #1 operator/1 (wander)");
+    story_ack("green", 1);
+    EXPECT("operator 1-1 delivered");
+    story_state("green", muster_STATE_RUNNING);
+    EXPECT("green #2 red/3 waits");
+}
+
+static void test_directives_pass_a_full_window(void)
+{
+    team();
+    story_join("observer");
+    (void)story_collect();
+    for (uint64_t i = 1; i <= MU_WINDOW_MAX + 1; i++) {
+        story_send("red", i, "green", "m");
+    }
+    (void)story_collect();
+    story_mail(directive("observer", 1, "green"));
+    EXPECT("green #201 observer/1 (wander)");
+    story_ack("green", 201);
+    EXPECT("red 1-200 delivered; observer 1-1 delivered; green #202 red/201 m");
+}
+
+static void test_duplicates_are_dropped(void)
+{
+    team();
+    story_send("red", 5, "green", "hello");
+    story_send("red", 5, "green", "hello");
+    story_send("red", 4, "green", "older");
+    EXPECT("green #1 red/5 hello; red 5-5 duplicate; red 4-4 duplicate");
+    CU_ASSERT_EQUAL(story_status().duplicates_dropped, 2);
+    story_send("red", 9, "green", "a gap is no harm");
+    EXPECT("green #2 red/9 a gap is no harm");
+}
+
+static void test_time_to_live(void)
+{
+    team();
+    story_state("green", muster_STATE_SUSPENDED);
+    muster_Mail m = letter("red", 1, "green,blue", "fresh");
+    m.ttl_ns = 50 * MS;
+    story_mail(m);
+    EXPECT("blue #1 red/1 fresh; red 1-1 stored");
+    story_ack("blue", 1);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 50 * MS);
+    story_tick(50 * MS - 1);
+    EXPECT("");
+    story_tick(1);
+    EXPECT("red 1-1 expired");
+    CU_ASSERT_EQUAL(story_status().expired, 1);
+    CU_ASSERT_EQUAL(story_status().waiting, 0);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    story_state("green", muster_STATE_RUNNING);
+    EXPECT("");
+    m.seq = 2;
+    story_mail(m);
+    EXPECT("green #1 red/2 fresh; blue #2 red/2 fresh");
+    story_tick(60 * MS); /* what was handed out keeps its number, and does not expire */
+    story_ack("green", 1);
+    story_ack("blue", 2);
+    EXPECT("red 2-2 delivered");
+}
+
+static void test_due_in_a_free_run(void)
+{
+    team();
+    muster_Mail m = letter("red", 1, "green", "later");
+    m.due_ns = (int64_t)(300 * MS);
+    story_mail(m);
+    EXPECT("red 1-1 stored");
+    story_tick(1000 * MS); /* no run has started */
+    EXPECT("");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    muster_Roster roster = {.simulator = words("sim"), .step = 1, .step_ns = 100 * MS};
+    broker_roster(story.b, &roster, story.now_ns);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1200 * MS);
+    story_tick(200 * MS - 1);
+    EXPECT("");
+    story_send("red", 2, "green", "overtakes");
+    EXPECT("green #1 red/2 overtakes");
+    story_tick(1);
+    EXPECT("green #2 red/1 later");
+    m.seq = 3; /* due already */
+    story_mail(m);
+    EXPECT("green #3 red/3 later");
+}
+
+static void test_window_and_resending(void)
+{
+    team();
+    for (uint64_t i = 1; i <= MU_WINDOW_MAX + 2; i++) {
+        story_send("red", i, "green", "m");
+    }
+    (void)story_collect();
+    CU_ASSERT_EQUAL(story_status().waiting, MU_WINDOW_MAX + 2);
+    story_ack("green", 1);
+    EXPECT("red 1-1 delivered; green #201 red/201 m");
+    story_ack("green", 200);
+    EXPECT("red 2-200 delivered; green #202 red/202 m");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1000 * MS);
+    story_tick(999 * MS);
+    EXPECT("");
+    story_tick(1 * MS);
+    EXPECT("green #201 red/201 m; green #202 red/202 m");
+    CU_ASSERT_EQUAL(story_status().resent, 2);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 2000 * MS);
+    story_ack("green", 201);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 2000 * MS);
+    story_ack("green", 202);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    EXPECT("red 201-202 delivered");
+}
+
+static void test_the_reader_comes_back(void)
+{
+    team();
+    story_send("red", 1, "green", "one");
+    EXPECT("green #1 red/1 one");
+    broker_matched(story.b, "p-green", false, story.now_ns);
+    story_send("red", 2, "green", "two");
+    story_tick(5000 * MS);
+    EXPECT("");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    story_match("p-green");
+    EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
+    CU_ASSERT_EQUAL(story_status().resent, 1);
+    CU_ASSERT_EQUAL(story.members, 4); /* the whole white pages again */
+}
+
+static void test_the_network_refuses(void)
+{
+    const char *process;
+    muster_Delivery d;
+    team();
+    story_send("red", 1, "green", "one");
+    CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+    CU_ASSERT_EQUAL(d.parcels._length, 1);
+    broker_undelivered(story.b);
+    CU_ASSERT_FALSE(broker_next(story.b, &process, &d));
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1 * MS);
+    story_state("green", muster_STATE_SUSPENDED); /* it never went out: it waits again */
+    story_tick(1 * MS);
+    EXPECT("");
+    story_state("green", muster_STATE_RUNNING);
+    EXPECT("green #1 red/1 one");
+    CU_ASSERT_EQUAL(story_status().resent, 0);
+}
+
+static void test_acknowledgements_that_cannot_be(void)
+{
+    team();
+    story_send("red", 1, "green", "one");
+    (void)story_collect();
+    story_ack("green", 2); /* never handed out */
+    CU_ASSERT_EQUAL(story_status().malformed, 1);
+    muster_Ack ack = {.box = words("green"), .number = 1};
+    muster_Up up = {.process = words("p-red"), .step = muster_STEP_NOW};
+    up.acks = (dds_sequence_muster_Ack){._length = 1, ._buffer = &ack};
+    broker_up(story.b, &up, 0); /* another one's box */
+    CU_ASSERT_EQUAL(story_status().malformed, 2);
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+    story_ack("green", 1);
+    story_ack("green", 1);
+    CU_ASSERT_EQUAL(story_status().malformed, 2);
+    CU_ASSERT_EQUAL(story_status().delivered, 1);
+}
+
+static void test_malformed_mails(void)
+{
+    static char much[MU_CONTENT_MAX + 2];
+    memset(much, 'x', sizeof much - 1);
+    team();
+    muster_Mail bad[11];
+    for (uint64_t i = 0; i < 11; i++) {
+        bad[i] = letter("red", i + 1, "green", "x");
+    }
+    bad[0].dst = words("");
+    bad[1].dst = words("green,");
+    bad[2].dst = words("green,all");
+    bad[3].dst = words("two words");
+    bad[4].dst = NULL;
+    bad[5].content = much;
+    bad[6].content = NULL;
+    bad[7].performative = words(X10 X10 X10 X10 X10 X10 X10);
+    bad[8].conversation = NULL;
+    bad[9].dst = words(",green");
+    bad[10].dst = words("a-name-of-more-than-31-characters");
+    for (uint32_t i = 0; i < 11; i++) {
+        story_mail(bad[i]);
+        CU_ASSERT_EQUAL(story_status().malformed, i + 1);
+    }
+    EXPECT("red 1-11 refused");
+    muster_Mail forged = letter("blue", 1, "green", "x"); /* red's process, in blue's name */
+    story_up("red", muster_STEP_NOW, muster_STATE_RUNNING, &forged, 1, 0);
+    CU_ASSERT_EQUAL(story_status().malformed, 12);
+    story_send("nobody", 1, "green", "x");
+    CU_ASSERT_EQUAL(story_status().malformed, 13);
+    EXPECT("");
+    much[MU_CONTENT_MAX] = '\0';
+    story_send("red", 20, "green", much);
+    CU_ASSERT_TRUE(strlen(story_collect()) > MU_CONTENT_MAX);
+    CU_ASSERT_EQUAL(story_status().malformed, 13);
+    CU_ASSERT_EQUAL(story_status().sent, 1);
+}
+
+static void test_malformed_samples(void)
+{
+    team();
+    muster_Act act = {.agent = NULL, .rules = words("")};
+    muster_Up up = {.process = words("p-red"), .step = muster_STEP_NOW};
+    up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
+    broker_up(story.b, &up, 0);
+    act.agent = words("red");
+    act.mails = (dds_sequence_muster_Mail){._length = 3, ._buffer = NULL};
+    broker_up(story.b, &up, 0);
+    act.mails._length = 0;
+    act.state = (muster_State)9;
+    broker_up(story.b, &up, 0);
+    up.acts = (dds_sequence_muster_Act){._length = 1000000, ._buffer = &act};
+    broker_up(story.b, &up, 0);
+    up = (muster_Up){.process = NULL};
+    broker_up(story.b, &up, 0);
+    up = (muster_Up){.process = words("p-nobody")};
+    broker_up(story.b, &up, 0);
+    muster_Roster roster = {.simulator = words("sim"), .lockstep = true, .step = -1, .step_ns = 1};
+    broker_roster(story.b, &roster, 0);
+    roster.step = INT64_MAX;
+    broker_roster(story.b, &roster, 0);
+    CU_ASSERT_EQUAL(story_status().malformed, 8);
+    broker_gone(story.b, NULL, NULL, true, 0);
+    broker_matched(story.b, NULL, true, 0);
+    EXPECT("");
+}
+
+static void test_a_sender_that_has_left_is_told_nothing(void)
+{
+    team();
+    story_send("red", 1, "green", "bye");
+    story_gone("red", "p-red");
+    EXPECT("green #1 red/1 bye");
+    story_ack("green", 1);
+    story_register("red", "p-red");
+    EXPECT("red welcome 1");
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"mail by name, and its receipt", test_mail_by_name_and_its_receipt},
+        {"lists of names", test_lists_of_names},
+        {"a broadcast reaches who is there", test_broadcast_reaches_who_is_there},
+        {"mail waits for the absent", test_mail_waits_for_the_absent},
+        {"moving and suspended agents wait", test_moving_and_suspended_wait},
+        {"directives", test_directives},
+        {"directives pass a full window", test_directives_pass_a_full_window},
+        {"duplicates are dropped", test_duplicates_are_dropped},
+        {"time to live", test_time_to_live},
+        {"due in a free run", test_due_in_a_free_run},
+        {"window and resending", test_window_and_resending},
+        {"the reader comes back", test_the_reader_comes_back},
+        {"the network refuses", test_the_network_refuses},
+        {"acknowledgements that cannot be", test_acknowledgements_that_cannot_be},
+        {"malformed mails", test_malformed_mails},
+        {"malformed samples", test_malformed_samples},
+        {"a sender that has left is told nothing", test_a_sender_that_has_left_is_told_nothing},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("broker/mail", tests);
+}

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/broker_story.h"
+
+static void test_welcome_comes_when_the_reader_is_there(void)
+{
+    story_begin();
+    story_register("red", "p-red");
+    EXPECT("");
+    CU_ASSERT_STRING_EQUAL(broker_process(story.b, 0), "p-red");
+    CU_ASSERT_PTR_NULL(broker_process(story.b, 1));
+    story_match("p-red");
+    EXPECT("red welcome 0");
+    CU_ASSERT_EQUAL(story.members, 2); /* the broker, and red itself */
+    CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
+    CU_ASSERT_TRUE(broker_serves(story.b, "p-red"));
+    story_register("red", "p-red"); /* a heartbeat */
+    EXPECT("");
+    CU_ASSERT_EQUAL(story.members, 0);
+}
+
+static void test_others_hear_of_changes_alone(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("green");
+    story_state("green", muster_STATE_SUSPENDED);
+    muster_Member news;
+    while (broker_member_news(story.b, &news)) {
+        CU_ASSERT_PTR_NOT_NULL(news.name);
+    }
+    EXPECT("");
+    CU_ASSERT_EQUAL(story.members, 2); /* one line, to each of two processes */
+    story_state("green", muster_STATE_RUNNING);
+    story_state("green", muster_STATE_SUSPENDED);
+    CU_ASSERT_TRUE(broker_member_news(story.b, &news));
+    CU_ASSERT_STRING_EQUAL(news.name, "green");
+    CU_ASSERT_EQUAL(news.state, muster_STATE_SUSPENDED);
+    CU_ASSERT_FALSE(broker_member_news(story.b, &news));
+    CU_ASSERT_STRING_EQUAL(story_member("green"), "green suspended p-green");
+    CU_ASSERT_STRING_EQUAL(story_member("broker"), "broker running ");
+    CU_ASSERT_EQUAL(story_status().agents, 2);
+}
+
+static void test_names_that_are_refused(void)
+{
+    static const char *const lines[][2] = {
+        {"", ": not a valid name"},
+        {"9lives", "9lives: not a valid name"},
+        {"all", "all: reserved name"},
+        {"robots", "robots: reserved name"},
+        {"special", "special: reserved name"},
+        {"broker", "broker: reserved name"},
+        {"broker.two", "broker.two: reserved name"},
+        {"a-name-of-31-characters-and-more", "a-name-of-31-characters-and-more: not a valid name"},
+    };
+    story_begin();
+    story_match("p");
+    (void)story_collect();
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        story_register(lines[i][0], "p");
+        EXPECT(lines[i][1]);
+    }
+    muster_Registration r = registration("operator", "p"); /* a robot */
+    broker_registration(story.b, &r, 0);
+    EXPECT("operator: reserved for a special agent");
+    story_register("operator", "p");
+    EXPECT("operator welcome 0");
+}
+
+static void test_bad_registrations_are_counted(void)
+{
+    story_begin();
+    muster_Registration bad[] = {registration(NULL, "p"),  registration("red", NULL),
+                                 registration("red", ""),  registration("red", "p*"),
+                                 registration("red", "p"), registration("red", "p"),
+                                 registration("red", "p")};
+    bad[4].host = NULL;
+    bad[5].kind = (muster_Kind)77;
+    bad[6].state = (muster_State)-1;
+    for (uint32_t i = 0; i < 7; i++) {
+        broker_registration(story.b, &bad[i], 0);
+        CU_ASSERT_EQUAL(story_status().malformed, i + 1);
+    }
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "nobody");
+    CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
+}
+
+static void test_held_name_is_refused_in_the_end(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("thief");
+    (void)story_collect();
+    story_register("red", "thief");
+    EXPECT("");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1500 * MS);
+    story_tick(1500 * MS - 1);
+    EXPECT("");
+    story_tick(1);
+    EXPECT("red: held by another participant");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+}
+
+static void test_held_name_is_inherited(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("heir");
+    story_match("late");
+    (void)story_collect();
+    story_register("red", "heir");
+    story_register("red", "late");
+    EXPECT("red: held by another participant"); /* the second one in the queue */
+    story_gone("red", "late");                  /* it does not hold the name: nothing happens */
+    story_gone("red", "p-red");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");
+    story_gone("red", "p-red"); /* of the old process, once more */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+}
+
+static void test_gone_without_a_process_is_the_holder(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("heir");
+    story_register("red", "heir");
+    (void)story_collect();
+    broker_gone(story.b, "red", NULL, false, 0); /* one of them let go */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");
+    story_register("red", "p-red");
+    broker_gone(story.b, "red", "", true, 0); /* all are gone */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent heir");
+    broker_gone(story.b, "broker", NULL, true, 0);
+    CU_ASSERT_STRING_EQUAL(story_member("broker"), "broker running ");
+}
+
+static void test_claim_is_given_up(void)
+{
+    story_begin();
+    story_join("red");
+    story_register("red", "p2");
+    CU_ASSERT_STRING_EQUAL(broker_process(story.b, 0), "p2");
+    story_gone("red", "p2");
+    CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
+    CU_ASSERT_FALSE(broker_serves(story.b, "p2"));
+    story_tick(2000 * MS);
+    EXPECT("");
+}
+
+static void test_restarted_sender_goes_on_counting(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("green");
+    story_send("red", 41, "green", "hello");
+    EXPECT("green #1 red/41 hello");
+    story_gone("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    (void)story_collect();
+    story_register("red", "p-again");
+    story_match("p-again");
+    EXPECT("red welcome 41");
+    muster_Registration r = registration("red", "p-again"); /* the same process name, restarted */
+    r.incarnation = 2;
+    broker_registration(story.b, &r, 0);
+    EXPECT("red welcome 41");
+    r.incarnation = 1; /* an old sample, late */
+    r.state = muster_STATE_SUSPENDED;
+    broker_registration(story.b, &r, 0);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-again");
+}
+
+static void test_limit_agents_in_one_process(void)
+{
+    char name[16];
+    story_begin();
+    story_match("p");
+    for (unsigned i = 0; i < MU_LOCAL_AGENTS_MAX; i++) {
+        snprintf(name, sizeof name, "r%u", i);
+        story_register(name, "p");
+    }
+    (void)story_collect();
+    story_register("more", "p");
+    EXPECT("more: too many agents in one process");
+    story_gone("r0", "p");
+    story_register("more", "p");
+    EXPECT("more welcome 0");
+}
+
+static void test_limit_agents(void)
+{
+    char name[16], process[16];
+    story_begin();
+    for (unsigned i = 0; i < MU_AGENTS_MAX; i++) {
+        snprintf(name, sizeof name, "r%u", i);
+        snprintf(process, sizeof process, "p%u", i / MU_LOCAL_AGENTS_MAX);
+        story_register(name, process);
+    }
+    CU_ASSERT_EQUAL(story_status().agents, MU_AGENTS_MAX);
+    story_match("q");
+    (void)story_collect();
+    CU_ASSERT_EQUAL(story.members, MU_AGENTS_MAX + 1);
+    story_register("more", "q");
+    EXPECT("more: the white pages are full");
+    story_gone("r7", "p0"); /* a name once known stays known */
+    story_register("more", "q");
+    EXPECT("more: the white pages are full");
+    story_register("r7", "q");
+    EXPECT("r7 welcome 0");
+}
+
+static void test_limit_processes(void)
+{
+    char name[16], process[16];
+    story_begin();
+    for (unsigned i = 0; i < MU_PROCESSES_MAX; i++) {
+        snprintf(name, sizeof name, "r%u", i);
+        snprintf(process, sizeof process, "p%u", i);
+        story_register(name, process);
+    }
+    CU_ASSERT_PTR_NOT_NULL(broker_process(story.b, MU_PROCESSES_MAX - 1));
+    CU_ASSERT_PTR_NULL(broker_process(story.b, MU_PROCESSES_MAX));
+    story_register("more", "one-too-many");
+    CU_ASSERT_EQUAL(story_status().malformed, 1);
+    CU_ASSERT_STRING_EQUAL(story_member("more"), "nobody");
+    story_gone("r3", "p3");
+    story_register("more", "one-too-many");
+    CU_ASSERT_STRING_EQUAL(story_member("more"), "more running one-too-many");
+}
+
+static void test_refused_strangers_make_way(void)
+{
+    char process[16];
+    story_begin();
+    for (unsigned i = 0; i < 2 * MU_PROCESSES_MAX; i++) {
+        snprintf(process, sizeof process, "p%u", i);
+        story_register("all", process);
+    }
+    CU_ASSERT_EQUAL(story_status().malformed, 0);
+    story_join("red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a welcome comes when the reader is there", test_welcome_comes_when_the_reader_is_there},
+        {"others hear of changes alone", test_others_hear_of_changes_alone},
+        {"names that are refused", test_names_that_are_refused},
+        {"bad registrations are counted", test_bad_registrations_are_counted},
+        {"a held name is refused in the end", test_held_name_is_refused_in_the_end},
+        {"a held name is inherited", test_held_name_is_inherited},
+        {"gone without a process is the holder", test_gone_without_a_process_is_the_holder},
+        {"a claim is given up", test_claim_is_given_up},
+        {"a restarted sender goes on counting", test_restarted_sender_goes_on_counting},
+        {"limit: agents in one process", test_limit_agents_in_one_process},
+        {"limit: agents", test_limit_agents},
+        {"limit: processes", test_limit_processes},
+        {"refused strangers make way", test_refused_strangers_make_way},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("broker/registry", tests);
+}

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The house rules that a compiler cannot check.  `make tidy`; prints file:line: reason."""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FUNCTION_LINES_MAX, FILE_LINES_MAX, LINE_CHARS_MAX, PARAMETERS_MAX = 70, 800, 100, 6
+
+# Who may include whom.  Programs never see each other: they meet in idl/wire.idl alone.
+MAY_INCLUDE = {
+    "core": set(),
+    "world": {"core"},
+    "bus": {"core"},
+    "runtime": {"core", "bus"},
+    "broker": {"core", "bus"},
+    "sim": {"core", "world", "bus"},
+    "agent": {"core", "world", "bus", "runtime"},
+    "ctl": {"core", "world", "bus", "runtime"},
+}
+# Foreign headers, and the only files that may include them.
+ONLY_IN = {
+    r"dds/": r"src/bus/",
+    r"clips": r"src/agent/clips_",
+    r"ode/": r"src/sim/ode_",
+    r"ccd/": r"src/world/place",
+    r"png\.h": r"src/world/bitmap",
+    r"cyaml/|yaml\.h": r"src/ctl/(experiment|yaml)",
+    r"openssl/": r"src/sim/runhash",
+}
+BANNED = r"\b(strcpy|strcat|sprintf|vsprintf|gets|atoi|atof|strtok|alloca)\s*\("
+ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free)\s*\("
+problems = []
+
+
+def bad(path, line, why):
+    problems.append(f"{path.relative_to(ROOT)}:{line}: {why}")
+
+
+def check_lines(path, lines, module):
+    rel = str(path.relative_to(ROOT))
+    for n, line in enumerate(lines, 1):
+        if len(line) > LINE_CHARS_MAX:
+            bad(path, n, f"more than {LINE_CHARS_MAX} columns")
+        if line.rstrip() != line or "\t" in line:
+            bad(path, n, "tab or trailing space")
+        code = re.sub(r'"(\\.|[^"\\])*"|//.*|/\*.*?\*/', "", line)
+        if code.lstrip().startswith("*"):
+            continue  # the middle of a comment
+        if re.search(BANNED, code):
+            bad(path, n, "banned function")
+        if module and rel != "src/core/memory.c" and re.search(ALLOCATES, code):
+            bad(path, n, "allocation outside core/memory.c: take it at start-up")
+        if re.search(r"\bgoto\b", code):
+            bad(path, n, "goto")
+
+
+def check_includes(path, lines, module):
+    rel = str(path.relative_to(ROOT))
+    for n, line in enumerate(lines, 1):
+        m = re.match(r'#include [<"]([^>"]+)[>"]', line)
+        if not m or not rel.startswith("src/"):
+            continue
+        first = m[1].split("/")[0]
+        if first in MAY_INCLUDE and first != module and first not in MAY_INCLUDE[module]:
+            bad(path, n, f"{module} may not include {first}")
+        for pattern, where in ONLY_IN.items():
+            if re.match(pattern, m[1]) and not re.match(where, rel):
+                bad(path, n, f"<{m[1]}> belongs in {where} only")
+
+
+def check_functions(path, text, lines, module):
+    start = None
+    for n, line in enumerate(lines, 1):
+        if line == "{":
+            start = n
+        if line == "}" and start:
+            if n - start - 1 > FUNCTION_LINES_MAX:
+                bad(path, start, f"function longer than {FUNCTION_LINES_MAX} lines")
+            start = None
+    for m in re.finditer(r"^[a-z_][\w \*]*?\b([a-z_]\w*)\(([^;{}]*?)\)\n\{", text, re.M):
+        at = text[: m.start()].count("\n") + 1
+        if m[2].count(",") >= PARAMETERS_MAX and "(" not in m[2]:
+            bad(path, at, f"{m[1]}: more than {PARAMETERS_MAX} parameters")
+        shared = module and path.name != "main.c" and not m[0].startswith("static")
+        stem = path.stem.split("_")[0]
+        prefixes = ("mu_", stem, "__", "LLVM") + (("mind_",) if stem == "clips" else ())
+        if shared and not m[1].startswith(prefixes) and m[1] != "bind":
+            bad(path, at, f"{m[1]}: a shared name starts with mu_ or {stem}_")
+
+
+def check(path):
+    text = path.read_text()
+    lines = text.splitlines()
+    rel = path.relative_to(ROOT)
+    module = rel.parts[1] if rel.parts[0] == "src" else None
+    if "SPDX-License-Identifier" not in "".join(lines[:2]):
+        bad(path, 1, "no SPDX licence in the first lines")
+    if len(lines) > FILE_LINES_MAX:
+        bad(path, len(lines), f"more than {FILE_LINES_MAX} lines")
+    check_lines(path, lines, module)
+    if path.suffix in (".c", ".h"):
+        check_includes(path, lines, module)
+        check_functions(path, text, lines, module)
+
+
+def main():
+    for folder in ("src", "include", "tests", "examples", "bench"):
+        for path in sorted((ROOT / folder).rglob("*.[ch]")):
+            check(path)
+    for problem in problems:
+        print(problem)
+    print(f"tidy: {len(problems)} problems" if problems else "tidy: ok")
+    return bool(problems)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
