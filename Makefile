@@ -36,7 +36,7 @@ FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
 $(error BUILD=$(BUILD): use release, asan or coverage)
 endif
-CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) -MMD -MP
+CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) -MD -MP
 LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD)))
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------

@@ -154,6 +154,9 @@ MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *n
                                     enum mu_kind kind, uint64_t last_number,
                                     const struct mu_handlers *handlers);
 
+/** Lets mail to `all` pass this agent by: it spares agents that would only throw it away. */
+void mu_agent_decline_broadcasts(mu_agent *a);
+
 /**
  * Sends a mail; it is kept and sent again until the broker has answered for it.
  *

@@ -13,9 +13,9 @@
  */
 static const char *const env_denied[] = {
     "exit", "system", "open", "close", "remove", "rename", "load", "load*", "save", "bload",
-    "bsave", "batch", "batch*", "dribble-on", "dribble-off",
-    "load-facts", "save-facts", "load-instances",
-    "save-instances", "bload-instances", "bsave-instances", "restore-instances", "constructs-to-c",
+    "bsave", "batch", "batch*", "dribble-on", "dribble-off", "load-facts",
+    "save-facts", "load-instances", "save-instances", "bload-instances", "bsave-instances",
+    "restore-instances", "constructs-to-c",
     "fetch", "toss", "print-region", "get-region", "read", "readline", "read-number", "get-char",
     "set-locale", "release-mem", "conserve-mem", "clear", "profile", "profile-info",
     "profile-reset", "set-profile-percent-threshold", "get-profile-percent-threshold", "timer",

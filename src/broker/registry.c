@@ -124,6 +124,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     bool same_state = a->is.state == presence->state;
     bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
                 strcmp(a->is.host, presence->host) == 0;
+    a->is.no_broadcasts = presence->no_broadcasts;
     if (same) {
         return false;
     }

@@ -56,19 +56,22 @@ static bool kind_is_addressed(enum address_kind kind, muster_Kind of)
            (kind == ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
-static void audience_of(struct broker *b, const char *dst, uint32_t sender, struct audience *to)
+/* A directive to all finds those, too, that want no broadcasts. */
+static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t sender,
+                        struct audience *to)
 {
     to->count = to->unknown = 0;
-    enum address_kind kind = address_kind(dst);
+    enum address_kind kind = address_kind(letter->dst);
     if (kind == ADDRESS_NAMES) {
-        audience_of_names(b, dst, to);
+        audience_of_names(b, letter->dst, to);
         return;
     }
     for (uint32_t i = 0; i < b->registry.count; i++) {
         uint32_t agent = b->registry.order[i];
         const struct agent *a = &b->registry.agents[agent];
         if (agent != REGISTRY_BROKER && agent != sender && a->process != MU_NONE &&
-            kind_is_addressed(kind, a->is.kind)) {
+            kind_is_addressed(kind, a->is.kind) &&
+            !(kind == ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0)) {
             to->agents[to->count++] = agent;
         }
     }
@@ -77,7 +80,7 @@ static void audience_of(struct broker *b, const char *dst, uint32_t sender, stru
 bool router_meets_lockstep(struct broker *b, const struct mail *m)
 {
     struct audience to;
-    audience_of(b, m->letter.dst, m->sender, &to);
+    audience_of(b, &m->letter, m->sender, &to);
     bool meets = false;
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         meets = presence_in_lockstep(b, to.agents[i]);
@@ -252,7 +255,7 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
 bool router_route(struct broker *b, struct mail *m)
 {
     struct audience to;
-    audience_of(b, m->letter.dst, m->sender, &to);
+    audience_of(b, &m->letter, m->sender, &to);
     m->order = ++b->orders;
     if (m->letter.layer == 0 && !policy_may_direct(m->letter.src)) {
         uint32_t count = to.count + to.unknown ? to.count + to.unknown : 1;
@@ -304,7 +307,7 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
     struct mail *m = store_put(&b->store, letter);
     if (!m) {
         struct audience to;
-        audience_of(b, letter->dst, sender, &to);
+        audience_of(b, letter, sender, &to);
         b->counters.sent += to.count + to.unknown;
         b->counters.box_full += to.count + to.unknown;
         tell_sender(b, sender, letter->seq, muster_OUTCOME_BOX_FULL);

@@ -63,7 +63,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct operator *o = self;
-    if (strcmp(mail->in_reply_to, o->reply_with) != 0) {
+    if (!o->reply_with[0] || strcmp(mail->in_reply_to, o->reply_with) != 0) {
         return;
     }
     o->answers++;
@@ -94,6 +94,7 @@ int operator_join(struct operator *o, const struct operator_options *options, co
         fprintf(stderr, "muster %s: '%s' is not a name that an agent can have\n", verb, name);
         return MU_EXIT_USAGE;
     }
+    mu_agent_decline_broadcasts(o->agent);
     mu_result met = mu_process_await_broker(o->process, BROKER_PATIENCE_NS);
     if (met != MU_OK) {
         fprintf(stderr,

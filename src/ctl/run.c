@@ -186,7 +186,9 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
     struct mu_handlers handlers = {.self = r, .on_registered = on_registered,
                                    .on_receipt = on_receipt, .on_mail = on_mail};
-    return mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers);
+    MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
+    mu_agent_decline_broadcasts(r->observer);
+    return MU_OK;
 }
 
 static mu_result directive_send(struct run *r, const char *to, const char *verb, const char *line,

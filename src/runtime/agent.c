@@ -46,6 +46,7 @@ void agent_register(struct mu_agent *a)
                              .state = (muster_State)a->state,
                              .host = p->host,
                              .pid = (uint32_t)getpid(),
+                             .no_broadcasts = a->no_broadcasts,
                              .ready = p->ready};
     mu_result written = bus_write(&p->registration, &r);
     (void)written; /* the next heartbeat says it again */
@@ -158,6 +159,12 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (a->handlers.on_state) {
         a->handlers.on_state(a->handlers.self, a, state);
     }
+}
+
+void mu_agent_decline_broadcasts(mu_agent *a)
+{
+    a->no_broadcasts = true;
+    agent_register(a);
 }
 
 mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)

@@ -16,6 +16,7 @@
 
 enum {
     PROCESS_UP_MAILS = 256,          /* mails in one Up */
+    PROCESS_PARCELS = 16 * 1024,     /* parcels in one Delivery; more come again */
     PROCESS_UP_BYTES = 48 * 1024,    /* of mail content in one Up, beside the first mail */
     PROCESS_RULES_MAX = 8 * 1024,    /* names of fired rules, in bytes */
 };
@@ -28,6 +29,7 @@ struct mu_agent {
     struct mu_handlers handlers;
     uint64_t incarnation;
     bool registered, refused;
+    bool no_broadcasts;
     bool gone;             /* has left */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
@@ -66,6 +68,7 @@ struct mu_process {
     muster_Act acts[MU_LOCAL_AGENTS_MAX];
     muster_Ack acks[MU_LOCAL_AGENTS_MAX];
     muster_Mail mails[PROCESS_UP_MAILS];
+    bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };
 
 /* agent.c */

@@ -12,45 +12,49 @@
 /* Mail that went out and has no answer after this long, by the wall, goes out again. */
 static const uint64_t RESEND_NS = 1000000000;
 
-static bool parcel_is_fresh(struct mu_agent *a, const muster_Parcel *parcel)
+/* Says whether a parcel is the next one of its box, and takes its number if so. */
+static bool number_take(struct mu_agent *a, uint64_t number)
 {
     if (!a || a->gone) {
         return false;
     }
-    if (parcel->number <= a->last_number) {
+    if (number <= a->last_number) {
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
     /* Where a number is missing, the broker will begin there again; a new life begins anywhere. */
-    return a->handed == 0 || parcel->number == a->last_number + 1;
-}
-
-/* Directives come first, whatever order the box has: the answer to them waits for no rule. */
-static void directives_take(mu_process *p, const muster_Delivery *d)
-{
-    for (uint32_t i = 0; i < d->parcels._length; i++) {
-        const muster_Parcel *parcel = &d->parcels._buffer[i];
-        struct mu_agent *a = agent_find(p, parcel->box);
-        if (parcel->letter.layer == MU_DIRECTIVE && parcel_is_fresh(a, parcel)) {
-            a->handed++;
-            agent_directive(a, parcel);
-        }
+    if (a->handed > 0 && number != a->last_number + 1) {
+        return false;
     }
+    a->last_number = number;
+    a->handed++;
+    return true;
 }
 
-static void mails_take(mu_process *p, const muster_Delivery *d)
+/* Marks the parcels that are to be handed over.  @return how many parcels were looked at */
+static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
 {
-    for (uint32_t i = 0; i < d->parcels._length; i++) {
+    uint32_t count = d->parcels._length < PROCESS_PARCELS ? d->parcels._length : PROCESS_PARCELS;
+    for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
-        struct mu_agent *a = agent_find(p, parcel->box);
-        if (!parcel_is_fresh(a, parcel)) {
+        p->fresh[i] = number_take(agent_find(p, parcel->box), parcel->number);
+    }
+    return count;
+}
+
+/* Hands over the marked directives, or the marked mails. */
+static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count, bool directives)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const muster_Parcel *parcel = &d->parcels._buffer[i];
+        if (!p->fresh[i] || (parcel->letter.layer == MU_DIRECTIVE) != directives) {
             continue;
         }
-        if (parcel->letter.layer != MU_DIRECTIVE) {
-            a->handed++;
-            agent_mail(a, parcel);
+        if (directives) {
+            agent_directive(agent_find(p, parcel->box), parcel);
+        } else {
+            agent_mail(agent_find(p, parcel->box), parcel);
         }
-        a->last_number = parcel->number;
     }
 }
 
@@ -129,11 +133,13 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
     notices_take(p, d);
-    directives_take(p, d);
+    uint32_t count = parcels_mark(p, d);
+    /* Directives come first, whatever order the box has: no rule delays them. */
+    parcels_hand(p, d, count, true);
     if (sense) {
         percepts_take(p, sense);
     }
-    mails_take(p, d);
+    parcels_hand(p, d, count, false);
 }
 
 /* --- the answer ---------------------------------------------------------------------------------- */

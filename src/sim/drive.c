@@ -76,9 +76,10 @@ struct drive_force drive_run(struct drive *drive, const struct drive_motion *mot
 
 void drive_watch(struct drive *drive, const struct drive_motion *motion, double dt_s)
 {
-    bool held_up = drive_held_up(drive->forward_m_s, motion->forward_m_s, DRIVE_STALL_FORWARD_M_S) ||
-                   drive_held_up(drive->turn_rad_s, motion->turn_rad_s, DRIVE_STALL_TURN_RAD_S);
-    drive->held_up_s = held_up ? drive->held_up_s + dt_s : 0;
+    bool forward =
+        drive_held_up(drive->forward_m_s, motion->forward_m_s, DRIVE_STALL_FORWARD_M_S);
+    bool turn = drive_held_up(drive->turn_rad_s, motion->turn_rad_s, DRIVE_STALL_TURN_RAD_S);
+    drive->held_up_s = forward || turn ? drive->held_up_s + dt_s : 0;
 }
 
 bool drive_stalled(const struct drive *drive)

@@ -9,7 +9,7 @@
 
 #define GRID_CELL_M 1.0   /* the measured optimum for rays is flat from 0.5 to 1.5 */
 #define GRID_MARGIN_M 1.0 /* around the world */
-#define GRID_SLACK 1e-7   /* cells are a little larger than they are, so that rounding leaves no gap */
+#define GRID_SLACK 1e-7   /* cells count as a little larger: rounding must leave no gap */
 
 struct grid_span {
     int x0, x1, y0, y1;

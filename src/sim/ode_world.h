@@ -31,7 +31,7 @@ void ode_world_open(size_t bodies_max);
 
 void ode_world_close(void);
 
-/** Adds the next body, numbered from 0.  @return its moment of inertia about its own point, kg m2 */
+/** Adds the next body, numbered from 0.  @return its moment of inertia at its own point, kg m2 */
 double ode_world_add(const struct ode_body_size *size, struct world_pose pose);
 
 void ode_world_motion(size_t body, struct ode_motion *motion);

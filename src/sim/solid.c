@@ -48,8 +48,9 @@ static double solid_ray_disc(const struct solid *solid, const double from[2],
     double fx = from[0] - solid->x;
     double fy = from[1] - solid->y;
     double b = fx * along[0] + fy * along[1];
+    double beside = fx * along[1] - fy * along[0]; /* of the ray's line to the middle */
     double c = fx * fx + fy * fy - solid->half_x * solid->half_x;
-    double d = b * b - c;
+    double d = solid->half_x * solid->half_x - beside * beside; /* b b - c, without cancellation */
     if ((c > 0 && b > 0) || d < 0) {
         return best;
     }

@@ -43,7 +43,7 @@ static mu_result body_read_sensor(void *context, const struct worldfile_entity *
     }
     struct worldfile_place at = builder_place(entity, "range");
     if (!(view[0] >= 0 && view[1] > view[0] && view[1] <= BUILDER_POSE_MAX_M)) {
-        return builder_fault(b, &at, "expected a range [min max] with 0 <= min < max, found [%g %g]",
+        return builder_fault(b, &at, "expected a range [min max] with 0 <= min < max, found %g, %g",
                              view[0], view[1]);
     }
     if (robot->sonar_count == MU_SONARS_MAX) {

@@ -96,9 +96,9 @@ mu_result builder_fault(struct builder *b, const struct worldfile_place *at, con
 mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity)
 {
     static const char *const models[] = {
-        "actuator", "blinkenlight", "blobfinder", "block",          "bumper", "camera",  "fiducial",
-        "gripper",  "indicator",    "laser",      "lightindicator", "model",  "position", "puck",
-        "ranger",   "sensor",       "speech",     "wifi",
+        "actuator",  "blinkenlight", "blobfinder",     "block", "bumper",   "camera", "fiducial",
+        "gripper",   "indicator",    "lightindicator", "laser", "model",    "position",
+        "ranger",    "sensor",       "speech",         "wifi",
     };
     const char *kind = worldfile_kind(entity);
     for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
@@ -107,8 +107,9 @@ mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *e
             return MU_OK;
         }
     }
-    return builder_fault(b, &entity->at, "expected a model that Stage has or that is defined "
-                         "before, found '%.40s'", kind);
+    return builder_fault(b, &entity->at,
+                         "expected a model that Stage has or that is defined before, found '%.40s'",
+                         kind);
 }
 
 struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key)
@@ -161,7 +162,8 @@ mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
 {
     double v[4] = {0, 0, 0, 0}; /* x y z heading_deg */
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"pose", v, 2, 4}));
-    *pose = world_pose_in(frame, (struct world_pose){v[0], v[1], remainder(v[3], 360) * M_PI / 180});
+    struct world_pose own = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
+    *pose = world_pose_in(frame, own);
     if (fabs(pose->x_m) > BUILDER_POSE_MAX_M || fabs(pose->y_m) > BUILDER_POSE_MAX_M) {
         struct worldfile_place at = builder_place(entity, "pose");
         return builder_fault(b, &at, "expected a place within %g m of the middle",
@@ -183,16 +185,6 @@ mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
         size_m[i] = v[i];
     }
     return MU_OK;
-}
-
-struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
-{
-    double c = cos(frame.heading_rad);
-    double s = sin(frame.heading_rad);
-    double heading = remainder(frame.heading_rad + pose.heading_rad, 2 * M_PI);
-    return (struct world_pose){.x_m = frame.x_m + c * pose.x_m - s * pose.y_m,
-                               .y_m = frame.y_m + s * pose.x_m + c * pose.y_m,
-                               .heading_rad = heading <= -M_PI ? M_PI : heading};
 }
 
 mu_result builder_children(const struct worldfile_entity *entity,

@@ -102,4 +102,7 @@ MU_MUST_USE mu_result solid_build(struct builder *b, const struct worldfile_enti
 MU_MUST_USE mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
                                 struct world_pose frame, struct world_robot *robot);
 
+/** Does the work of world_check_places. */
+MU_MUST_USE mu_result place_check(const struct world *world, struct mu_fault *fault);
+
 #endif

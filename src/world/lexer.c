@@ -171,6 +171,6 @@ void lexer_next(struct lexer *lexer, struct token *token)
         lexer_take_number(lexer, token);
     } else {
         lexer->at++;
-        lexer_refuse(token, "expected a name, a value or a bracket, found a character that starts none");
+        lexer_refuse(token, "expected a name, a value or a bracket, found a stray character");
     }
 }

@@ -70,29 +70,38 @@ static struct world_shape place_outline(const struct world_robot *robot)
                                 .half_y_m = robot->width_m / 2};
 }
 
-/* The bounds of the static world, which robots do not widen. */
-static bool place_is_outside(const struct world *world, struct world_pose pose)
+/* Around what stands: robots do not widen it. */
+struct place_bounds {
+    double min[2], max[2];
+};
+
+static struct place_bounds place_measure(const struct world *world)
 {
-    double min[2] = {INFINITY, INFINITY};
-    double max[2] = {-INFINITY, -INFINITY};
+    struct place_bounds b = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     for (size_t i = 0; i < world->shape_count; i++) {
         const struct world_shape *s = &world->shapes[i];
-        double radius = place_radius(s);
-        min[0] = fmin(min[0], s->pose.x_m - radius);
-        max[0] = fmax(max[0], s->pose.x_m + radius);
-        min[1] = fmin(min[1], s->pose.y_m - radius);
-        max[1] = fmax(max[1], s->pose.y_m + radius);
+        bool disc = s->kind == WORLD_DISC;
+        double c = fabs(cos(s->pose.heading_rad));
+        double sine = fabs(sin(s->pose.heading_rad));
+        double x = disc ? s->radius_m : c * s->half_x_m + sine * s->half_y_m;
+        double y = disc ? s->radius_m : sine * s->half_x_m + c * s->half_y_m;
+        b.min[0] = fmin(b.min[0], s->pose.x_m - x);
+        b.max[0] = fmax(b.max[0], s->pose.x_m + x);
+        b.min[1] = fmin(b.min[1], s->pose.y_m - y);
+        b.max[1] = fmax(b.max[1], s->pose.y_m + y);
     }
-    return world->shape_count > 0 && (pose.x_m < min[0] || pose.x_m > max[0] ||
-                                      pose.y_m < min[1] || pose.y_m > max[1]);
+    return b;
 }
 
-static mu_result place_check_robot(const struct world *world, size_t index, struct mu_fault *fault)
+static mu_result place_check_robot(const struct world *world, size_t index,
+                                   const struct place_bounds *bounds, struct mu_fault *fault)
 {
     const struct world_robot *robot = &world->robots[index];
     const struct worldfile_place *at = &world->source->origins[index].at;
     struct world_shape outline = place_outline(robot);
-    if (place_is_outside(world, robot->pose)) {
+    if (world->shape_count > 0 &&
+        (robot->pose.x_m < bounds->min[0] || robot->pose.x_m > bounds->max[0] ||
+         robot->pose.y_m < bounds->min[1] || robot->pose.y_m > bounds->max[1])) {
         return mu_fault_at(fault, at->file, at->line, at->column,
                            "robot '%s' stands outside the world, at %.3f %.3f", robot->name,
                            robot->pose.x_m, robot->pose.y_m);
@@ -116,10 +125,11 @@ static mu_result place_check_robot(const struct world *world, size_t index, stru
     return MU_OK;
 }
 
-mu_result world_check_places(const struct world *world, struct mu_fault *fault)
+mu_result place_check(const struct world *world, struct mu_fault *fault)
 {
+    struct place_bounds bounds = place_measure(world);
     for (size_t i = 0; i < world->robot_count; i++) {
-        MU_TRY(place_check_robot(world, i, fault));
+        MU_TRY(place_check_robot(world, i, &bounds, fault));
     }
     return MU_OK;
 }

@@ -253,7 +253,8 @@ mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
     const char *bitmap = NULL;
     MU_TRY(builder_size(b, entity, reader.size_m));
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"obstacle_return", &obstacle, 1, 1}));
+    MU_TRY(
+        builder_numbers(b, entity, (struct builder_numbers){"obstacle_return", &obstacle, 1, 1}));
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"ranger_return", &ranger, 1, 1}));
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"boundary", &boundary, 1, 1}));
     MU_TRY(builder_text(b, entity, "bitmap", &bitmap));

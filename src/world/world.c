@@ -18,6 +18,16 @@ struct world_walk {
 
 static mu_result world_visit(void *context, const struct worldfile_entity *entity);
 
+struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
+{
+    double c = cos(frame.heading_rad);
+    double s = sin(frame.heading_rad);
+    double heading = remainder(frame.heading_rad + pose.heading_rad, 2 * M_PI);
+    return (struct world_pose){.x_m = frame.x_m + c * pose.x_m - s * pose.y_m,
+                               .y_m = frame.y_m + s * pose.x_m + c * pose.y_m,
+                               .heading_rad = heading <= -M_PI ? M_PI : heading};
+}
+
 static struct world_robot *world_find_robot(const struct world *world, const char *name)
 {
     for (size_t i = 0; i < world->robot_count; i++) {
@@ -110,7 +120,7 @@ static void world_name_robots(struct world *world)
     }
 }
 
-/* Widens the world's bounds around a box or, with half_y_m 0 and turned by nothing, a disc. */
+/* Widens the world's bounds around a box; a disc is covered by an upright one. */
 static void world_cover(struct world *world, struct world_pose middle, double half_x_m,
                         double half_y_m)
 {
@@ -195,8 +205,8 @@ static mu_result world_unknown_body(const struct world *world, const char *body,
             mu_text_format(&text, "%s%s", text.len ? " " : "", e->defines);
         }
     }
-    return mu_fault_at(fault, world->file, 0, 0, "expected a body that the world defines (%s), "
-                       "found '%.40s'", known, body);
+    return mu_fault_at(fault, world->file, 0, 0,
+                       "expected a body that the world defines (%s), found '%.40s'", known, body);
 }
 
 /* Reads the robot anew, or takes the one that is there. */
@@ -275,4 +285,9 @@ mu_result world_add_robot(struct world *world, const char *name, const char *bod
     *old = robot;
     world_measure(world);
     return MU_OK;
+}
+
+mu_result world_check_places(const struct world *world, struct mu_fault *fault)
+{
+    return place_check(world, fault);
 }

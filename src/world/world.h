@@ -55,13 +55,13 @@ struct world {
     double min_x_m, min_y_m, max_x_m, max_y_m; /* a box around everything */
     struct world_shape *shapes;   /* static and solid: stop robots and sonar alike */
     size_t shape_count;
-    struct world_robot *robots;   /* in the order of the file, then of world_add_robot; room for MU_ROBOTS_MAX */
+    struct world_robot *robots;   /* as in the file, then as added; room for MU_ROBOTS_MAX */
     size_t robot_count;
     struct world_file *source;    /* the parsed file: what its names define, for world_add_robot */
 };
 
 /**
- * Loads a world file in Stage's grammar (define, include, nested models, # comments, Stage's units).
+ * Loads a world file in Stage's grammar (define, include, nested models, # comments) and units.
  *
  * Properties that muster does not support are named once each, as warnings on standard error
  * (quiet: not at all).

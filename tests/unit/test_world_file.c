@@ -109,7 +109,7 @@ static void test_faults_say_where_and_what(void)
         {"a 12abc", 1, 3, "expected a number"},
         {"a 0x10", 1, 3, "expected a number"},
         {"a -", 1, 3, "expected a number"},
-        {"a @", 1, 3, "expected a name, a value or a bracket, found a character that starts none"},
+        {"a @", 1, 3, "expected a name, a value or a bracket, found a stray character"},
         {"a ( color b ( ) )", 1, 5, "expected a value for 'color'"},
         {"define", 1, 7, "expected the name that is defined, found the end of the file"},
         {"define a 3 ( )", 1, 10, "expected the model that the new one derives from, found '3'"},

@@ -1,0 +1,379 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Driving, pushing, stalling and seeing, in worlds small enough to compute by hand. */
+#include "sim/engine.h"
+
+#include <CUnit/Basic.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Their memory lives as long as the process: kept here, so that leak checkers see it. */
+static struct engine *engines[32];
+static size_t engines_used;
+
+static struct world_shape shapes[8];
+static struct world_robot robots[8];
+static struct world world;
+
+static void clear(void)
+{
+    memset(shapes, 0, sizeof shapes);
+    memset(robots, 0, sizeof robots);
+    world = (struct world){.shapes = shapes, .robots = robots};
+}
+
+static void add_wall(double x_m, double y_m, double half_x_m, double half_y_m)
+{
+    shapes[world.shape_count++] = (struct world_shape){
+        .kind = WORLD_BOX, .pose = {x_m, y_m, 0}, .half_x_m = half_x_m, .half_y_m = half_y_m};
+}
+
+static struct world_robot *add_robot(double x_m, double y_m, double heading_deg)
+{
+    struct world_robot *r = &robots[world.robot_count++];
+    *r = (struct world_robot){.pose = {x_m, y_m, heading_deg * M_PI / 180},
+                              .length_m = 0.44,
+                              .width_m = 0.38,
+                              .mass_kg = 9,
+                              .forward_max_m_s = 0.5,
+                              .reverse_max_m_s = 0.3,
+                              .turn_max_rad_s = M_PI / 2,
+                              .forward_accel_m_s2 = 0.5,
+                              .turn_accel_rad_s2 = M_PI / 2};
+    return r;
+}
+
+static void add_sonar(struct world_robot *r, double x_m, double y_m, double heading_deg)
+{
+    r->sonars[r->sonar_count++] = (struct world_sonar){
+        .pose = {x_m, y_m, heading_deg * M_PI / 180}, .range_min_m = 0.05, .range_max_m = 5};
+}
+
+static struct engine *start(uint64_t seed)
+{
+    struct engine_options options = {.seed = seed, .step_ns = 100000000};
+    struct engine *e = engine_open(&world, &options);
+    CU_ASSERT_FATAL(engines_used < sizeof engines / sizeof engines[0]);
+    engines[engines_used++] = e;
+    return e;
+}
+
+static void drive(struct engine *e, size_t robot, double forward_m_s, double turn_rad_s)
+{
+    CU_ASSERT_EQUAL(engine_command(e, robot, &forward_m_s, &turn_rad_s), MU_OK);
+}
+
+static struct engine_percept run(struct engine *e, size_t robot, unsigned steps)
+{
+    struct engine_percept p;
+    for (unsigned k = 0; k < steps; k++) {
+        engine_step(e);
+    }
+    engine_sense(e, robot, &p);
+    return p;
+}
+
+static void test_straight_drive(void)
+{
+    clear();
+    add_robot(0, 0, 90);
+    struct engine *e = start(1);
+    drive(e, 0, 0.4, 0);
+    struct engine_percept p = run(e, 0, 50);
+    /* 0.8 s of ramp in 40 substeps of 20 ms, each at its end speed, then 210 at 0.4 m/s */
+    double way = 0.02 * (0.5 * 0.02 * (40 * 41 / 2) + 210 * 0.4);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, way, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 0, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.heading_rad, M_PI / 2, 1e-9);
+    CU_ASSERT_FALSE(p.stalled);
+    engine_close(e);
+}
+
+static void test_turning_keeps_the_place_and_the_range_of_headings(void)
+{
+    clear();
+    add_robot(1, 2, 0)->origin_x_m = -0.04;
+    struct engine *e = start(1);
+    drive(e, 0, 0, 1);
+    double least = 0;
+    double most = 0;
+    struct engine_percept p;
+    for (int k = 0; k < 100; k++) {
+        p = run(e, 0, 1);
+        least = fmin(least, p.pose.heading_rad);
+        most = fmax(most, p.pose.heading_rad);
+    }
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 1, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, 2, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.turn_rad_s, 1, 1e-9);
+    CU_ASSERT(least > -M_PI && least < -3);
+    CU_ASSERT(most <= M_PI && most > 3);
+    engine_close(e);
+
+    clear();
+    add_robot(0, 0, -180);
+    e = start(1);
+    p = run(e, 0, 0);
+    CU_ASSERT_EQUAL(p.pose.heading_rad, M_PI);
+    engine_close(e);
+}
+
+static void test_commands_are_clamped_or_refused(void)
+{
+    clear();
+    add_robot(0, 0, 0);
+    struct engine *e = start(1);
+    static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
+    for (size_t i = 0; i < 3; i++) {
+        double speed = bad[i];
+        double turn = 0;
+        CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_REFUSED);
+        speed = 0;
+        turn = bad[i];
+        CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_REFUSED);
+    }
+    struct engine_percept p = run(e, 0, 10);
+    CU_ASSERT_EQUAL(p.pose.x_m, 0); /* the old aim, to stand, stayed */
+    double speed = 1e300;
+    double turn = -1e300;
+    CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_OK);
+    CU_ASSERT_EQUAL(speed, 0.5);
+    CU_ASSERT_EQUAL(turn, -M_PI / 2);
+    speed = -7;
+    turn = 7;
+    CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_OK);
+    CU_ASSERT_EQUAL(speed, -0.3);
+    CU_ASSERT_EQUAL(turn, M_PI / 2);
+    engine_close(e);
+}
+
+static void test_a_wall_stalls_and_holds(void)
+{
+    clear();
+    add_wall(2.05, 0, 0.05, 4);
+    add_robot(1, 0, 0);
+    struct engine *e = start(1);
+    drive(e, 0, 0.4, 0);
+    struct engine_percept p = run(e, 0, 15);
+    CU_ASSERT_FALSE(p.stalled);
+    p = run(e, 0, 100);
+    CU_ASSERT_TRUE(p.stalled);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.22, 0.003); /* the front at the wall */
+    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0, 1e-3);
+    double held = p.pose.x_m;
+    p = run(e, 0, 300);
+    CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, held, 1e-3);
+    drive(e, 0, -0.2, 0);
+    p = run(e, 0, 30);
+    CU_ASSERT_FALSE(p.stalled);
+    CU_ASSERT(p.pose.x_m < held - 0.3);
+    engine_close(e);
+}
+
+static void test_stall_comes_after_the_held_time(void)
+{
+    clear();
+    add_wall(0.32, 0, 0.1, 4); /* touches the robot from the start */
+    add_robot(0, 0, 0);
+    struct engine *e = start(1);
+    drive(e, 0, 0.4, 0);
+    /* The wheels are above 0.02 m/s from the 3rd substep of 20 ms on: then 0.3 s. */
+    struct engine_percept p = run(e, 0, 3);
+    CU_ASSERT_FALSE(p.stalled);
+    p = run(e, 0, 2);
+    CU_ASSERT_TRUE(p.stalled);
+    engine_close(e);
+}
+
+static void test_nothing_tunnels(void)
+{
+    clear();
+    add_wall(0, 0, 0.005, 8); /* a centimetre thick */
+    for (int i = 0; i < 6; i++) { /* so that at full speed some would step right over it */
+        struct world_robot *r = add_robot(-97 - 0.11 * i, 2 * i - 5, 0);
+        r->forward_max_m_s = 100;
+        r->forward_accel_m_s2 = 100;
+    }
+    struct engine *e = start(1);
+    for (size_t i = 0; i < 6; i++) {
+        drive(e, i, 100, 0);
+    }
+    run(e, 0, 300);
+    for (size_t i = 0; i < 6; i++) {
+        struct engine_percept p = run(e, i, 0);
+        CU_ASSERT(p.pose.x_m < 0);
+        CU_ASSERT_TRUE(p.stalled);
+    }
+    engine_close(e);
+}
+
+static void test_head_on_both_stand(void)
+{
+    clear();
+    add_robot(0, 0, 0);
+    add_robot(2, 0, 180);
+    struct engine *e = start(1);
+    drive(e, 0, 0.4, 0);
+    drive(e, 1, 0.4, 0);
+    struct engine_percept a = run(e, 0, 100);
+    struct engine_percept b = run(e, 1, 0);
+    CU_ASSERT_TRUE(a.stalled);
+    CU_ASSERT_TRUE(b.stalled);
+    CU_ASSERT_DOUBLE_EQUAL(hypot(b.pose.x_m - a.pose.x_m, b.pose.y_m - a.pose.y_m), 0.44, 0.02);
+    engine_close(e);
+}
+
+static void test_pushing(void)
+{
+    clear();
+    add_robot(0, 0, 0);
+    add_robot(0.6, 0, 0)->mass_kg = 1; /* light, and standing on its brakes */
+    struct engine *e = start(1);
+    drive(e, 0, 0.4, 0);
+    struct engine_percept light = run(e, 1, 100);
+    CU_ASSERT(light.pose.x_m > 2);
+    CU_ASSERT(light.forward_m_s > 0.1);
+    engine_close(e);
+
+    clear();
+    add_robot(0, 0, 0);
+    add_robot(0.6, 0, 0)->mass_kg = 90;
+    e = start(1);
+    drive(e, 0, 0.4, 0);
+    struct engine_percept heavy = run(e, 1, 100);
+    struct engine_percept pusher = run(e, 0, 0);
+    CU_ASSERT(fabs(heavy.pose.x_m - 0.6) < 0.35);
+    CU_ASSERT_TRUE(pusher.stalled);
+    engine_close(e);
+}
+
+static void test_sonar_geometry(void)
+{
+    clear();
+    add_wall(2.1, 0, 0.1, 4);      /* its face at x = 2 */
+    add_wall(0, -20, 1, 0.1);      /* out of range */
+    shapes[world.shape_count++] = (struct world_shape){
+        .kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5};
+    struct world_robot *r = add_robot(0, 0, 0);
+    add_sonar(r, 0.1, 0, 0);
+    add_sonar(r, 0, 0.1, 90);
+    add_sonar(r, 0, 0, -90);
+    add_sonar(r, 0.1, 0, 45);
+    add_sonar(r, -0.25, 0, 180);
+    add_robot(-1.25, 0, 0);        /* its front at x = -1.03 */
+    add_robot(2 - 0.205, 1.2, 0);  /* near the wall: a reading below the least */
+    add_sonar(&robots[2], 0.2, 0, 0);
+    struct engine *e = start(1);
+    struct engine_percept p = run(e, 0, 0);
+    CU_ASSERT_EQUAL_FATAL(p.sonar_count, 5);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 1.9, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[1], 2.4, 1e-6);
+    CU_ASSERT_EQUAL((double)p.sonar_m[2], 5);
+    /* Along 45 degrees the third robot's side, y = 1.01, is met at x = 1.11, before it starts at
+     * x = 1.575; its rear, x = 1.575, at y = 1.475, behind its other side: so it is the wall. */
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[3], 1.9 * sqrt(2), 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[4], 0.78, 1e-6);
+    p = run(e, 2, 0);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 0.05, 1e-6);
+    engine_close(e);
+}
+
+/* Four robots in a box that bump into walls and into each other. */
+static uint64_t hash_of_a_crowd(uint64_t seed, bool *flat)
+{
+    clear();
+    add_wall(0, 2.1, 2.2, 0.1);
+    add_wall(0, -2.1, 2.2, 0.1);
+    add_wall(2.1, 0, 0.1, 2.2);
+    add_wall(-2.1, 0, 0.1, 2.2);
+    add_wall(0, 0, 0.3, 0.2);
+    for (int i = 0; i < 4; i++) {
+        struct world_robot *r = add_robot(i % 2 * 2 - 1, i / 2 * 2 - 1, 37 * i);
+        r->origin_x_m = -0.04;
+        add_sonar(r, 0.1, 0, 0);
+        add_sonar(r, 0.1, 0, 40);
+    }
+    struct engine *e = start(seed);
+    uint64_t hash = 1469598103934665603ull; /* FNV-1a */
+    *flat = true;
+    for (unsigned k = 0; k < 400; k++) {
+        for (size_t i = 0; i < 4; i++) {
+            drive(e, i, (k + i * 7) % 40 < 30 ? 0.5 : -0.3, (double)((k / 25 + i) % 3) - 1);
+        }
+        engine_step(e);
+        for (size_t i = 0; i < 4; i++) {
+            double state[ENGINE_STATE_DOUBLES];
+            struct engine_percept p;
+            memset(&p, 0, sizeof p);
+            engine_state(e, i, state);
+            engine_sense(e, i, &p);
+            unsigned char bytes[sizeof state + 2 * sizeof(float)];
+            memcpy(bytes, state, sizeof state);
+            memcpy(bytes + sizeof state, p.sonar_m, 2 * sizeof(float));
+            for (size_t b = 0; b < sizeof bytes; b++) {
+                hash = (hash ^ bytes[b]) * 1099511628211ull;
+            }
+            /* z; the quaternion's x and y; the speed along z; the turn about x and y */
+            *flat = *flat && state[2] == 0 && state[4] == 0 && state[5] == 0 && state[9] == 0 &&
+                    state[10] == 0 && state[11] == 0;
+            CU_ASSERT_FATAL(fabs(state[0]) < 2.1 && fabs(state[1]) < 2.1);
+        }
+    }
+    engine_close(e);
+    return hash;
+}
+
+static void test_the_same_bits_again_and_flat(void)
+{
+    bool flat;
+    uint64_t first = hash_of_a_crowd(1, &flat);
+    CU_ASSERT_TRUE(flat);
+    CU_ASSERT_EQUAL(hash_of_a_crowd(1, &flat), first);
+    CU_ASSERT_TRUE(flat);
+    CU_ASSERT_NOT_EQUAL(hash_of_a_crowd(2, &flat), first); /* the seed shuffles the solver */
+}
+
+static void test_out_in_the_open(void)
+{
+    clear();
+    add_wall(0, 0, 0.5, 0.5);
+    struct world_robot *r = add_robot(2, 0, 0);
+    add_sonar(r, 0, 0, 180);
+    struct engine *e = start(1);
+    drive(e, 0, 0.5, 0);
+    struct engine_percept p = run(e, 0, 60);
+    CU_ASSERT(p.pose.x_m > 4);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], p.pose.x_m - 0.5, 1e-6);
+    engine_close(e);
+    clear();
+    e = start(1); /* nothing at all */
+    engine_step(e);
+    engine_close(e);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"straight drive", test_straight_drive},
+        {"turning", test_turning_keeps_the_place_and_the_range_of_headings},
+        {"commands are clamped or refused", test_commands_are_clamped_or_refused},
+        {"a wall stalls and holds", test_a_wall_stalls_and_holds},
+        {"stall comes after the held time", test_stall_comes_after_the_held_time},
+        {"nothing tunnels", test_nothing_tunnels},
+        {"head-on", test_head_on_both_stand},
+        {"pushing", test_pushing},
+        {"sonar geometry", test_sonar_geometry},
+        {"the same bits again, and flat", test_the_same_bits_again_and_flat},
+        {"out in the open", test_out_in_the_open},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"sim/engine", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
