@@ -337,3 +337,8 @@ bool broker_member_news(struct broker *b, muster_Member *out)
     registry_line(&b->registry, agent, b->name, out);
     return true;
 }
+
+uint32_t broker_samples_wanted(const struct broker *b)
+{
+    return lockstep_missing(&b->lockstep);
+}

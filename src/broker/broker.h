@@ -92,6 +92,10 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
  */
 bool broker_member_news(struct broker *b, muster_Member *out);
 
+/** @return how many samples the broker needs before it can do much: in lock step, the answers that
+ *          are missing; else 1 */
+uint32_t broker_samples_wanted(const struct broker *b);
+
 /** When broker_tick is needed next, in broker time; UINT64_MAX: not before something happens. */
 uint64_t broker_deadline_ns(const struct broker *b);
 

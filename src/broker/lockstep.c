@@ -179,6 +179,11 @@ static bool step_is_complete(const struct lockstep *l)
     return l->roster_count > 0 && l->answered == l->roster_count;
 }
 
+uint32_t lockstep_missing(const struct lockstep *l)
+{
+    return l->on && l->roster_count > l->answered ? l->roster_count - l->answered : 1;
+}
+
 void lockstep_answered(struct broker *b, uint32_t place)
 {
     struct lockstep *l = &b->lockstep;

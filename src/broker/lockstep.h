@@ -59,6 +59,9 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step);
 /** All of a process's Up has been collected; the step may end with it. */
 void lockstep_answered(struct broker *b, uint32_t place);
 
+/** @return how many answers the step waits for; 1 when there is no lock step */
+uint32_t lockstep_missing(const struct lockstep *l);
+
 /** Keeps an admitted mail for the end of the step. */
 void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
 

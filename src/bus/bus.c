@@ -4,11 +4,13 @@
 #include "bus/config.h"
 #include "bus/loopback.h"
 #include "bus/topics.h"
+#include "core/clock.h"
 
 #include <arpa/inet.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static mu_result dds_fault(const char *what, dds_return_t code)
 {
@@ -85,8 +87,13 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
     if (bus->participant < 0) {
         return dds_fault("participant", bus->participant);
     }
-    bus->waitset = dds_create_waitset(bus->participant);
-    return bus->waitset < 0 ? dds_fault("waitset", bus->waitset) : MU_OK;
+    pthread_condattr_t clock;
+    pthread_condattr_init(&clock);
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    pthread_mutex_init(&bus->lock, NULL);
+    pthread_cond_init(&bus->arrival, &clock);
+    pthread_condattr_destroy(&clock);
+    return MU_OK;
 }
 
 void bus_close(struct bus *bus)
@@ -109,6 +116,21 @@ static mu_result topic_open(struct bus *bus, enum bus_topic topic)
     return MU_OK;
 }
 
+/* Runs in a thread of DDS, once for each sample. */
+static void on_arrival(dds_entity_t reader, void *self)
+{
+    (void)reader;
+    struct bus_reader *r = self;
+    struct bus *bus = r->bus;
+    pthread_mutex_lock(&bus->lock);
+    r->arrived++;
+    bus->arrived++;
+    if (bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted) {
+        pthread_cond_signal(&bus->arrival);
+    }
+    pthread_mutex_unlock(&bus->lock);
+}
+
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                           struct bus_reader *reader)
 {
@@ -122,14 +144,12 @@ mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *par
         return dds_fault("subscriber", subscriber);
     }
     dds_qos_t *qos = topic_qos(&topic_table[topic]);
-    reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, NULL);
+    dds_listener_t *listener = dds_create_listener(reader);
+    dds_lset_data_available(listener, on_arrival);
+    reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, listener);
+    dds_delete_listener(listener);
     dds_delete_qos(qos);
-    if (reader->reader < 0) {
-        return dds_fault("reader", reader->reader);
-    }
-    dds_entity_t condition = dds_create_readcondition(reader->reader, DDS_ANY_STATE);
-    dds_return_t attached = dds_waitset_attach(bus->waitset, condition, reader->reader);
-    return attached < 0 ? dds_fault("waitset", attached) : MU_OK;
+    return reader->reader < 0 ? dds_fault("reader", reader->reader) : MU_OK;
 }
 
 mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
@@ -190,26 +210,58 @@ uint32_t bus_reader_matches(const struct bus_reader *reader)
     return code < 0 ? 0 : status.current_count;
 }
 
+/* A reader in which nothing has arrived is looked into all the same from time to time: the end of a
+ * writer is no sample, and not every listener hears of it. */
+static const uint64_t LOOK_NS = 20000000;
+
+/* @return whether the reader is worth a look; arrived: how many samples it has had until now */
+static bool reader_has_news(struct bus_reader *r, uint64_t *arrived)
+{
+    pthread_mutex_lock(&r->bus->lock);
+    *arrived = r->arrived;
+    bool news = r->arrived != r->taken;
+    pthread_mutex_unlock(&r->bus->lock);
+    uint64_t now_ns = mu_clock_ns();
+    news = news || now_ns - r->looked_ns > LOOK_NS;
+    if (news) {
+        r->looked_ns = now_ns;
+    }
+    return news;
+}
+
+/* The reader is empty but for what has arrived since. */
+static void reader_drained(struct bus_reader *r, uint64_t arrived)
+{
+    pthread_mutex_lock(&r->bus->lock);
+    r->bus->taken += arrived - r->taken;
+    r->taken = arrived;
+    pthread_mutex_unlock(&r->bus->lock);
+}
+
 /* Gives the last batch back and takes the next one.  @return whether there is anything in it */
 static bool batch_take(struct bus_reader *r)
 {
     if (r->count > 0) {
         dds_return_loan(r->reader, r->samples, r->count);
     }
+    r->count = r->next = 0;
+    uint64_t arrived;
+    if (!reader_has_news(r, &arrived)) {
+        return false;
+    }
     dds_sample_info_t infos[BUS_BATCH];
     r->samples[0] = NULL; /* asks for a loan */
-    r->next = 0;
-    r->count = dds_take(r->reader, r->samples, infos, BUS_BATCH, BUS_BATCH);
-    if (r->count <= 0) {
-        r->count = 0;
-        return false;
+    int32_t count = dds_take(r->reader, r->samples, infos, BUS_BATCH, BUS_BATCH);
+    r->count = count > 0 ? count : 0;
+    if (r->count < BUS_BATCH) {
+        reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
         r->states[i] = infos[i].valid_data                                       ? BUS_DATA
                        : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
                                                                                : BUS_LOST;
     }
-    return true;
+    return r->count > 0;
 }
 
 const void *bus_next(struct bus_reader *r, enum bus_life *life)
@@ -228,10 +280,19 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
     }
 }
 
-void bus_wait(struct bus *bus, int64_t timeout_ns)
+void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
-    dds_attach_t triggered[BUS_READERS_MAX];
-    (void)dds_waitset_wait(bus->waitset, triggered, BUS_READERS_MAX, timeout_ns > 0 ? timeout_ns : 0);
+    uint64_t until_ns = mu_clock_ns() + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    const struct timespec until = {.tv_sec = (time_t)(until_ns / 1000000000u),
+                                   .tv_nsec = (long)(until_ns % 1000000000u)};
+    int waited = 0;
+    pthread_mutex_lock(&bus->lock);
+    bus->wanted = samples;
+    while (bus->arrived - bus->taken < samples && waited == 0) {
+        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
+    }
+    bus->wanted = 0;
+    pthread_mutex_unlock(&bus->lock);
 }
 
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)

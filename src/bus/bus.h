@@ -4,13 +4,14 @@
  * The network under muster: Eclipse Cyclone DDS behind a dozen calls.
  *
  * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread; no call
- * blocks but bus_wait.  Nothing is written from a listener: there are none.
+ * blocks but bus_wait.  The only listeners count arrivals: nothing is read or written from them.
  */
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
 
 #include "muster/result.h"
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -45,13 +46,18 @@ struct bus_options {
     const char *hub;        /* host of broker and simulator; NULL: the interface's own address */
 };
 
-enum { BUS_READERS_MAX = 8, BUS_BATCH = 32 };
+enum { BUS_BATCH = 32 };
 
 struct bus {
     int32_t participant;
-    int32_t waitset;
     int32_t topics[BUS_TOPICS]; /* 0: not opened yet */
     uint64_t malformed;         /* samples refused at the border */
+    /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
+    pthread_mutex_t lock;
+    pthread_cond_t arrival;
+    uint64_t arrived;           /* samples, ever */
+    uint64_t taken;             /* of them, no longer in a reader */
+    uint64_t wanted;            /* bus_wait wakes when so many are there; 0: nobody waits */
 };
 
 struct bus_writer {
@@ -64,7 +70,9 @@ struct bus_reader {
     struct bus *bus;
     enum bus_topic topic;
     int32_t reader;
-    int32_t count, next; /* of the batch */
+    uint64_t arrived, taken; /* as in struct bus, of this reader; under its lock */
+    uint64_t looked_ns;      /* when it was last asked for samples */
+    int32_t count, next;     /* of the batch */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
 };
@@ -90,7 +98,7 @@ MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *option
 /** Leaves the network; what was written and not yet sent is sent first. */
 void bus_close(struct bus *bus);
 
-/** Opens a reader.  partition NULL: the default one. */
+/** Opens a reader, which must stay where it is.  partition NULL: the default one. */
 MU_MUST_USE mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                                       struct bus_reader *reader);
 
@@ -121,8 +129,16 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  */
 const void *bus_next(struct bus_reader *reader, enum bus_life *life);
 
-/** Waits until a reader has something, or the time is over.  timeout_ns < 0: 0. */
-void bus_wait(struct bus *bus, int64_t timeout_ns);
+/**
+ * Waits until samples lie in the readers, or the time is over.
+ *
+ * Who knows how many samples the next step needs says so, and is woken once instead of once each;
+ * waking costs more than anything else in a step.
+ *
+ * @param samples     how many, in all readers together; at least 1
+ * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0
+ */
+void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
 
 /** Waits until everything written has been acknowledged by its readers.  @return whether it has */
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);

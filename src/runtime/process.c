@@ -165,7 +165,9 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     if (!p->in_lockstep) {
         step_flush(p);
     }
-    bus_wait(&p->bus, timeout_ns < most_ns ? timeout_ns : most_ns);
+    /* A step in lock step needs two samples: the senses, and the mail of the step before. */
+    uint64_t samples = p->in_lockstep && !p->mail && !p->step ? 2 : 1;
+    bus_wait(&p->bus, samples, timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
     if (!p->in_lockstep) {

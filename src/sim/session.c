@@ -259,7 +259,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
         bool was_ready = ready;
         ready = everybody_is_ready(s);
         session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
-        bus_wait(&s->bus, IMPATIENT_NS);
+        bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
     processes_prune(s);
     samples_lay_out(s);

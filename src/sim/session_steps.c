@@ -139,6 +139,13 @@ static mu_result silence_report(struct session *s)
     return MU_TIMEOUT;
 }
 
+/* How many samples this step still needs: so many, and nothing is done for fewer. */
+static uint64_t samples_missing(const struct session *s)
+{
+    uint64_t missing = s->answers_missing + (s->mail_step < s->step - 1);
+    return missing > 0 ? missing : 1;
+}
+
 /* Waits for the answers of this step, and for the mail of the one before. */
 static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *signal_came)
 {
@@ -154,7 +161,7 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         if (mu_clock_ns() - began_ns > s->options.silence_ns) {
             return silence_report(s);
         }
-        bus_wait(&s->bus, senses_retry(s) ? WAIT_NS : RETRY_NS);
+        bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);
     }
 }
 
@@ -167,7 +174,7 @@ static void pace(struct session *s)
     double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
     int64_t wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
     while (wait_ns > 0 && !s->end) {
-        bus_wait(&s->bus, wait_ns);
+        bus_wait(&s->bus, 1, wait_ns);
         session_take(s);
         wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
     }
@@ -223,7 +230,7 @@ static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal
         world_record(s);
         due_ns += s->options.step_ns;
         for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end; now_ns = mu_clock_ns()) {
-            bus_wait(&s->bus, (int64_t)(due_ns - now_ns));
+            bus_wait(&s->bus, 1, (int64_t)(due_ns - now_ns));
             session_take(s);
         }
         step_finish(s);
