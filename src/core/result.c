@@ -17,7 +17,10 @@ const char *mu_result_text(mu_result r)
 
 mu_result mu_fault_trace(mu_result r, const char *function, const char *file, int line)
 {
-    fprintf(stderr, "fault %s: %s (%s:%d)\n", mu_result_text(r), function, file, line);
+    /* A mistake in a person's file or words has been explained where it was found. */
+    if (r != MU_FAULT_FILE && r != MU_FAULT_USAGE) {
+        fprintf(stderr, "fault %s: %s (%s:%d)\n", mu_result_text(r), function, file, line);
+    }
     return r;
 }
 

@@ -58,7 +58,8 @@ struct experiment_expectation {
     double stall_max_s; /* or: > 0: no robot stalled longer than this in a row */
 };
 
-enum experiment_on_crash { EXPERIMENT_STOP, EXPERIMENT_RESTART };
+/* A process of the run that dies ends the run. */
+enum experiment_on_crash { EXPERIMENT_STOP };
 
 struct experiment {
     char *name;      /* the file's name without folder and ending, unless it says otherwise;
@@ -68,10 +69,8 @@ struct experiment {
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
     enum experiment_on_crash on_crash;
-    char **brokers;  /* names; none: one broker is started */
+    char **brokers;  /* the name of the broker; none: main */
     unsigned brokers_count;
-    char **monitors; /* programs that watch */
-    unsigned monitors_count;
     struct experiment_robot *robots;
     unsigned robots_count;
     struct experiment_command *observer;

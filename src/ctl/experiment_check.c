@@ -7,12 +7,13 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { CHECK_DURATION_MAX_S = 1000000, CHECK_STEP_MAX_MS = 10000, CHECK_NAME_MAX = 63 };
+enum { CHECK_DURATION_MAX_S = 1000000, CHECK_STEP_MAX_MS = 10000, CHECK_SUBSTEP_MS = 20, CHECK_NAME_MAX = 63 };
 
 static int check_section(struct experiment_source *s, const char *key)
 {
@@ -83,6 +84,11 @@ static mu_result check_top(struct experiment_source *s)
         return experiment_fault(s, &e->step_ms, check_section(s, "step_ms"),
                                 "expected a control step of 1 to %d ms, not %g", CHECK_STEP_MAX_MS,
                                 e->step_ms);
+    }
+    if (fmod(e->step_ms, CHECK_SUBSTEP_MS) != 0.0) {
+        return experiment_fault(s, &e->step_ms, check_section(s, "step_ms"),
+                                "expected a multiple of %d ms, the step of the physics, not %g",
+                                CHECK_SUBSTEP_MS, e->step_ms);
     }
     for (unsigned i = 0; i < e->brokers_count; i++) {
         if (!mu_name_valid(e->brokers[i])) {

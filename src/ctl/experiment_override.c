@@ -58,11 +58,9 @@ static mu_result override_put(struct experiment_source *s, enum override_kind ki
         return yaml_check_real(value, field) ? MU_OK
                                              : experiment_fault(s, field, 0, "expected a number");
     case OVERRIDE_ON_CRASH:
-        *(enum experiment_on_crash *)field =
-            strcmp(value, "restart") == 0 ? EXPERIMENT_RESTART : EXPERIMENT_STOP;
-        return strcmp(value, "restart") == 0 || strcmp(value, "stop") == 0
-                   ? MU_OK
-                   : experiment_fault(s, field, 0, "expected stop or restart");
+        *(enum experiment_on_crash *)field = EXPERIMENT_STOP;
+        return strcmp(value, "stop") == 0 ? MU_OK
+                                          : experiment_fault(s, field, 0, "expected stop");
     }
     return MU_OK;
 }

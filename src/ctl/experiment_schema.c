@@ -58,8 +58,7 @@ static const cyaml_schema_field_t schema_expectation_fields[] = {
 static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(
     CYAML_FLAG_DEFAULT, struct experiment_expectation, schema_expectation_fields)};
 
-static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP},
-                                                 {"restart", EXPERIMENT_RESTART}};
+static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
@@ -70,8 +69,7 @@ static const cyaml_schema_field_t schema_fields[] = {
                       step_ms),
     CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
                      on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
-    CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0, 64),
-    CYAML_FIELD_SEQUENCE("monitors", MAY, struct experiment, monitors, &schema_name, 0, 64),
+    CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0, 1),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),
     CYAML_FIELD_SEQUENCE("observer", MAY, struct experiment, observer, &schema_command, 0,

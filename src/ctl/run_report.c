@@ -36,7 +36,9 @@ static void text_print(const struct run *r, const struct report_input *in,
                in->robots[i].mail_sent, in->robots[i].mail_received);
     }
     for (unsigned i = 0; i < in->experiment->expect_count; i++) {
-        printf("  %s  %s\n", out->met[i] ? "met   " : "FAILED", out->texts[i]);
+        const char *word = !out->judged[i] ? "-     " : out->met[i] ? "met   " : "FAILED";
+        printf("  %s  %s%s%s\n", word, out->texts[i], out->judged[i] ? ": " : "",
+               out->judged[i] ? out->measured[i] : "");
     }
     if (r->options.free) {
         printf("skipped %" PRIu64 " samples\n", r->skipped);

@@ -76,6 +76,10 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv, con
         fprintf(stderr, "muster sim: name one world file, for example: muster sim worlds/arena.world\n");
         return MU_FAULT_USAGE;
     }
+    if (fmod(set->step_ms, 20.0) != 0.0) {
+        fprintf(stderr, "muster sim: --step %g: expected a multiple of 20 ms\n", set->step_ms);
+        return MU_FAULT_USAGE;
+    }
     *world = options.words[0];
     return MU_OK;
 }
@@ -175,7 +179,7 @@ int main(int argc, char **argv)
     if (prepared != MU_OK) {
         return mu_exit_for(prepared);
     }
-    uint64_t step_ns = (uint64_t)llround(set.step_ms / 20.0) * 20000000u;
+    uint64_t step_ns = (uint64_t)llround(set.step_ms) * 1000000u;
     struct engine_options physics = {.seed = (uint64_t)set.seed, .step_ns = step_ns};
     struct session *s = mu_startup_alloc(sizeof *s);
     struct recorder *recorder = NULL;
