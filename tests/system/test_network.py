@@ -103,14 +103,14 @@ def test_dds_tools_list_and_decode_the_topics():
             words = re.sub(r"\s+", " ", typeof).replace("muster::", "")
             check(member.replace("muster::", "") in words, f"typeof {topic}: {typeof}")
         subscribe = processes.start(*tool, "subscribe", "Member", *options,
-                                    stdout=subprocess.PIPE, env=observer_environment(), text=True)
-        seen = ""
+                                    stdout=subprocess.PIPE, env=observer_environment())
+        seen = b""
         os.set_blocking(subscribe.stdout.fileno(), False)
 
         def decoded():
             nonlocal seen
-            seen += subscribe.stdout.read() or ""
-            return "name='red'" in seen or 'name="red"' in seen
+            seen += subscribe.stdout.read() or b""
+            return b"name='red'" in seen
 
         wait_for(decoded, 20, "the line of red, decoded by cyclonedds subscribe")
 

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/paths.h"
+
+#include <CUnit/Basic.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/muster-paths-XXXXXX";
+static char library[64];
+
+static void test_join(void)
+{
+    static const struct {
+        const char *folder, *file, *want;
+    } cases[] = {
+        {"a", "b", "a/b"},       {"a/b", "../c", "a/b/../c"}, {"a", "/b", "/b"},
+        {"", "b", "b"},          {"", "/b", "/b"},            {"/", "b", "//b"},
+        {"a b", "c d", "a b/c d"}, {"a", "", "a/"},           {"", "", ""},
+    };
+    char path[32];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        CU_ASSERT_TRUE(mu_path_join(path, sizeof path, cases[i].folder, cases[i].file));
+        CU_ASSERT_STRING_EQUAL(path, cases[i].want);
+    }
+}
+
+static void test_limit_join(void)
+{
+    char path[8];
+    CU_ASSERT_TRUE(mu_path_join(path, sizeof path, "abc", "def"));
+    CU_ASSERT_STRING_EQUAL(path, "abc/def");
+    CU_ASSERT_FALSE(mu_path_join(path, sizeof path, "abc", "defg"));
+    CU_ASSERT_FALSE(mu_path_join(path, sizeof path, "abcdefghi", "d"));
+    CU_ASSERT_FALSE(mu_path_join(path, sizeof path, "a", "/bcdefgh"));
+    CU_ASSERT_EQUAL(strlen(path), 7);
+}
+
+static void test_programs_stand_beside_the_running_one(void)
+{
+    char self[PATH_MAX];
+    char path[PATH_MAX];
+    ssize_t len = readlink("/proc/self/exe", self, sizeof self - 1);
+    CU_ASSERT_FATAL(len > 0);
+    self[len] = '\0';
+    CU_ASSERT_TRUE(mu_path_program(path, sizeof path, strrchr(self, '/') + 1));
+    CU_ASSERT_STRING_EQUAL(path, self);
+    CU_ASSERT_TRUE(mu_path_program(path, sizeof path, "/bin/sh"));
+    CU_ASSERT_STRING_EQUAL(path, "/bin/sh");
+    CU_ASSERT_FALSE(mu_path_program(path, 4, "muster"));
+}
+
+static void library_make(void)
+{
+    FILE *file = fopen(library, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fclose(file);
+}
+
+static void test_chosen_rules_must_have_the_library(void)
+{
+    char path[PATH_MAX];
+    setenv("MUSTER_RULES", folder, 1);
+    CU_ASSERT_FALSE(mu_path_rules(path, sizeof path));
+    library_make();
+    CU_ASSERT_TRUE(mu_path_rules(path, sizeof path));
+    CU_ASSERT_STRING_EQUAL(path, folder);
+    CU_ASSERT_FALSE(mu_path_rules(path, 6));
+    setenv("MUSTER_RULES", "/nowhere/at/all", 1);
+    CU_ASSERT_FALSE(mu_path_rules(path, sizeof path));
+    CU_ASSERT_EQUAL(remove(library), 0);
+}
+
+/* A test stands in build/VARIANT/test, as a program stands in build/VARIANT/bin. */
+static void test_rules_of_the_source_tree(void)
+{
+    static const char *const choices[] = {NULL, ""};
+    for (size_t i = 0; i < 2; i++) {
+        char path[PATH_MAX];
+        char file[PATH_MAX];
+        unsetenv("MUSTER_RULES");
+        if (choices[i]) {
+            setenv("MUSTER_RULES", choices[i], 1);
+        }
+        CU_ASSERT_TRUE_FATAL(mu_path_rules(path, sizeof path));
+        CU_ASSERT_TRUE(mu_path_join(file, sizeof file, path, "muster.clp"));
+        CU_ASSERT_EQUAL(access(file, R_OK), 0);
+    }
+}
+
+static int folder_make(void)
+{
+    if (!mkdtemp(folder)) {
+        return 1;
+    }
+    snprintf(library, sizeof library, "%s/muster.clp", folder);
+    return 0;
+}
+
+static int folder_remove(void)
+{
+    return rmdir(folder);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"join", test_join},
+        {"limit: what does not fit", test_limit_join},
+        {"programs beside the running one", test_programs_stand_beside_the_running_one},
+        {"chosen rules must have the library", test_chosen_rules_must_have_the_library},
+        {"rules of the source tree", test_rules_of_the_source_tree},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"core/paths", folder_make, folder_remove, NULL, NULL, tests},
+                             CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
