@@ -128,7 +128,10 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: test check unit rules system tidy asan coverage
-test: all $(HELPERS) ## every test: tidy, unit, rules, system, and unit and rules again under the sanitizers
+.PHONY: helpers
+helpers: $(HELPERS)
+
+test: all $(HELPERS) ## every test: tidy, unit, rules, system, and again under the sanitizers
 	@BUILD=$(BUILD) tests/run
 
 check: test ## the same as test
