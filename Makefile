@@ -27,7 +27,7 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
 # Foreign headers are system headers: their warnings are not ours.
-CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
@@ -145,6 +145,10 @@ rules: $(O)/test/rules ## the rule tests: tests/rules/*.clp against their `; exp
 system: all $(HELPERS) ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
 
+.PHONY: soak
+soak: all ## twenty whole runs, idle, busy and paced: one hash
+	@BUILD=$(BUILD) tests/soak/determinism.py
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -160,7 +164,7 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
-	@BUILD=$(BUILD) bench/run
+	@O=$(O) BUILD=$(BUILD) bench/run
 
 # --- hygiene -------------------------------------------------------------------------------------
 .PHONY: fmt fmt-check docs install uninstall clean help
@@ -172,7 +176,8 @@ fmt-check: ## fail if a file is not formatted
 docs: all ## print the reference pages from the tables in the code
 	@tools/make-reference $(O)/bin
 
-$(O)/muster.pc: Makefile
+.PHONY: FORCE
+$(O)/muster.pc: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' 'prefix=$(PREFIX)' 'Name: muster' \
 	  'Description: Runtime for teams of robots and other agents on DDS' 'Version: $(VERSION)' \

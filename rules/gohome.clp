@@ -29,14 +29,10 @@
 (defrule gohome
   (goal gohome ?home-x ?home-y)
   (position ?time ?x ?y ? ? ?compass ?)
-  (sonar ? $?ring&:(>= (length$ ?ring) 8))
   =>
   (bind ?far (distance ?x ?y ?home-x ?home-y))
-  (bind ?aside (norm-angle (- (bearing ?x ?y ?home-x ?home-y) ?compass)))
-  (bind ?aside (detour ?time ?x ?y ?compass ?aside))
-  (if (> (abs ?aside) 100)
-   then (setSpeed 0 (if (> ?aside 0) then 60 else -60))
-   else (steer (min ?*gohome-speed* (max 80 ?far)) ?aside (only-before ?far ?ring)))
+  (bind ?aside (aside ?x ?y ?compass ?home-x ?home-y))
+  (steer (clamp ?far 80 ?*gohome-speed*) (detour ?time ?x ?y ?compass ?aside) ?far)
   (update-sensors)
   (tell-position ?x ?y))
 

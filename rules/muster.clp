@@ -13,8 +13,8 @@
   (assert (goal $?goal)))
 
 (deffunction tell-position (?x ?y)
-  "What followers wait for."
-  (broadcast mate-pos ?*my-name* ?x ?y))
+  "What followers wait for, in whole mm."
+  (broadcast mate-pos ?*my-name* (round ?x) (round ?y)))
 
 (extends "avoid.clp")
 (extends "wander.clp")

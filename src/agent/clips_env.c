@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
-#include "agent/clips_mind.h"
+#include "agent/clips_value.h"
 #include "core/name.h"
 #include "muster/memory.h"
 
@@ -138,15 +138,37 @@ static void env_restore_globals(void *env)
     }
 }
 
-/* The globals and the template that C code fills in; names are valid symbols. */
+/* Lengths that rules may change, in mm. */
+static const struct {
+    const char *name;
+    long long value_mm;
+} env_globals[CLIPS_GLOBALS] = {
+    [CLIPS_SONAR_MARGIN] = {"sonar-margin", 250},
+    [CLIPS_SONAR_CLIP] = {"sonar-clip", 500},
+    [CLIPS_FOLLOW_DISTANCE] = {"follow-distance", 1000},
+    [CLIPS_CARE] = {"care", 1100},
+};
+
+double clips_env_global(const struct mind *m, enum clips_global which)
+{
+    const DATA_OBJECT *value = &m->globals[which]->current;
+    bool number = value->type == FLOAT || value->type == INTEGER;
+    return number ? clips_value_of(value->type, value->value)
+                  : (double)env_globals[which].value_mm;
+}
+
+/* The globals and the template that C code knows; the robot's name is a valid symbol. */
 static bool env_build(struct mind *m)
 {
-    char globals[256];
-    snprintf(globals, sizeof globals,
-             "(defglobal ?*my-name* = %s ?*mate* = nil ?*sonar-margin* = 250 ?*sonar-clip* = 500"
-             " ?*follow-distance* = 1000)",
-             m->options.name);
-    return EnvBuild(m->env, globals) &&
+    char bytes[512];
+    struct mu_text globals;
+    mu_text_init(&globals, bytes, sizeof bytes);
+    mu_text_format(&globals, "(defglobal ?*my-name* = %s ?*mate* = nil", m->options.name);
+    for (size_t i = 0; i < CLIPS_GLOBALS; i++) {
+        mu_text_format(&globals, " ?*%s* = %lld", env_globals[i].name, env_globals[i].value_mm);
+    }
+    mu_text_add(&globals, ")");
+    return EnvBuild(m->env, globals.at) &&
            EnvBuild(m->env,
                     "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
                     " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
@@ -170,14 +192,21 @@ static void env_install(struct mind *m)
     clips_fire_install(m);
 }
 
-static void env_templates(struct mind *m)
+/* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
+static void env_hold(struct mind *m)
 {
     struct deftemplate **implied[] = {&m->position, &m->ring, &m->message};
     static const char *const names[] = {"position", "sonar", "message"};
     for (size_t i = 0; i < 3; i++) {
         *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
+        (*implied[i])->busyCount++;
     }
     m->mail = EnvFindDeftemplate(m->env, "mail");
+    m->mail->busyCount++;
+    for (size_t i = 0; i < CLIPS_GLOBALS; i++) {
+        m->globals[i] = EnvFindDefglobal(m->env, env_globals[i].name);
+        m->globals[i]->busyCount++;
+    }
 }
 
 static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
@@ -216,7 +245,7 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
     clips_guard_start(m, 0);
     bool built = env_build(m);
     MU_ASSERT(!clips_env_leave(m) && built);
-    env_templates(m);
+    env_hold(m);
     clips_mail_install(m);
     *out = m;
     return env_load_library(m, fault);

@@ -2,8 +2,9 @@
 /*
  * (findall (relation field...)): the facts that match.
  *
- * The parser below turns the pattern into arguments of a plain call: the relation, a string with
- * one letter for each part of the pattern, then the values.  Letters: v a value to be equal to, ?
+ * The parser below turns the pattern into arguments of a plain call: the relation (as a template
+ * when there is one already, so that CLIPS counts its use), a string with one letter for each part
+ * of the pattern, then the values.  Letters: v a value to be equal to, ?
  * any field, $ any fields, ( a slot, whose name is the next value, and ) its end.
  */
 #include "agent/clips_functions.h"
@@ -51,9 +52,9 @@ static void findall_token(struct findall_parser *p, struct token *t)
 
 static bool findall_is_explicit(const struct findall_parser *p)
 {
-    const char *name = ValueToString(p->top->argList->value);
-    const struct deftemplate *t = EnvFindDeftemplate(p->env, name);
-    return t && !t->implied;
+    const struct expr *relation = p->top->argList;
+    return relation->type == DEFTEMPLATE_PTR &&
+           !((const struct deftemplate *)relation->value)->implied;
 }
 
 /* One part that is no closing parenthesis.  @return false: an error was printed */
@@ -96,7 +97,9 @@ static bool findall_pattern(struct findall_parser *p)
     if (t.type != SYMBOL) {
         return findall_complain(p, "the name of a relation behind the parenthesis");
     }
-    findall_append(p, GenConstant(p->env, SYMBOL, t.value));
+    struct deftemplate *relation = EnvFindDeftemplate(p->env, ValueToString(t.value));
+    findall_append(p, relation ? GenConstant(p->env, DEFTEMPLATE_PTR, relation)
+                               : GenConstant(p->env, SYMBOL, t.value));
     struct expr *mask = GenConstant(p->env, STRING, EnvAddSymbol(p->env, ""));
     findall_append(p, mask);
     for (findall_token(p, &t); t.type != RPAREN || p->in_slot; findall_token(p, &t)) {
@@ -210,10 +213,16 @@ static bool findall_read(void *env, const char *mask, struct findall *pattern)
     return true;
 }
 
+static struct deftemplate *findall_template(void *env)
+{
+    const struct expr *relation = EvaluationData(env)->CurrentExpression->argList;
+    return relation->type == DEFTEMPLATE_PTR
+               ? relation->value : EnvFindDeftemplate(env, ValueToString(relation->value));
+}
+
 void clips_findall_call(void *env, DATA_OBJECT *out)
 {
     struct findall pattern;
-    const char *relation;
     const char *mask;
     long count = 0;
     EnvSetMultifieldErrorValue(env, out);
@@ -221,11 +230,10 @@ void clips_findall_call(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "findall", "a pattern in parentheses");
         return;
     }
-    if (!clips_value_word(env, "findall", 1, &relation) ||
-        !clips_value_word(env, "findall", 2, &mask) || !findall_read(env, mask, &pattern)) {
+    if (!clips_value_word(env, "findall", 2, &mask) || !findall_read(env, mask, &pattern)) {
         return;
     }
-    struct deftemplate *t = EnvFindDeftemplate(env, relation);
+    struct deftemplate *t = findall_template(env);
     if (!t) {
         return; /* no fact of this relation was ever there */
     }

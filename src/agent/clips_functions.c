@@ -44,6 +44,7 @@ void clips_functions_install(struct mind *m)
         }
     }
     AddFunctionParser(m->env, "findall", clips_findall_parse);
+    AddFunctionParser(m->env, "getmsg", clips_mail_parse_getmsg);
 }
 
 /* Inside a table a bar would end the cell. */

@@ -31,6 +31,13 @@
       "(sonar-data s...)", \
       "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \
       "0..`?*sonar-clip*`; takes numbers and multifields of numbers") \
+    X("clear-way", 'm', clips_way_clear, "12n", \
+      "(clear-way want [far])", \
+      "the direction in deg from straight ahead (left is positive) that is nearest to the " \
+      "wanted one and free, and the room ahead in mm (less `?*sonar-margin*`), as the front " \
+      "eight sonars show them.  Ranges above `?*care*` mm need no care; what is farther off than " \
+      "far mm is not in the way.  Keeps to the side to which the body turns already; a body " \
+      "with fewer sonars sees nothing") \
     X("speed-to", 'm', clips_physical_speed_to, "55n", \
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
@@ -56,7 +63,9 @@
       "mail to all agents that are there now; TRUE or FALSE") \
     X("getmsg", 'm', clips_mail_getmsg, "00", \
       "(getmsg)", \
-      "takes the oldest mail: `(from field...)`, or `()`") \
+      "takes the oldest mail: `(from field...)`, or `()`.  Of mails without a mail fact the " \
+      "latest 1024 wait here; when a construct calls getmsg, they are a queue that refuses when " \
+      "it is full") \
     X("speak", 'u', clips_post_speak, "3*u", \
       "(speak performative to (create$ field...) key value...)", \
       "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by " \

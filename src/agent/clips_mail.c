@@ -1,104 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mail that comes in: mail facts, message facts and how long they stay, (getmsg). */
+/* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
+#include "agent/clips_functions.h"
 #include "agent/clips_value.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
-enum { MAIL_SLOTS = 10, MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9 };
+enum { MAIL_SLOTS = 10, MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_FIELDS_FEW = 16 };
 
 void clips_mail_install(struct mind *m)
 {
-    m->messages = mu_startup_alloc(sizeof *m->messages);
-    struct clips_messages *all = m->messages;
-    for (uint16_t i = 1; i < CLIPS_MESSAGES_MAX; i++) {
-        all->at[i].newer = i + 1; /* the free ones are chained through newer */
-    }
-    all->free = 1;
-}
-
-static size_t mail_chain(const SYMBOL_HN *from, const void *first)
-{
-    return (((uintptr_t)from >> 4) * 31 + ((uintptr_t)first >> 4)) % CLIPS_CHAINS;
-}
-
-static void message_unchain(struct clips_messages *all, uint16_t index)
-{
-    struct clips_message *e = &all->at[index];
-    uint16_t *link = &all->chains[mail_chain(e->from, e->first)];
-    while (*link != index) {
-        link = &all->at[*link].chain;
-    }
-    *link = e->chain;
-    *(e->older ? &all->at[e->older].newer : &all->oldest) = e->newer;
-    *(e->newer ? &all->at[e->newer].older : &all->newest) = e->older;
-}
-
-static void message_remove(struct mind *m, uint16_t index)
-{
-    struct clips_messages *all = m->messages;
-    struct clips_message *e = &all->at[index];
-    message_unchain(all, index);
-    clips_percept_retract(m, &e->fact);
-    DecrementSymbolCount(m->env, e->from);
-    if (e->first) {
-        AtomDeinstall(m->env, e->first_type, e->first);
-    }
-    *e = (struct clips_message){.newer = all->free};
-    all->free = index;
-}
-
-void clips_mail_age(struct mind *m)
-{
-    struct clips_messages *all = m->messages;
-    while (all->oldest && m->step - all->at[all->oldest].step >= CLIPS_MESSAGE_STEPS) {
-        message_remove(m, all->oldest);
-    }
-}
-
-/* A state told again: what this sender said in an earlier step with the same first word goes. */
-static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void *first)
-{
-    uint16_t next;
-    for (uint16_t i = m->messages->chains[mail_chain(from, first)]; i; i = next) {
-        const struct clips_message *e = &m->messages->at[i];
-        next = e->chain;
-        if (e->from == from && e->first == first && e->step < m->step) {
-            message_remove(m, i);
-        }
-    }
-}
-
-static void message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
-{
-    struct clips_messages *all = m->messages;
-    bool some = fields->multifieldLength > 0;
-    void *first = some ? fields->theFields[0].value : NULL;
-    unsigned short type = some ? fields->theFields[0].type : SYMBOL;
-    message_supersede(m, from, first);
-    if (!all->free) {
-        message_remove(m, all->oldest);
-    }
-    /* one fact for each mail, even when two senders say the same */
-    EnvSetFactDuplication(m->env, TRUE);
-    struct fact *fact = clips_percept_assert(m, m->message, fields);
-    EnvSetFactDuplication(m->env, FALSE);
-    if (!fact) {
-        return;
-    }
-    uint16_t index = all->free;
-    struct clips_message *e = &all->at[index];
-    all->free = e->newer;
-    IncrementSymbolCount(from);
-    if (first) {
-        AtomInstall(m->env, type, first);
-    }
-    uint16_t *chain = &all->chains[mail_chain(from, first)];
-    *e = (struct clips_message){.fact = fact, .from = from, .first_type = type, .first = first,
-                                .id = id, .step = m->step, .older = all->newest, .chain = *chain};
-    *chain = index;
-    *(all->newest ? &all->at[all->newest].newer : &all->oldest) = index;
-    all->newest = index;
+    clips_message_install(m);
+    clips_parked_install(m);
 }
 
 static void field_set(struct mind *m, struct field *to, struct clips_field f)
@@ -132,19 +44,26 @@ static void field_set(struct mind *m, struct field *to, struct clips_field f)
 /* @return the content's fields, typed; NULL: it is no list of fields */
 static struct multifield *mail_fields(struct mind *m, const char *content)
 {
+    struct clips_field few[MAIL_FIELDS_FEW]; /* what most mails have is read once */
     long count = 0;
     struct clips_field f;
-    if (strlen(content) > MU_CONTENT_MAX) {
+    if (strnlen(content, MU_CONTENT_MAX + 1) > MU_CONTENT_MAX) {
         return NULL;
     }
+    const char *behind = content;
     for (const char *at = content; (f = clips_text_field(&at)).kind != CLIPS_FIELD_END; count++) {
         if (f.kind == CLIPS_FIELD_BAD) {
             return NULL;
         }
+        if (count < MAIL_FIELDS_FEW) {
+            few[count] = f;
+            behind = at;
+        }
     }
     struct multifield *fields = CreateMultifield2(m->env, count);
     for (long i = 0; i < count; i++) {
-        field_set(m, &fields->theFields[i], clips_text_field(&content));
+        field_set(m, &fields->theFields[i],
+                  i < MAIL_FIELDS_FEW ? few[i] : clips_text_field(&behind));
     }
     return fields;
 }
@@ -157,19 +76,38 @@ static struct multifield *mail_raw(struct mind *m, const char *content)
     return fields;
 }
 
-/* A mail that rules saw as a message fact has served; any other is missed, which is said once. */
-static void mail_dropped(struct mind *m, const struct fact *f)
+/*
+ * Whether functions, or what rules do, look at mail facts: (findall (mail)), fact queries.  CLIPS
+ * counts such uses together with the facts that there are, and C holds one.
+ */
+static bool mail_is_looked_at(const struct mind *m)
 {
-    enum { LANGUAGE = 4 };
-    const char *language = ValueToString(f->theProposition.theFields[LANGUAGE].value);
-    if (strcmp(language, "clips") != 0 && !m->mail_dropped && m->options.ports.print) {
-        m->mail_dropped = true;
-        m->options.ports.print(m->options.ports.self,
-                               "mail facts that no rule takes: only the latest 1024 are kept\n");
+    long others = m->mail->busyCount - 1;
+    for (const struct fact *f = m->mail->factList; f && others > 0; f = f->nextTemplateFact) {
+        others--;
     }
+    return others > 0;
 }
 
-static void mail_assert(struct mind *m, const struct mind_mail *mail, struct multifield *content)
+/* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
+static bool mail_make_room(struct mind *m)
+{
+    if (m->mail_count < CLIPS_MAILS_MAX) {
+        return true;
+    }
+    m->mail_count = 0;
+    for (size_t i = 0; i < CLIPS_MAILS_MAX; i++) {
+        if (EnvFactExistp(m->env, m->mails[i])) {
+            m->mails[m->mail_count++] = m->mails[i];
+        } else {
+            EnvDecrementFactCount(m->env, m->mails[i]);
+        }
+    }
+    return m->mail_count < CLIPS_MAILS_MAX;
+}
+
+static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
+                                struct multifield *content)
 {
     const char *const words[MAIL_SLOTS] = {
         NULL,           mail->src,        m->options.name,   mail->performative, mail->language,
@@ -184,19 +122,40 @@ static void mail_assert(struct mind *m, const struct mind_mail *mail, struct mul
     }
     slots[MAIL_CONTENT].type = MULTIFIELD;
     slots[MAIL_CONTENT].value = content;
-    struct fact **slot = &m->mails[m->mail_next];
-    m->mail_next = (m->mail_next + 1) % CLIPS_MAILS_MAX;
-    if (*slot && EnvFactExistp(m->env, *slot)) {
-        mail_dropped(m, *slot);
-    }
-    clips_percept_retract(m, slot);
-    *slot = EnvAssert(m->env, f);
-    if (*slot) {
-        EnvIncrementFactCount(m->env, *slot);
-    }
+    return EnvAssert(m->env, f);
 }
 
-void mind_take_mail(struct mind *m, const struct mind_mail *mail)
+/*
+ * Queues a mail as a fact.  One that no rule's pattern fits and no function looks at would stay for
+ * ever, and fill the queue.
+ *
+ * @return MU_OK; MU_ABSENT: nobody can take it; MU_FULL: refused
+ */
+static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
+                            struct multifield *content)
+{
+    bool looked_at = mail_is_looked_at(m);
+    if (!looked_at && !m->mail->patternNetwork) {
+        return MU_ABSENT;
+    }
+    struct fact *f = mail_assert(m, mail, CopyMultifield(m->env, content));
+    if (!f) {
+        return MU_ABSENT;
+    }
+    mu_result r = looked_at || f->list ? MU_OK : MU_ABSENT;
+    if (r == MU_OK && !mail_make_room(m)) {
+        r = MU_FULL;
+    }
+    if (r != MU_OK) {
+        EnvRetract(m->env, f);
+        return r;
+    }
+    EnvIncrementFactCount(m->env, f);
+    m->mails[m->mail_count++] = f;
+    return MU_OK;
+}
+
+mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
 {
     struct mind_mail letter = *mail;
     bool clips = mail->language[0] == '\0' || strcmp(mail->language, "clips") == 0;
@@ -205,48 +164,86 @@ void mind_take_mail(struct mind *m, const struct mind_mail *mail)
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env);
     struct multifield *fields = clips ? mail_fields(m, mail->content) : NULL;
-    if (fields) {
-        struct multifield *copy = CopyMultifield(m->env, fields);
-        message_add(m, mail->id, EnvAddSymbol(m->env, mail->src), copy);
-    } else {
+    bool list = fields != NULL;
+    if (!list) {
         fields = mail_raw(m, mail->content);
     }
-    mail_assert(m, &letter, fields);
+    mu_result r = mail_queue(m, &letter, fields);
+    if (r == MU_ABSENT) {
+        r = clips_parked_put(m, &letter, list);
+    }
+    if (list) {
+        clips_message_add(m, mail->id, EnvAddSymbol(m->env, mail->src), fields);
+    } else {
+        ReturnMultifield(m->env, fields);
+    }
     EnvDecrementGCLocks(m->env);
     clips_env_leave(m);
+    return r;
 }
 
-/* The message fact of a mail goes with it. */
-static void mail_forget_message(struct mind *m, const struct field *id)
+/* Notes that a construct takes mail in this way. */
+struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source)
 {
-    if (id->type != INTEGER) {
-        return;
+    struct mind *m = clips_env_mind(env);
+    m->rules_getmsg = m->rules_getmsg || ConstructData(env)->ParsingConstruct;
+    top = CollectArguments(env, top, source);
+    if (top && top->argList) {
+        ExpectedCountError(env, "getmsg", EXACTLY, 0);
+        ReturnExpression(env, top);
+        return NULL;
     }
-    uint64_t number = (uint64_t)((const struct integerHashNode *)id->value)->contents;
-    for (uint16_t i = m->messages->oldest; i; i = m->messages->at[i].newer) {
-        if (m->messages->at[i].id == number) {
-            message_remove(m, i);
-            return;
-        }
-    }
+    return top;
+}
+
+static void getmsg_answer(void *env, const struct field *from, const struct multifield *content,
+                          DATA_OBJECT *out)
+{
+    long count = content->multifieldLength;
+    struct multifield *fields = EnvCreateMultifield(env, count + 1);
+    fields->theFields[0] = *from;
+    memcpy(&fields->theFields[1], content->theFields, (size_t)count * sizeof content->theFields[0]);
+    clips_value_multifield(out, fields);
+}
+
+/* @return the number of a mail fact; rules may have put anything in its slot */
+static uint64_t mail_number(const struct fact *f)
+{
+    const struct field *id = &f->theProposition.theFields[MAIL_ID];
+    return id->type == INTEGER
+               ? (uint64_t)((const struct integerHashNode *)id->value)->contents : 0;
+}
+
+static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)
+{
+    const struct field *slots = f->theProposition.theFields;
+    getmsg_answer(m->env, &slots[MAIL_FROM], slots[MAIL_CONTENT].value, out);
+    clips_message_forget(m, mail_number(f));
+    EnvRetract(m->env, f);
+}
+
+static void getmsg_parked(struct mind *m, const struct clips_parked_mail *mail, const char *content,
+                          DATA_OBJECT *out)
+{
+    struct field from = {.type = SYMBOL, .value = mail->from};
+    struct multifield *fields = mail->clips ? mail_fields(m, content) : mail_raw(m, content);
+    getmsg_answer(m->env, &from, fields, out);
+    ReturnMultifield(m->env, fields);
+    clips_message_forget(m, mail->id);
+    clips_parked_drop(m);
 }
 
 void clips_mail_getmsg(void *env, DATA_OBJECT *out)
 {
     struct mind *m = clips_env_mind(env);
+    const char *content;
     struct fact *f = EnvGetNextFactInTemplate(env, m->mail, NULL);
-    if (!f) {
-        EnvSetMultifieldErrorValue(env, out);
-        return;
+    const struct clips_parked_mail *parked = clips_parked_first(m, &content);
+    bool fact_first = f && (!parked || mail_number(f) < parked->id);
+    EnvSetMultifieldErrorValue(env, out);
+    if (fact_first) {
+        getmsg_fact(m, f, out);
+    } else if (parked) {
+        getmsg_parked(m, parked, content, out);
     }
-    const struct field *slots = f->theProposition.theFields;
-    const struct multifield *content = slots[MAIL_CONTENT].value;
-    long count = content->multifieldLength;
-    struct multifield *fields = EnvCreateMultifield(env, count + 1);
-    fields->theFields[0].type = slots[MAIL_FROM].type;
-    fields->theFields[0].value = slots[MAIL_FROM].value;
-    memcpy(&fields->theFields[1], content->theFields, (size_t)count * sizeof content->theFields[0]);
-    mail_forget_message(m, &slots[MAIL_ID]);
-    EnvRetract(env, f);
-    clips_value_multifield(out, fields);
 }

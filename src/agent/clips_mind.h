@@ -28,7 +28,9 @@ enum {
     CLIPS_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
     CLIPS_MESSAGE_STEPS = 50,        /* a message fact that is so old goes */
     CLIPS_MESSAGES_MAX = 1024,       /* message facts; beyond, the oldest goes */
-    CLIPS_MAILS_MAX = 1024,          /* mail facts; beyond, the oldest goes */
+    CLIPS_MAILS_MAX = 1024,          /* mail facts; beyond, mail is refused */
+    CLIPS_PARKED_MAX = 1024,         /* mails for (getmsg) that have no mail fact */
+    CLIPS_PARKED_BYTES = 256 << 10,  /* of their contents, each with a zero at its end */
     CLIPS_SHOWN_MAX = 64             /* different errors of rules that were shown */
 };
 
@@ -53,6 +55,29 @@ struct clips_messages {
     uint16_t oldest, newest, free;
 };
 
+/* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
+struct clips_parked_mail {
+    uint64_t id;
+    SYMBOL_HN *from;
+    uint32_t at, bytes; /* of its content */
+    bool clips;       /* the content is a list of fields */
+};
+
+struct clips_parked {
+    struct clips_parked_mail mails[CLIPS_PARKED_MAX];
+    char bytes[CLIPS_PARKED_BYTES];
+    uint32_t first, count;
+};
+
+/* Globals that C code reads; clips_env.c says what they are. */
+enum clips_global {
+    CLIPS_SONAR_MARGIN,
+    CLIPS_SONAR_CLIP,
+    CLIPS_FOLLOW_DISTANCE,
+    CLIPS_CARE,
+    CLIPS_GLOBALS
+};
+
 struct mind {
     void *env;
     struct mind_options options;
@@ -65,13 +90,15 @@ struct mind {
     bool sensed;
     uint64_t step;
     struct deftemplate *position, *ring, *message, *mail;
+    struct defglobal *globals[CLIPS_GLOBALS];
     struct fact *position_fact, *ring_fact;
 
     /* mail */
     struct clips_messages *messages;
-    struct fact *mails[CLIPS_MAILS_MAX]; /* a ring of the latest mail facts */
-    size_t mail_next;
-    bool mail_dropped; /* said once */
+    struct fact *mails[CLIPS_MAILS_MAX]; /* mail facts; rules may have retracted some */
+    size_t mail_count;
+    struct clips_parked *parked;
+    bool rules_getmsg; /* a construct calls (getmsg) */
 
     /* what the rules do in this step */
     struct mind_act act;
@@ -118,6 +145,9 @@ void clips_env_enter(struct mind *m, enum clips_mode mode);
 /** After every call.  @return whether it ended in an error */
 bool clips_env_leave(struct mind *m);
 
+/** @return the number that a global is set to; its first value when it is set to none */
+double clips_env_global(const struct mind *m, enum clips_global which);
+
 /* clips_guard.c */
 void clips_guard_install(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
@@ -138,10 +168,36 @@ void clips_percept_retract(struct mind *m, struct fact **fact);
 struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
                                   struct multifield *fields);
 
+/* clips_message.c */
+void clips_message_install(struct mind *m);
+
+/** Makes a mail's content a message fact; what it tells again goes. */
+void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/** The message fact of a mail goes, if it still stands. */
+void clips_message_forget(struct mind *m, uint64_t id);
+
+/** What is too old goes. */
+void clips_message_age(struct mind *m);
+
 /* clips_mail.c */
 void clips_mail_install(struct mind *m);
-void clips_mail_age(struct mind *m);
-void clips_mail_getmsg(void *env, DATA_OBJECT *out);
+struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
+
+/* clips_parked.c */
+void clips_parked_install(struct mind *m);
+
+/**
+ * Keeps a mail for (getmsg).  Where no construct calls that, the oldest go to make room.
+ *
+ * @return MU_OK, or MU_FULL: refused
+ */
+mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool clips);
+
+/** @return the oldest, or NULL; it and its content stay until it is dropped */
+const struct clips_parked_mail *clips_parked_first(const struct mind *m, const char **content);
+
+void clips_parked_drop(struct mind *m);
 
 /* clips_fire.c */
 void clips_fire_install(struct mind *m);

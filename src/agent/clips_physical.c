@@ -120,8 +120,9 @@ void clips_physical_sonar_data(void *env, DATA_OBJECT *out)
             return;
         }
     }
-    double clip = clips_value_global(env, "sonar-clip", 500);
-    double clear = least - clips_value_global(env, "sonar-margin", 250);
+    const struct mind *m = clips_env_mind(env);
+    double clip = clips_env_global(m, CLIPS_SONAR_CLIP);
+    double clear = least - clips_env_global(m, CLIPS_SONAR_MARGIN);
     clips_value_float(env, out, fmax(0, fmin(clear, clip)));
 }
 
@@ -134,7 +135,7 @@ void clips_physical_speed_to(void *env, DATA_OBJECT *out)
     }
     double dx = a[3] - a[0];
     double dy = a[4] - a[1];
-    double far = hypot(dx, dy) - clips_value_global(env, "follow-distance", 1000);
+    double far = hypot(dx, dy) - clips_env_global(clips_env_mind(env), CLIPS_FOLLOW_DISTANCE);
     double error = far > -500 ? clips_physical_norm(atan2(dy, dx) * physical_deg - a[2]) : 0;
     /* a robot that looks away from the point turns first */
     double ahead = fabs(error) < 90 ? cos(error / physical_deg) : 0;

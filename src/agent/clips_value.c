@@ -119,13 +119,3 @@ bool clips_value_word(void *env, const char *function, int index, const char **o
     *out = ValueToString(value.value);
     return true;
 }
-
-double clips_value_global(void *env, const char *name, double otherwise)
-{
-    DATA_OBJECT value;
-    if (!EnvGetDefglobalValue(env, name, &value)) {
-        return otherwise;
-    }
-    bool number = value.type == FLOAT || value.type == INTEGER;
-    return number ? clips_value_of(value.type, value.value) : otherwise;
-}

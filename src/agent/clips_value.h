@@ -38,7 +38,4 @@ bool clips_value_word(void *env, const char *function, int index, const char **o
 /** @return the number that a field is; 0 when it is none */
 double clips_value_of(unsigned short type, const void *value);
 
-/** @return a defglobal's number, or otherwise when it is not there or no number */
-double clips_value_global(void *env, const char *name, double otherwise);
-
 #endif

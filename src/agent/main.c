@@ -30,6 +30,7 @@ struct robot {
     mu_process *process;
     mu_agent *agent;
     bool refused;
+    bool box_full; /* said once */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
 };
@@ -92,7 +93,8 @@ static mu_result port_send(void *self, const struct mind_letter *letter)
                            .in_reply_to = letter->in_reply_to,
                            .conversation = letter->conversation,
                            .content = letter->content,
-                           .due_ns = -1};
+                           .due_ns = -1,
+                           .ttl_ns = letter->ttl_ns};
     return mu_agent_send(r->agent, &mail, NULL);
 }
 
@@ -146,6 +148,31 @@ static void on_registered(void *self, mu_agent *a, bool accepted, const char *re
     mu_process_stop(r->process);
 }
 
+/* The mind's queue is full: who wrote to this robot in person hears of it. */
+static void mail_refuse(struct robot *r, const struct mu_mail *refused)
+{
+    if (!r->box_full) {
+        mu_log(MU_LOG_WARNING, "box-full", "name=%s from=%s: the rules take no mail",
+               mu_agent_name(r->agent), refused->src);
+        r->box_full = true;
+    }
+    /* never a failure for a failure: two full boxes would write to each other for ever */
+    if (strcmp(refused->dst, mu_agent_name(r->agent)) != 0 ||
+        strcmp(refused->performative, "failure") == 0) {
+        return;
+    }
+    struct mu_mail mail = {.dst = refused->src,
+                           .layer = MU_LAYER_SPEECH,
+                           .performative = "failure",
+                           .in_reply_to = refused->reply_with,
+                           .conversation = refused->conversation,
+                           .content = "box-full",
+                           .due_ns = -1};
+    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", refused->src);
+    }
+}
+
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
@@ -159,7 +186,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
                                .in_reply_to = mail->in_reply_to,
                                .conversation = mail->conversation,
                                .content = mail->content};
-    mind_take_mail(r->mind, &letter);
+    if (mind_take_mail(r->mind, &letter) == MU_FULL) {
+        mail_refuse(r, mail);
+    }
 }
 
 /* Answers who asked, with the output of a line as one CLIPS string. */

@@ -110,8 +110,18 @@ MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const ch
 /** Replaces the percept facts; ages and removes message facts.  Opens a control step. */
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
-/** Takes a mail in: a mail fact, and a message fact when its language is clips. */
-void mind_take_mail(struct mind *m, const struct mind_mail *mail);
+/**
+ * Takes a mail in: a message fact when its language is clips, and its place in the queue.
+ *
+ * The queue holds 1024 mail facts that rules have not taken yet.  A mail becomes one when a rule's
+ * pattern fits it or a function looks at mail facts; any other waits as text for (getmsg).  There
+ * the oldest give way to the newest, unless a construct calls (getmsg): then they are a queue, too,
+ * of 1024 mails and 256 KiB.
+ *
+ * @return MU_OK, or MU_FULL: the queue is full, and the mail was refused; its message fact is there
+ *         all the same
+ */
+MU_MUST_USE mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail);
 
 /** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
 void mind_fire(struct mind *m, struct mind_act *act);

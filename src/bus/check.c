@@ -26,6 +26,12 @@ static bool is_process(const char *name)
     return text_fits(name, MU_PROCESS_MAX) && name[0] != '\0';
 }
 
+/* What is counted from 1; the upper half is no count, so that one more never starts again at 0. */
+static bool is_count(uint64_t number)
+{
+    return number > 0 && number <= INT64_MAX;
+}
+
 static bool mail_ok(const muster_Mail *m)
 {
     const char *const fields[] = {m->performative, m->language,    m->ontology,
@@ -35,8 +41,8 @@ static bool mail_ok(const muster_Mail *m)
             return false;
         }
     }
-    return is_name(m->src) && m->seq > 0 && text_fits(m->dst, MU_DST_MAX) && m->dst[0] != '\0' &&
-           text_fits(m->content, MU_CONTENT_MAX);
+    return is_name(m->src) && is_count(m->seq) && text_fits(m->dst, MU_DST_MAX) &&
+           m->dst[0] != '\0' && text_fits(m->content, MU_CONTENT_MAX);
 }
 
 static bool mails_ok(const muster_Mail *mails, uint32_t count)
@@ -51,9 +57,9 @@ static bool mails_ok(const muster_Mail *mails, uint32_t count)
 
 static bool act_ok(const muster_Act *a)
 {
-    return is_name(a->agent) && isfinite(a->forward_m_s) && isfinite(a->turn_rad_s) &&
-           text_fits(a->rules, RULES_TEXT_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
-           mails_ok(a->mails._buffer, a->mails._length);
+    /* A speed that is no number is the simulator's to refuse: the answer to the step still counts. */
+    return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
+           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)
@@ -89,11 +95,21 @@ bool check_up(const void *sample)
     return acks_ok(u->acks._buffer, u->acks._length);
 }
 
+static bool ranges_ok(const float *range_m, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!isfinite(range_m[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool percept_ok(const muster_Percept *p)
 {
     return is_name(p->robot) && isfinite(p->x_m) && isfinite(p->y_m) && isfinite(p->heading_rad) &&
            isfinite(p->forward_m_s) && isfinite(p->turn_rad_s) &&
-           p->sonar_m._length <= MU_SONARS_MAX;
+           p->sonar_m._length <= MU_SONARS_MAX && ranges_ok(p->sonar_m._buffer, p->sonar_m._length);
 }
 
 bool check_sense(const void *sample)
@@ -135,7 +151,7 @@ bool check_delivery(const void *sample)
     }
     for (uint32_t i = 0; i < d->parcels._length; i++) {
         const muster_Parcel *p = &d->parcels._buffer[i];
-        if (!is_name(p->box) || !mail_ok(&p->letter)) {
+        if (!is_name(p->box) || !is_count(p->number) || !mail_ok(&p->letter)) {
             return false;
         }
     }
@@ -146,7 +162,8 @@ bool check_delivery(const void *sample)
     }
     for (uint32_t i = 0; i < d->verdicts._length; i++) {
         const muster_Verdict *v = &d->verdicts._buffer[i];
-        if (!text_fits(v->agent, MU_FIELD_MAX) || !text_fits(v->reason, 4 * MU_FIELD_MAX)) {
+        if (!text_fits(v->agent, MU_FIELD_MAX) || !text_fits(v->reason, 4 * MU_FIELD_MAX) ||
+            v->last_seq > INT64_MAX) {
             return false;
         }
     }

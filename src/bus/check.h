@@ -3,8 +3,8 @@
  * @file check.h
  * The border: what a sample from the network must be before a program sees it.
  *
- * Strings are set and not too long, names are names, numbers are finite, lists are not longer than
- * limits.h allows.  Whether a mail makes sense is the broker's business.
+ * Strings are set and not too long, names are names, counts leave room to count on, percepts are
+ * finite, lists are not longer than limits.h allows.  Whether a mail makes sense is the broker's business.
  *
  * @return each: whether the sample keeps the rules
  */

@@ -67,8 +67,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
         return;
     }
     o->answers++;
-    o->failures += strcmp(mail->performative, "failure") == 0;
-    printf("%s: ", mail->src);
+    bool understood = strcmp(mail->performative, "not-understood") != 0;
+    o->failures += !understood || strcmp(mail->performative, "failure") == 0;
+    printf("%s: %s", mail->src, understood ? "" : "not understood: ");
     answer_print(mail->content);
 }
 
@@ -155,7 +156,8 @@ int operator_send(struct operator *o, struct mu_mail *mail, unsigned answers_wan
     }
     int code = outcome_exit(o->outcome);
     if (code != MU_EXIT_DONE) {
-        fprintf(stderr, "muster: to %s: %s\n", mail->dst, mu_outcome_text(o->outcome));
+        fprintf(stderr, "muster: to %s: %s%s\n", mail->dst, mu_outcome_text(o->outcome),
+                o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");
         return code;
     }
     if (answers_wanted == 0) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster send, broadcast, do, start, suspend, resume: mail and directives from the command line. */
 #include "core/exits.h"
+#include "core/name.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 
@@ -45,15 +46,31 @@ static unsigned answers_of(const struct operator *op, const char *to)
         count += *c == ',';
     }
     bool all = strcmp(to, "all") == 0;
-    if (!all && strcmp(to, "robots") != 0) {
+    bool special = strcmp(to, "special") == 0;
+    if (!all && !special && strcmp(to, "robots") != 0) {
         return count;
     }
     const struct mu_member *m;
     count = 0;
     for (size_t i = 0; (m = mu_process_member(op->process, i)); i++) {
-        count += m->kind == MU_KIND_ROBOT && m->state != MU_GONE;
+        bool wanted = all || m->kind == (special ? MU_KIND_SPECIAL : MU_KIND_ROBOT);
+        bool asks = strcmp(m->name, mu_agent_name(op->agent)) == 0;
+        count += wanted && !asks && m->state != MU_GONE && strcmp(m->name, "broker") != 0;
     }
     return count;
+}
+
+static bool receivers_valid(const char *to)
+{
+    char name[MU_NAME_MAX + 2];
+    for (size_t len; *to; to += len + (to[len] == ',')) {
+        len = strcspn(to, ",");
+        snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name), to);
+        if (!mu_name_valid(name)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 static int verb_send(const struct verb *v, const struct mu_options *o,
@@ -63,6 +80,11 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
     size_t first = v->to ? 0 : 1;
     if (!operator_words(content, sizeof content, o->words + first, o->words_count - first)) {
         fprintf(stderr, "muster %s: more than %d bytes\n", v->name, MU_CONTENT_MAX);
+        return MU_EXIT_USAGE;
+    }
+    if (!v->to && !receivers_valid(o->words[0])) {
+        fprintf(stderr, "muster %s: '%s': expected a name, names joined by commas, all, robots or "
+                        "special\n", v->name, o->words[0]);
         return MU_EXIT_USAGE;
     }
     struct operator op;

@@ -43,7 +43,8 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
         {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .environment = "MUSTER_SEED",
          .help = "seed of the run (default: the file's, else 1)", .target = &o->seed, .max = 1e15},
         {.name = "duration", .kind = MU_OPTION_REAL, .unit = "S",
-         .help = "simulated seconds (default: the file's)", .target = &o->duration_s, .max = 1e9},
+         .help = "simulated seconds (default: the file's)", .target = &o->duration_s, .min = 0.02,
+         .max = 1e6},
         {.name = "rate", .kind = MU_OPTION_REAL, .unit = "R", .fallback = "0",
          .environment = "MUSTER_RATE", .help = "times real time; 0: as fast as it goes",
          .target = &o->rate, .max = 1e6},
@@ -374,6 +375,17 @@ static void counters_await(struct run *r)
     }
 }
 
+/* The simulator ends when its record is on the disk.  @return -1, or why it is not */
+static int record_await(struct run *r)
+{
+    struct child *simulator = supervise_find(&r->children, "simulator");
+    supervise_await(&r->children, simulator, STOP_PATIENCE_MS);
+    if (simulator->ended && WIFEXITED(simulator->status) && WEXITSTATUS(simulator->status) == 0) {
+        return -1;
+    }
+    return crash_explain(simulator, false);
+}
+
 static int live(struct run *r)
 {
     r->began_wall_ns = mu_clock_ns();
@@ -384,6 +396,7 @@ static int live(struct run *r)
     code = code < 0 ? watch(r) : code;
     if (code < 0) {
         counters_await(r);
+        code = record_await(r);
     }
     return code;
 }

@@ -156,7 +156,8 @@ static void child_signal(struct child *child, int number)
     }
 }
 
-static void look_until(struct supervise *s, const struct child *one, int patience_ms)
+/* one NULL: all of them. */
+void supervise_await(struct supervise *s, const struct child *one, int patience_ms)
 {
     uint64_t until_ns = mu_clock_ns() + (uint64_t)patience_ms * 1000000u;
     const struct timespec nap = {.tv_nsec = 1000000};
@@ -170,9 +171,9 @@ static void look_until(struct supervise *s, const struct child *one, int patienc
 void supervise_stop(struct supervise *s, struct child *child, int patience_ms)
 {
     child_signal(child, SIGTERM);
-    look_until(s, child, patience_ms);
+    supervise_await(s, child, patience_ms);
     child_signal(child, SIGKILL);
-    look_until(s, child, patience_ms);
+    supervise_await(s, child, patience_ms);
 }
 
 void supervise_stop_all(struct supervise *s, int patience_ms)
@@ -181,11 +182,11 @@ void supervise_stop_all(struct supervise *s, int patience_ms)
         child_signal(&s->children[i], SIGTERM);
         child_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
     }
-    look_until(s, NULL, patience_ms);
+    supervise_await(s, NULL, patience_ms);
     for (uint32_t i = 0; i < s->count; i++) {
         child_signal(&s->children[i], SIGKILL);
     }
-    look_until(s, NULL, patience_ms);
+    supervise_await(s, NULL, patience_ms);
 }
 
 void supervise_explain(const struct child *child)

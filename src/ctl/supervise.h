@@ -49,6 +49,9 @@ const struct child *supervise_ended(const struct supervise *s);
 /** @return the child of that name, or NULL */
 struct child *supervise_find(struct supervise *s, const char *name);
 
+/** Waits for at most patience_ms until a child has ended; NULL: all of them. */
+void supervise_await(struct supervise *s, const struct child *one, int patience_ms);
+
 /** Asks one child to end, waits for at most patience_ms, then kills it. */
 void supervise_stop(struct supervise *s, struct child *child, int patience_ms);
 

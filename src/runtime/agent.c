@@ -123,6 +123,21 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
                             .ttl_ns = m->ttl_ns};
 }
 
+/* Who asks is not left waiting for an agent that has no handler. */
+static void not_understood(struct mu_agent *a, const struct mu_mail *asked)
+{
+    mu_result sent = mu_agent_send(a,
+                                   &(struct mu_mail){.dst = asked->src,
+                                                     .layer = MU_LAYER_SPEECH,
+                                                     .performative = "not-understood",
+                                                     .in_reply_to = asked->reply_with,
+                                                     .conversation = asked->conversation,
+                                                     .content = asked->performative,
+                                                     .due_ns = -1},
+                                   NULL);
+    (void)sent; /* a full outbox: the asker's own time limit is the answer */
+}
+
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
 {
     struct mu_mail mail = mail_of(parcel);
@@ -131,6 +146,8 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
         mu_agent_set_state(a, life_next(a->state, event));
     } else if (a->handlers.on_directive) {
         a->handlers.on_directive(a->handlers.self, a, &mail);
+    } else if (mail.reply_with[0]) {
+        not_understood(a, &mail);
     }
 }
 

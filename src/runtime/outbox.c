@@ -10,7 +10,7 @@ enum { OUTBOX_STRINGS = 9 };
 
 static struct outbox_slot *slot_of(const struct outbox *box, uint64_t seq)
 {
-    return &box->slots[seq % MU_OUTBOX_MAX];
+    return &box->slots[(seq - box->renumbered) % MU_OUTBOX_MAX];
 }
 
 void outbox_init(struct outbox *box)
@@ -22,20 +22,17 @@ void outbox_init(struct outbox *box)
 
 void outbox_continue(struct outbox *box, uint64_t last_seq)
 {
-    if (last_seq < box->next_seq) {
-        return; /* it is we who know better */
-    }
-    /* Only a sender that has just started is behind: renumber what it has not sent yet. */
-    uint64_t count = box->next_seq - box->first_seq;
-    if (box->unsent_seq != box->first_seq) {
+    /* Numbers that have gone out stand.  A sender that has just started has none of these, however
+     * many mails wait already: all of them are numbered anew. */
+    uint64_t known = box->begun ? box->next_seq - 1 : box->first_seq - 1;
+    if (last_seq <= known || box->unsent_seq != box->first_seq) {
         return;
     }
     uint64_t shift = last_seq + 1 - box->first_seq;
-    for (uint64_t i = count; i-- > 0;) {
-        struct outbox_slot moved = *slot_of(box, box->first_seq + i);
-        moved.mail.seq += shift;
-        *slot_of(box, moved.mail.seq) = moved;
+    for (uint64_t seq = box->first_seq; seq < box->next_seq; seq++) {
+        slot_of(box, seq)->mail.seq += shift;
     }
+    box->renumbered += shift;
     box->first_seq += shift;
     box->next_seq += shift;
     box->unsent_seq += shift;
@@ -121,13 +118,14 @@ void outbox_sent(struct outbox *box, uint32_t count)
 {
     MU_ASSERT(count <= box->next_seq - box->unsent_seq);
     box->unsent_seq += count;
+    box->begun = box->begun || count > 0;
 }
 
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 {
     uint64_t first = first_seq > box->first_seq ? first_seq : box->first_seq;
-    uint64_t last = last_seq < box->next_seq ? last_seq : box->next_seq - 1;
-    for (uint64_t seq = first; seq <= last; seq++) {
+    uint64_t end = last_seq < box->next_seq ? last_seq + 1 : box->next_seq;
+    for (uint64_t seq = first; seq < end; seq++) {
         slot_of(box, seq)->confirmed = true;
     }
     while (box->first_seq < box->next_seq && slot_of(box, box->first_seq)->confirmed) {

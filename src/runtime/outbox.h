@@ -26,6 +26,8 @@ struct outbox {
     uint64_t first_seq;        /* of the oldest mail that is kept; == next_seq: none */
     uint64_t next_seq;         /* that the next mail will bear */
     uint64_t unsent_seq;       /* the first that has not gone out (again) */
+    uint64_t renumbered;       /* how far seq is ahead of what the slots were filled by */
+    bool begun;                /* a mail has gone out */
     size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
 };
 
@@ -42,7 +44,11 @@ void outbox_continue(struct outbox *box, uint64_t last_seq);
  */
 MU_MUST_USE mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail);
 
-/** Gives up to max mails that wait to go out, in order.  @return how many; pointers into the box, valid until the next put */
+/**
+ * Gives up to max mails that wait to go out, in order.
+ *
+ * @return how many; their strings are the box's, valid until the next put
+ */
 uint32_t outbox_unsent(const struct outbox *box, muster_Mail *mails, uint32_t max);
 
 /** count mails of outbox_unsent went out. */

@@ -21,6 +21,9 @@ static const int64_t IMPATIENT_NS = 2000000;
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 static const uint64_t STEP_PATIENCE_NS = 300000000;
 
+/* How long a process that closes waits for the network to take its last words. */
+static const int64_t CLOSE_PATIENCE_NS = 200000000;
+
 static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
@@ -55,10 +58,13 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
 
 void mu_process_close(mu_process *p)
 {
+    /* What was taken is acknowledged before the name goes: its next life must not get it again. */
+    step_flush(p);
+    (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
-    (void)bus_drain(&p->registration, 200000000);
+    (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     bus_close(&p->bus);
 }
 

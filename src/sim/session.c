@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -279,8 +280,12 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     if (!r || r->process != process) {
         return;
     }
-    r->drives = act->drives;
-    if (act->drives) {
+    bool is_speed = isfinite(act->forward_m_s) && isfinite(act->turn_rad_s);
+    if (act->drives && !is_speed) {
+        mu_log(MU_LOG_WARNING, "speed-refused", "robot=%s step=%lld", r->name, (long long)s->step);
+    }
+    r->drives = act->drives && is_speed;
+    if (r->drives) {
         r->forward_m_s = act->forward_m_s;
         r->turn_rad_s = act->turn_rad_s;
     }

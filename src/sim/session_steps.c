@@ -127,10 +127,12 @@ static mu_result silence_report(struct session *s)
     mu_text_init(&who, s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
                    (unsigned long long)(s->options.silence_ns / 1000000000u), (long long)s->step);
-    if (s->answers_missing == 0) {
+    /* Without the mail of the last step no robot can answer. */
+    bool broker_is_late = s->mail_step < s->step - 1;
+    if (broker_is_late) {
         mu_text_add(&who, " the broker");
     }
-    for (size_t i = 0; s->answers_missing > 0 && i < s->robot_count; i++) {
+    for (size_t i = 0; !broker_is_late && i < s->robot_count; i++) {
         int32_t process = s->robots[i].process;
         if (process >= 0 && s->processes[process].answered < s->step) {
             mu_text_format(&who, " %s", s->robots[i].name);

@@ -4,6 +4,11 @@
   (progn$ (?m (findall (message $?)))
     (printout t (fact-fields ?m) crlf)))
 
+; Because of this function every mail is a mail fact, too.
+(deffunction drop-mail ()
+  (progn$ (?m (findall (mail)))
+    (retract ?m)))
+
 ; mail: red mate-pos red 1.0 2.0
 ; mail: red hello "big \"world\"" 7
 ; mail: green mate-pos green 3.0 4.0
@@ -45,7 +50,8 @@
 ; expect: (hello again)
 ; expect: (hello once)
 ; expect: (hello once)
-; line: (progn$ (?m (findall (mail $?))) (retract ?m)) (getmsg)
+; line: (length$ (findall (mail))) (drop-mail) (getmsg)
+; expect: 4
 ; expect: ()
 ;
 ; 50 steps old, they go: this is what is left of step 2 and 3.

@@ -207,7 +207,9 @@ static void step(struct bench *b)
         const struct waiting *w = &b->mails[i];
         struct mind_mail mail = {++b->mail_id, w->from, w->performative, w->language, "",
                                  w->reply_with, "", "", w->content};
-        mind_take_mail(b->mind, &mail);
+        if (mind_take_mail(b->mind, &mail) != MU_OK) {
+            out_line(b, "mail refused");
+        }
     }
     b->mail_count = 0;
     mind_fire(b->mind, &act);

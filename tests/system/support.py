@@ -15,8 +15,9 @@ BUILD = ROOT / "build" / os.environ.get("BUILD", "release")
 BIN = BUILD / "bin"
 MUSTER = str(BIN / "muster")
 FOLLOW = str(ROOT / "experiments" / "follow.yaml")
-# Domains of this test run: far from those that `muster run` picks, different for each process.
-FIRST_DOMAIN = 101 + (os.getpid() % 10) * 10
+# Domains of this test run: away from those that `muster run` picks first, different for each
+# process, and below the range of ephemeral ports.
+FIRST_DOMAIN = 50 + (os.getpid() % 5) * 10
 
 _next_domain = 0
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the processes are on the network: loopback alone, readable by DDS tools."""
+import contextlib
 import os
 import pathlib
 import re
@@ -61,8 +62,10 @@ def tool_python():
         return home
     made = subprocess.run([sys.executable, "-m", "venv", str(home)], capture_output=True)
     if made.returncode == 0:
-        subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--timeout", "15",
-                        "--retries", "1", "cyclonedds", "setuptools<80"], capture_output=True)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--timeout", "15",
+                            "--retries", "1", "cyclonedds", "setuptools<80"],
+                           capture_output=True, timeout=180)
     if not python.exists() or subprocess.run(has, capture_output=True).returncode != 0:
         raise Skip("the Python package cyclonedds cannot be had here")
     return home

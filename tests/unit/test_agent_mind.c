@@ -83,10 +83,15 @@ static void sense(struct mind *m)
     mind_percept(m, &p);
 }
 
-static void take(struct mind *m, uint64_t id, const char *content)
+static mu_result take_mail(struct mind *m, uint64_t id, const char *content)
 {
     struct mind_mail mail = {id, "red", "", "", "", "", "", "", content};
-    mind_take_mail(m, &mail);
+    return mind_take_mail(m, &mail);
+}
+
+static void take(struct mind *m, uint64_t id, const char *content)
+{
+    CU_ASSERT_EQUAL(take_mail(m, id, content), MU_OK);
 }
 
 static struct mind_act step(struct mind *m)
@@ -196,19 +201,107 @@ static void test_limit_nesting(void)
     mind_close(m);
 }
 
-static void test_limit_messages(void)
+/* Mails first to last - 1; content is their number. */
+static void take_many(struct mind *m, uint64_t first, uint64_t last)
 {
-    struct mind *m = open_mind(NULL);
-    sense(m);
-    for (uint64_t i = 0; i < 1025; i++) {
+    for (uint64_t i = first; i < last; i++) {
         char content[32];
         snprintf(content, sizeof content, "word%llu x", (unsigned long long)i);
         take(m, i, content);
     }
+}
+
+static void test_limit_messages(void)
+{
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    take_many(m, 0, 1025);
     CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message $?)))", "1024\n"), MU_OK);
     CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message word0 x)))", "0\n"), MU_OK);
-    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (mail)))", "1024\n"), MU_OK);
+    mind_close(m);
+}
+
+/* Nobody looks at mail facts: there are none, and for (getmsg) the latest wait. */
+static void test_limit_parked(void)
+{
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    take_many(m, 0, 1025);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (mail)))", "0\n"), MU_OK);
     CU_ASSERT_EQUAL(answers(m, "(getmsg)", "(red word1 x)\n"), MU_OK);
+    mind_close(m);
+}
+
+static void test_limit_parked_bytes(void)
+{
+    static char content[MU_CONTENT_MAX + 1];
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    memset(content, 'x', MU_CONTENT_MAX);
+    for (uint64_t i = 1; i <= 40; i++) { /* 15 of them fit; they go round the ring twice */
+        int digits = snprintf(content, sizeof content, "w%llu", (unsigned long long)i);
+        content[digits] = ' ';
+        take(m, i, content);
+    }
+    for (int i = 26; i <= 40; i++) {
+        char want[16];
+        snprintf(want, sizeof want, "w%d\n", i);
+        CU_ASSERT_EQUAL(answers(m, "(nth$ 2 (getmsg))", want), MU_OK);
+    }
+    CU_ASSERT_EQUAL(answers(m, "(getmsg)", "()\n"), MU_OK);
+    mind_close(m);
+}
+
+/* A construct calls (getmsg): what waits for it is not thrown away. */
+static void test_limit_getmsg(void)
+{
+    char answer[64];
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(deffunction next () (getmsg))", answer, sizeof answer), MU_OK);
+    sense(m);
+    take_many(m, 0, 1024);
+    CU_ASSERT_EQUAL(take_mail(m, 1024, "one too many"), MU_FULL);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message one $?)))", "1\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(next)", "(red word0 x)\n"), MU_OK);
+    CU_ASSERT_EQUAL(take_mail(m, 1025, "one more"), MU_OK);
+    CU_ASSERT_EQUAL(take_mail(m, 1026, "one too many"), MU_FULL);
+    mind_close(m);
+}
+
+/* A rule waits for mail: 1024 facts stand, and the next is refused until one is taken. */
+static void test_limit_mails(void)
+{
+    char answer[64];
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(defrule one (go) ?m <- (mail (content word500 x)) (mail (from red))"
+                           " => (retract ?m))", answer, sizeof answer), MU_OK);
+    sense(m);
+    take_many(m, 0, 1024);
+    CU_ASSERT_EQUAL(take_mail(m, 1024, "one too many"), MU_FULL);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message one $?)))", "1\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (mail)))", "1024\n"), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(assert (go))", answer, sizeof answer), MU_OK);
+    CU_ASSERT(step(m).firings > 0);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (mail)))", "1023\n"), MU_OK);
+    CU_ASSERT_EQUAL(take_mail(m, 1025, "one more"), MU_OK);
+    CU_ASSERT_EQUAL(take_mail(m, 1026, "one too many"), MU_FULL);
+    CU_ASSERT_EQUAL(answers(m, "(getmsg)", "(red word0 x)\n"), MU_OK);
+    mind_close(m);
+}
+
+/* C code holds these: to remove them is refused, and nothing is left dangling. */
+static void test_held(void)
+{
+    char answer[1024];
+    struct mind *m = open_mind(NULL);
+    (void)!say(m, "(undeftemplate *) (undeftemplate mail)", answer, sizeof answer);
+    (void)!say(m, "(undefglobal *) (undefglobal care)", answer, sizeof answer);
+    sense(m);
+    take(m, 1, "hello");
+    CU_ASSERT_EQUAL(answers(m, "(length$ (clear-way 0))", "2\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (message hello)))", "1\n"), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(defglobal ?*sonar-margin* = 100)", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(sonar-data 300)", "200.0\n"), MU_OK);
     mind_close(m);
 }
 
@@ -343,7 +436,12 @@ int main(void)
         {"globals are set, and survive (reset)", test_globals},
         {"limit: a line", test_limit_line},
         {"limit: nesting", test_limit_nesting},
-        {"limit: message and mail facts", test_limit_messages},
+        {"limit: message facts", test_limit_messages},
+        {"limit: mails that nobody takes", test_limit_parked},
+        {"limit: bytes of mails that nobody takes", test_limit_parked_bytes},
+        {"limit: mails for getmsg", test_limit_getmsg},
+        {"limit: mail facts", test_limit_mails},
+        {"what C code holds stays", test_held},
         {"limit: content", test_limit_content},
         {"limit: what a step prints", test_limit_print},
         {"limit: names of the rules fired", test_limit_fired_names},

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is written is true: generated pages, commands of the README, links."""
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+
+from support import BIN, BUILD, ROOT, check, check_equal, folder
+
+SKIPPED = {".git", "build", "out", "__pycache__"}
+BLOCK = re.compile(r"^<!-- test -->\n```sh\n(.*?)^```$", re.M | re.S)
+
+
+def pages():
+    for path in sorted(ROOT.rglob("*.md")):
+        if not SKIPPED & set(path.relative_to(ROOT).parts):
+            yield path
+
+
+def test_generated_pages_are_up_to_date():
+    with folder() as out:
+        subprocess.run([ROOT / "tools/make-reference", BIN, out], check=True, timeout=60)
+        made = sorted(p.relative_to(out) for p in out.rglob("*") if p.is_file())
+        check(len(made) >= 9, f"pages: {made}")
+        for name in made:
+            check((ROOT / "docs" / name).exists(), f"docs/{name} is missing: make docs")
+            check((out / name).read_bytes() == (ROOT / "docs" / name).read_bytes(),
+                  f"docs/{name} is out of date: make docs")
+        for page in ("reference/*.md", "man/*.1"):
+            for path in (ROOT / "docs").glob(page):
+                check(path.relative_to(ROOT / "docs") in made, f"nothing makes {path}")
+
+
+def test_every_verb_and_option_is_in_a_man_page():
+    text = "".join(p.read_text() for p in (ROOT / "docs/man").glob("*.1")).replace("\\-", "-")
+    helps = subprocess.run([BIN / "muster", "--help"], capture_output=True, text=True, check=True)
+    verbs = re.findall(r"^  ([a-z]+) ", helps.stdout, re.M)
+    check(len(verbs) >= 12, f"verbs: {verbs}")
+    for verb in verbs:
+        check(re.search(rf"^\.B {verb}\b", text, re.M), f"{verb} is in no man page")
+        said = subprocess.run([BIN / "muster", verb, "--help"], capture_output=True, text=True,
+                              check=True).stdout
+        for option in re.findall(r"^  .{4}(--[a-z-]+)", said, re.M):
+            check(option in text, f"{verb} {option} is in no man page")
+
+
+def scratch_copy(out):
+    """The tree without its history, with the programs that are built, so that make has no work."""
+    def passed_over(path, names):
+        return [n for n in names if n in SKIPPED]
+    shutil.copytree(ROOT, out, ignore=passed_over, dirs_exist_ok=True)
+    bin_folder = out / BIN.relative_to(ROOT)
+    shutil.copytree(BIN, bin_folder)
+    return bin_folder
+
+
+def block_run(text, where, environment):
+    """Runs a block as a person would type it; its processes end with it."""
+    with tempfile.TemporaryFile("w+") as output:
+        p = subprocess.Popen(["bash", "-euo", "pipefail", "-c", text], cwd=where, env=environment,
+                             stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+                             start_new_session=True)
+        try:
+            p.wait(120)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(p.pid, signal.SIGKILL)
+            p.wait()
+        output.seek(0)
+        return p.returncode, output.read()
+
+
+def test_commands_of_the_readme_work():
+    blocks = BLOCK.findall((ROOT / "README.md").read_text())
+    check(len(blocks) >= 2, f"blocks marked for a test: {len(blocks)}")
+    with folder() as out:
+        bin_folder = scratch_copy(out / "muster")
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("MUSTER_")}
+        environment |= {"PATH": f"{bin_folder}:{os.environ['PATH']}", "DEPS": "skip",
+                        "BUILD": BUILD.name}
+        for block in blocks:
+            code, output = block_run(block, out / "muster", environment)
+            check_equal(code, 0, f"this block:\n{block}printed\n{output}")
+        check((out / "muster/out/seed2/report.html").exists(), "the report of a block")
+
+
+def links(text):
+    """Where links point, apart from code, where brackets mean something else."""
+    text = re.sub(r"^ *```.*?^ *```", "", text, flags=re.M | re.S)
+    text = re.sub(r"`[^`\n]*`", "", text)
+    return re.findall(r"\]\(([^)\s]+)\)", text)
+
+
+def heading_anchors(text):
+    for heading in re.findall(r"^#+ (.*)$", text, re.M):
+        yield re.sub(r"[^a-z0-9 _-]", "", heading.lower()).replace(" ", "-")
+
+
+def test_every_relative_link_resolves():
+    count = 0
+    for page in pages():
+        for link in links(page.read_text()):
+            if re.match(r"[a-z]+:", link):
+                continue
+            count += 1
+            file, _, anchor = link.partition("#")
+            target = page.parent / file if file else page
+            check(target.exists(), f"{page.relative_to(ROOT)}: {link}")
+            if anchor and target.suffix == ".md":
+                check(anchor in heading_anchors(target.read_text()),
+                      f"{page.relative_to(ROOT)}: {link}: no such heading")
+    check(count > 30, f"only {count} links looked at")
+
+
+def test_files_shown_in_pages_are_the_files():
+    shown = 0
+    for page in pages():
+        pattern = r"<!-- file: (\S+) -->\n```\w*\n(.*?)```$"
+        for name, text in re.findall(pattern, page.read_text(), re.M | re.S):
+            shown += 1
+            check(text == (ROOT / name).read_text(),
+                  f"{page.relative_to(ROOT)}: {name} has changed")
+    check(shown > 0, "no page shows a file")

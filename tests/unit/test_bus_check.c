@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The border, topic by topic: a whole sample passes, and each of its fields is spoilt once in every
+ * way that its kind knows.
+ */
+#include "bus/check.h"
+#include "bus/topics.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <CUnit/Basic.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
+
+/* idlc makes no const members; the checks write to none. */
+#define W(s) ((char *)(uintptr_t)(s))
+#define LIST(buffer) {._length = FEW, ._maximum = FEW, ._buffer = (buffer)}
+
+#define A_MAIL                                                                               \
+    {.src = W("red"), .seq = 1, .dst = W("blue"), .layer = 3, .performative = W("tell"),     \
+     .language = W(""), .ontology = W(""), .reply_with = W(""), .in_reply_to = W(""),        \
+     .conversation = W(""), .due_ns = -1, .content = W("hello")}
+#define A_MEMBER {.name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here")}
+
+static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
+static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
+    {.agent = W("red"), .rules = W("wander")},
+    {.agent = W("blue"), .rules = W("")},
+    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails)},
+};
+static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {{.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
+static muster_Up up = {.process = W("p1"), .acts = LIST(acts), .acks = LIST(acks)};
+
+static float sonar_m[MU_SONARS_MAX + 1] = {0.5f, 1.0f, 2.0f};
+static muster_Percept percepts[MU_LOCAL_AGENTS_MAX + 1] = {
+    {.robot = W("red")}, {.robot = W("blue")}, {.robot = W("green"), .sonar_m = LIST(sonar_m)}};
+static muster_Sense sense = {.process = W("p1"), .robots = LIST(percepts)};
+
+static muster_Parcel parcels[FEW] = {{.box = W("red"), .number = 1, .letter = A_MAIL},
+                                     {.box = W("red"), .number = 2, .letter = A_MAIL},
+                                     {.box = W("red"), .number = 3, .letter = A_MAIL}};
+static muster_Receipt receipts[FEW] = {{.agent = W("a")}, {.agent = W("b")}, {.agent = W("c")}};
+static muster_Verdict verdicts[FEW] = {{.agent = W("a"), .reason = W("")},
+                                       {.agent = W("b"), .reason = W("")},
+                                       {.agent = W("c"), .reason = W("no")}};
+static muster_Member members[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static muster_Mail outside[FEW] = {A_MAIL, A_MAIL, A_MAIL};
+static muster_Delivery delivery = {.process = W("p1"),
+                                   .parcels = LIST(parcels),
+                                   .receipts = LIST(receipts),
+                                   .verdicts = LIST(verdicts),
+                                   .members = LIST(members),
+                                   .outside = LIST(outside)};
+
+static muster_Registration registration = {
+    .name = W("red"), .process = W("p1"), .host = W("here")};
+static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
+static muster_Roster roster = {.simulator = W("sim"), .processes = LIST(processes)};
+static muster_RunCommand command = {.simulator = W("sim")};
+static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
+    {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
+static muster_RunStatus status = {
+    .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
+static muster_Member member = A_MEMBER;
+static muster_BrokerStatus broker_status = {.broker = W("b1")};
+
+enum field_kind {
+    A_NAME,    /* of an agent */
+    A_WORD,    /* at most max bytes and at least one */
+    A_TEXT,    /* at most max bytes */
+    A_COUNT,   /* from 1 to INT64_MAX */
+    A_LAST,    /* from 0 to INT64_MAX */
+    A_DOUBLE,  /* finite */
+    A_SPEED,   /* anything: what is no number is the simulator's to refuse */
+    A_FLOAT,   /* finite */
+    A_LENGTH,  /* of a sequence, at most max */
+};
+
+static const struct field {
+    const char *label;
+    bool (*check)(const void *sample);
+    const void *sample;
+    void *at;
+    enum field_kind kind;
+    size_t max;
+} fields[] = {
+#define MAIL(label, check, sample, m)                                               \
+    {label ".src", check, sample, &(m).src, A_NAME, 0},                             \
+    {label ".seq", check, sample, &(m).seq, A_COUNT, 0},                            \
+    {label ".dst", check, sample, &(m).dst, A_WORD, MU_DST_MAX},                    \
+    {label ".performative", check, sample, &(m).performative, A_TEXT, MU_FIELD_MAX}, \
+    {label ".language", check, sample, &(m).language, A_TEXT, MU_FIELD_MAX},        \
+    {label ".ontology", check, sample, &(m).ontology, A_TEXT, MU_FIELD_MAX},        \
+    {label ".reply_with", check, sample, &(m).reply_with, A_TEXT, MU_FIELD_MAX},    \
+    {label ".in_reply_to", check, sample, &(m).in_reply_to, A_TEXT, MU_FIELD_MAX},  \
+    {label ".conversation", check, sample, &(m).conversation, A_TEXT, MU_FIELD_MAX}, \
+    {label ".content", check, sample, &(m).content, A_TEXT, MU_CONTENT_MAX}
+#define MEMBER(label, check, sample, m)                                     \
+    {label ".name", check, sample, &(m).name, A_NAME, 0},                   \
+    {label ".process", check, sample, &(m).process, A_TEXT, MU_PROCESS_MAX}, \
+    {label ".broker", check, sample, &(m).broker, A_TEXT, MU_FIELD_MAX},    \
+    {label ".host", check, sample, &(m).host, A_TEXT, MU_FIELD_MAX}
+
+    {"registration.name", check_registration, &registration, &registration.name, A_WORD,
+     MU_FIELD_MAX},
+    {"registration.process", check_registration, &registration, &registration.process, A_WORD,
+     MU_PROCESS_MAX},
+    {"registration.host", check_registration, &registration, &registration.host, A_TEXT,
+     MU_FIELD_MAX},
+
+    {"up.process", check_up, &up, &up.process, A_WORD, MU_PROCESS_MAX},
+    {"up.acts", check_up, &up, &up.acts._length, A_LENGTH, MU_LOCAL_AGENTS_MAX},
+    {"up.acks", check_up, &up, &up.acks._length, A_LENGTH, MU_LOCAL_AGENTS_MAX},
+    {"up.act.agent", check_up, &up, &acts[2].agent, A_NAME, 0},
+    {"up.act.forward", check_up, &up, &acts[2].forward_m_s, A_SPEED, 0},
+    {"up.act.turn", check_up, &up, &acts[2].turn_rad_s, A_SPEED, 0},
+    {"up.act.rules", check_up, &up, &acts[2].rules, A_TEXT, RULES_MAX},
+    {"up.act.mails", check_up, &up, &acts[2].mails._length, A_LENGTH, MU_OUTBOX_MAX},
+    MAIL("up.act.mail", check_up, &up, mails[2]),
+    {"up.first act.agent", check_up, &up, &acts[0].agent, A_NAME, 0},
+    {"up.first mail.src", check_up, &up, &mails[0].src, A_NAME, 0},
+    {"up.ack.box", check_up, &up, &acks[2].box, A_NAME, 0},
+    {"up.first ack.box", check_up, &up, &acks[0].box, A_NAME, 0},
+
+    {"sense.process", check_sense, &sense, &sense.process, A_WORD, MU_PROCESS_MAX},
+    {"sense.robots", check_sense, &sense, &sense.robots._length, A_LENGTH, MU_LOCAL_AGENTS_MAX},
+    {"sense.robot.robot", check_sense, &sense, &percepts[2].robot, A_NAME, 0},
+    {"sense.first robot.robot", check_sense, &sense, &percepts[0].robot, A_NAME, 0},
+    {"sense.robot.x", check_sense, &sense, &percepts[2].x_m, A_DOUBLE, 0},
+    {"sense.robot.y", check_sense, &sense, &percepts[2].y_m, A_DOUBLE, 0},
+    {"sense.robot.heading", check_sense, &sense, &percepts[2].heading_rad, A_DOUBLE, 0},
+    {"sense.robot.forward", check_sense, &sense, &percepts[2].forward_m_s, A_DOUBLE, 0},
+    {"sense.robot.turn", check_sense, &sense, &percepts[2].turn_rad_s, A_DOUBLE, 0},
+    {"sense.robot.sonars", check_sense, &sense, &percepts[2].sonar_m._length, A_LENGTH,
+     MU_SONARS_MAX},
+    {"sense.robot.first sonar", check_sense, &sense, &sonar_m[0], A_FLOAT, 0},
+    {"sense.robot.last sonar", check_sense, &sense, &sonar_m[2], A_FLOAT, 0},
+
+    {"delivery.process", check_delivery, &delivery, &delivery.process, A_WORD, MU_PROCESS_MAX},
+    {"delivery.parcel.box", check_delivery, &delivery, &parcels[2].box, A_NAME, 0},
+    {"delivery.first parcel.box", check_delivery, &delivery, &parcels[0].box, A_NAME, 0},
+    {"delivery.parcel.number", check_delivery, &delivery, &parcels[2].number, A_COUNT, 0},
+    MAIL("delivery.parcel", check_delivery, &delivery, parcels[2].letter),
+    {"delivery.receipt.agent", check_delivery, &delivery, &receipts[2].agent, A_NAME, 0},
+    {"delivery.first receipt.agent", check_delivery, &delivery, &receipts[0].agent, A_NAME, 0},
+    {"delivery.verdict.agent", check_delivery, &delivery, &verdicts[2].agent, A_TEXT, MU_FIELD_MAX},
+    {"delivery.verdict.last_seq", check_delivery, &delivery, &verdicts[2].last_seq, A_LAST, 0},
+    {"delivery.verdict.reason", check_delivery, &delivery, &verdicts[2].reason, A_TEXT,
+     4 * MU_FIELD_MAX},
+    {"delivery.first verdict.agent", check_delivery, &delivery, &verdicts[0].agent, A_TEXT,
+     MU_FIELD_MAX},
+    MEMBER("delivery.member", check_delivery, &delivery, members[2]),
+    MEMBER("delivery.first member", check_delivery, &delivery, members[0]),
+    MAIL("delivery.outside", check_delivery, &delivery, outside[2]),
+
+    {"roster.simulator", check_roster, &roster, &roster.simulator, A_WORD, MU_PROCESS_MAX},
+    {"roster.processes", check_roster, &roster, &roster.processes._length, A_LENGTH,
+     MU_PROCESSES_MAX},
+    {"roster.process", check_roster, &roster, &processes[2], A_WORD, MU_PROCESS_MAX},
+    {"roster.first process", check_roster, &roster, &processes[0], A_WORD, MU_PROCESS_MAX},
+    {"command.simulator", check_run_command, &command, &command.simulator, A_WORD, MU_PROCESS_MAX},
+
+    {"status.simulator", check_run_status, &status, &status.simulator, A_WORD, MU_PROCESS_MAX},
+    {"status.hash", check_run_status, &status, &status.hash, A_TEXT, 64},
+    {"status.waits_for", check_run_status, &status, &status.waits_for, A_TEXT, MU_CONTENT_MAX},
+    {"status.robots", check_run_status, &status, &status.robots._length, A_LENGTH, MU_ROBOTS_MAX},
+    {"status.robot", check_run_status, &status, &totals[2].robot, A_NAME, 0},
+    {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
+
+    MEMBER("member", check_member, &member, member),
+    {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
+     MU_PROCESS_MAX},
+};
+
+static unsigned wrong;
+
+static void expect(const struct field *f, bool want, const char *what)
+{
+    if (f->check(f->sample) != want) {
+        printf("\n    %s: %s was %s", f->label, what, want ? "refused" : "let through");
+        wrong++;
+    }
+}
+
+/* @return a name of that many bytes */
+static char *text_of(size_t bytes)
+{
+    static char text[TEXT_MAX + 1];
+    memset(text, 'n', TEXT_MAX);
+    return text + TEXT_MAX - bytes;
+}
+
+static void try_text(const struct field *f, char *text, bool want, const char *what)
+{
+    char **at = f->at;
+    char *kept = *at;
+    *at = text;
+    expect(f, want, what);
+    *at = kept;
+}
+
+static void try_texts(const struct field *f)
+{
+    bool name = f->kind == A_NAME;
+    size_t max = name ? MU_NAME_MAX : f->max;
+    try_text(f, NULL, false, "NULL");
+    try_text(f, W(""), f->kind == A_TEXT, "the empty string");
+    try_text(f, text_of(max), true, "the longest string");
+    try_text(f, text_of(max + 1), false, "a string too long");
+    try_text(f, text_of(TEXT_MAX), false, "a very long string");
+    try_text(f, W("9 lives"), !name, "a string that is no name");
+}
+
+static void try_real(const struct field *f, double value, bool want, const char *what)
+{
+    if (f->kind == A_FLOAT) {
+        float kept = *(float *)f->at;
+        *(float *)f->at = (float)value;
+        expect(f, want, what);
+        *(float *)f->at = kept;
+    } else {
+        double kept = *(double *)f->at;
+        *(double *)f->at = value;
+        expect(f, want, what);
+        *(double *)f->at = kept;
+    }
+}
+
+static void try_reals(const struct field *f)
+{
+    bool any = f->kind == A_SPEED;
+    double most = f->kind == A_FLOAT ? (double)FLT_MAX : DBL_MAX;
+    try_real(f, most, true, "the greatest number");
+    try_real(f, -most, true, "the least number");
+    try_real(f, (double)NAN, any, "NaN");
+    try_real(f, (double)INFINITY, any, "infinity");
+    try_real(f, -(double)INFINITY, any, "minus infinity");
+}
+
+static void try_count(const struct field *f)
+{
+    uint64_t kept = *(uint64_t *)f->at;
+    *(uint64_t *)f->at = 0;
+    expect(f, f->kind == A_LAST, "number 0");
+    *(uint64_t *)f->at = INT64_MAX;
+    expect(f, true, "the greatest count");
+    *(uint64_t *)f->at = (uint64_t)INT64_MAX + 1;
+    expect(f, false, "a count too great");
+    *(uint64_t *)f->at = UINT64_MAX;
+    expect(f, false, "the greatest number");
+    *(uint64_t *)f->at = kept;
+}
+
+static void try_length(const struct field *f)
+{
+    uint32_t kept = *(uint32_t *)f->at;
+    *(uint32_t *)f->at = 0;
+    expect(f, true, "an empty list");
+    *(uint32_t *)f->at = (uint32_t)f->max;
+    expect(f, true, "the longest list");
+    *(uint32_t *)f->at = (uint32_t)f->max + 1;
+    expect(f, false, "a list too long");
+    *(uint32_t *)f->at = kept;
+}
+
+/* Whole elements behind the first few, so that only its length is wrong with a long list. */
+static int lists_fill(void)
+{
+    for (size_t i = FEW; i <= MU_OUTBOX_MAX; i++) {
+        mails[i] = mails[0];
+    }
+    for (size_t i = FEW; i <= MU_LOCAL_AGENTS_MAX; i++) {
+        acts[i] = acts[0];
+        acks[i] = acks[0];
+        percepts[i] = percepts[0];
+    }
+    for (size_t i = FEW; i <= MU_PROCESSES_MAX; i++) {
+        processes[i] = processes[0];
+    }
+    for (size_t i = FEW; i <= MU_ROBOTS_MAX; i++) {
+        totals[i] = totals[0];
+    }
+    return 0;
+}
+
+static void test_whole_samples_pass(void)
+{
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        CU_ASSERT_TRUE(fields[i].check(fields[i].sample));
+    }
+}
+
+static void test_each_field_is_checked(void)
+{
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        const struct field *f = &fields[i];
+        unsigned before = wrong;
+        switch (f->kind) {
+        case A_NAME:
+        case A_WORD:
+        case A_TEXT: try_texts(f); break;
+        case A_COUNT:
+        case A_LAST: try_count(f); break;
+        case A_DOUBLE:
+        case A_SPEED:
+        case A_FLOAT: try_reals(f); break;
+        case A_LENGTH: try_length(f); break;
+        }
+        CU_ASSERT_EQUAL(wrong, before);
+        CU_ASSERT_TRUE(f->check(f->sample));
+    }
+}
+
+/* The broker says why it refuses such a name; so it must get to see it. */
+static void test_bad_names_of_agents_reach_the_broker(void)
+{
+    static char *const names[] = {W("9"), W("a b"), W("\xff"), W("-"), W("broker")};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        registration.name = names[i];
+        CU_ASSERT_TRUE(check_registration(&registration));
+    }
+    registration.name = W("red");
+}
+
+static void test_every_topic_has_its_check(void)
+{
+    bool (*const checks[BUS_TOPICS])(const void *) = {
+        [BUS_REGISTRATION] = check_registration, [BUS_UP] = check_up,
+        [BUS_SENSE] = check_sense,               [BUS_DELIVERY] = check_delivery,
+        [BUS_ROSTER] = check_roster,             [BUS_RUN_COMMAND] = check_run_command,
+        [BUS_RUN_STATUS] = check_run_status,     [BUS_MEMBER] = check_member,
+        [BUS_BROKER_STATUS] = check_broker_status,
+    };
+    for (size_t i = 0; i < BUS_TOPICS; i++) {
+        CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"whole samples pass", test_whole_samples_pass},
+        {"each field is checked", test_each_field_is_checked},
+        {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
+        {"every topic has its check", test_every_topic_has_its_check},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"bus/check", lists_fill, NULL, NULL, NULL, tests},
+                             CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

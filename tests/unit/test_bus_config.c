@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bus/config.h"
+
+#include <CUnit/Basic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char xml[4096];
+
+static void write_for(enum bus_place place, int index, const char *interface, const char *hub)
+{
+    struct bus_options options = {
+        .domain = 3, .place = place, .name = "test", .interface = interface, .hub = hub};
+    struct mu_text text;
+    mu_text_init(&text, xml, sizeof xml);
+    config_write(&text, &options, index);
+    CU_ASSERT_FALSE_FATAL(text.cut);
+}
+
+static bool has(const char *piece)
+{
+    return strstr(xml, piece) != NULL;
+}
+
+static unsigned times(const char *piece)
+{
+    unsigned count = 0;
+    for (const char *at = xml; (at = strstr(at, piece)) != NULL; at += strlen(piece)) {
+        count++;
+    }
+    return count;
+}
+
+/* As much of XML as there is in it: tags that nest, attributes in double quotes.
+ * @return whether every tag is closed by its own name */
+static bool well_formed(void)
+{
+    char open[16][40];
+    size_t depth = 0;
+    const char *at = xml;
+    bool rooted = false;
+    while ((at = strchr(at, '<')) != NULL) {
+        const char *end = strchr(at, '>');
+        bool closes = at[1] == '/';
+        const char *name = at + 1 + closes;
+        size_t len = strcspn(name, " />");
+        if (!end || len == 0 || len >= sizeof open[0] || depth == 16) {
+            return false;
+        }
+        if (depth == 0 && (rooted || closes)) {
+            return false;
+        }
+        if (closes) {
+            depth--;
+            if (strlen(open[depth]) != len || strncmp(open[depth], name, len) != 0) {
+                return false;
+            }
+        } else if (end[-1] != '/') {
+            snprintf(open[depth++], sizeof open[0], "%.*s", (int)len, name);
+        }
+        rooted = true;
+        at = end;
+    }
+    return rooted && depth == 0 && xml[strlen(xml) - 1] == '>' && times("\"") % 2 == 0;
+}
+
+static void test_ports(void)
+{
+    /* RTPS 2.2, 9.6.1.1: 7400 + 250 domain + 10 + 2 index */
+    CU_ASSERT_EQUAL(bus_port(0, 0), 7410);
+    CU_ASSERT_EQUAL(bus_port(0, 1), 7412);
+    CU_ASSERT_EQUAL(bus_port(3, 0), 8160);
+    CU_ASSERT_EQUAL(bus_port(99, 119), 32398);
+    CU_ASSERT(bus_port(230, CONFIG_INDEX_LAST) <= 65535);
+}
+
+static void test_places_of_the_star(void)
+{
+    static const struct {
+        enum bus_place place;
+        int index;
+    } places[] = {{BUS_BROKER, CONFIG_INDEX_BROKER},
+                  {BUS_SIMULATOR, CONFIG_INDEX_SIMULATOR},
+                  {BUS_AGENT, CONFIG_INDEX_FIRST},
+                  {BUS_AGENT, CONFIG_INDEX_LAST}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        char index[64];
+        write_for(places[i].place, places[i].index, NULL, NULL);
+        snprintf(index, sizeof index, "<ParticipantIndex>%d</ParticipantIndex>", places[i].index);
+        CU_ASSERT_TRUE(well_formed());
+        CU_ASSERT_TRUE(has(index));
+        CU_ASSERT_EQUAL(times("<ParticipantIndex>"), 1);
+        CU_ASSERT_TRUE(has("<NetworkInterface address=\"127.0.0.1\"/>"));
+        CU_ASSERT_EQUAL(times("<NetworkInterface "), 1);
+        CU_ASSERT_TRUE(has("<AllowMulticast>false</AllowMulticast>"));
+        CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8160\"/>"));
+        CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8162\"/>"));
+        CU_ASSERT_EQUAL(times("<Peer "), 2);
+        CU_ASSERT_EQUAL(times("<Peers>"), 1);
+    }
+}
+
+static void test_observer_peers_with_everybody(void)
+{
+    write_for(BUS_OBSERVER, CONFIG_INDEX_FIRST + 1, NULL, NULL);
+    CU_ASSERT_TRUE(well_formed());
+    CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1\"/>"));
+    CU_ASSERT_EQUAL(times("<Peer "), 1);
+    CU_ASSERT_TRUE(has("<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"));
+    CU_ASSERT_TRUE(has("<ParticipantIndex>11</ParticipantIndex>"));
+}
+
+static void test_interface_and_hub(void)
+{
+    write_for(BUS_AGENT, CONFIG_INDEX_FIRST, "10.0.0.7", NULL);
+    CU_ASSERT_TRUE(well_formed());
+    CU_ASSERT_TRUE(has("<NetworkInterface address=\"10.0.0.7\"/>"));
+    CU_ASSERT_TRUE(has("<Peer address=\"10.0.0.7:8160\"/>"));
+    CU_ASSERT_FALSE(has("127.0.0.1"));
+
+    write_for(BUS_AGENT, CONFIG_INDEX_FIRST, "10.0.0.7", "hub.local");
+    CU_ASSERT_TRUE(has("<NetworkInterface address=\"10.0.0.7\"/>"));
+    CU_ASSERT_TRUE(has("<Peer address=\"hub.local:8160\"/>"));
+    CU_ASSERT_TRUE(has("<Peer address=\"hub.local:8162\"/>"));
+    CU_ASSERT_FALSE(has("Peer address=\"10.0.0.7"));
+
+    write_for(BUS_OBSERVER, CONFIG_INDEX_FIRST, NULL, "hub.local");
+    CU_ASSERT_TRUE(has("<Peer address=\"hub.local\"/>"));
+}
+
+static void test_limit_a_text_too_small_is_cut(void)
+{
+    struct bus_options options = {.place = BUS_AGENT};
+    char small[64];
+    struct mu_text text;
+    mu_text_init(&text, small, sizeof small);
+    config_write(&text, &options, CONFIG_INDEX_FIRST);
+    CU_ASSERT_TRUE(text.cut);
+    CU_ASSERT_EQUAL(strlen(small), sizeof small - 1);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"ports", test_ports},
+        {"places of the star", test_places_of_the_star},
+        {"an observer peers with everybody", test_observer_peers_with_everybody},
+        {"interface and hub", test_interface_and_hub},
+        {"limit: a text too small", test_limit_a_text_too_small_is_cut},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"bus/config", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Real children, all of them /bin/sh: an absolute path stands for itself. */
+#include "../support/capture.h"
+#include "core/clock.h"
+#include "ctl/supervise.h"
+
+#include <CUnit/Basic.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+
+enum { PATIENCE_MS = 5000 };
+
+static struct supervise all; /* static: leak checkers see its memory */
+
+static void set_up(void)
+{
+    supervise_init(&all, true);
+    alarm(60);
+}
+
+static void tear_down(void)
+{
+    supervise_stop_all(&all, 1);
+    alarm(0);
+}
+
+static struct child *start(const char *name, const char *script)
+{
+    const char *const argv[] = {"sh", "-c", script, NULL};
+    CU_ASSERT_EQUAL_FATAL(supervise_start(&all, name, "/bin/sh", argv), MU_OK);
+    return &all.children[all.count - 1];
+}
+
+static void nap(void)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+}
+
+static uint64_t patience_end_ns(void)
+{
+    return mu_clock_ns() + PATIENCE_MS * 1000000ull;
+}
+
+static void await_end(const struct child *child)
+{
+    uint64_t until_ns = patience_end_ns();
+    while (!child->ended && mu_clock_ns() < until_ns) {
+        supervise_look(&all);
+        nap();
+    }
+    CU_ASSERT_TRUE_FATAL(child->ended);
+}
+
+static void await_words(const struct child *child, const char *words)
+{
+    uint64_t until_ns = patience_end_ns();
+    while (!strstr(child->words, words) && mu_clock_ns() < until_ns) {
+        supervise_look(&all);
+        nap();
+    }
+    CU_ASSERT_PTR_NOT_NULL_FATAL(strstr(child->words, words));
+}
+
+static void test_a_child_ends_by_itself(void)
+{
+    CU_ASSERT_PTR_NULL(supervise_ended(&all));
+    struct child *red = start("red", "echo one; echo two >&2; exit 3");
+    CU_ASSERT_PTR_EQUAL(supervise_find(&all, "red"), red);
+    CU_ASSERT_PTR_NULL(supervise_find(&all, "blue"));
+    await_end(red);
+    CU_ASSERT_PTR_EQUAL(supervise_ended(&all), red);
+    CU_ASSERT(WIFEXITED(red->status) && WEXITSTATUS(red->status) == 3);
+    CU_ASSERT_STRING_EQUAL(red->words, "one\ntwo\n");
+    CU_ASSERT_EQUAL(red->output, -1);
+    capture_begin();
+    supervise_explain(red);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured,
+                           "muster: red ended with exit code 3\nits last words:\none\ntwo\n");
+}
+
+static void test_a_killed_child_is_explained(void)
+{
+    struct child *red = start("red", "printf 'no end of line'; kill -SEGV $$");
+    await_end(red);
+    CU_ASSERT(WIFSIGNALED(red->status) && WTERMSIG(red->status) == SIGSEGV);
+    capture_begin();
+    supervise_explain(red);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured, "muster: red was killed by signal 11 (Segmentation fault)\n"
+                                     "its last words:\nno end of line\n");
+    struct child *silent = start("silent", "exit 0");
+    await_end(silent);
+    capture_begin();
+    supervise_explain(silent);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured, "muster: silent ended with exit code 0\n");
+}
+
+static void test_output_is_passed_on_unless_quiet(void)
+{
+    all.quiet = false;
+    capture_begin();
+    struct child *red = start("red", "echo heard");
+    await_end(red);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured, "heard\n");
+    all.quiet = true;
+    capture_begin();
+    struct child *blue = start("blue", "echo silent");
+    await_end(blue);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured, "");
+    CU_ASSERT_STRING_EQUAL(blue->words, "silent\n");
+}
+
+/* Numbered lines of eight bytes: the last of them are kept, whole. */
+static void test_limit_last_words(void)
+{
+    static const int counts[] = {127, 128, 129, 1000, 20000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        char script[96];
+        char want[SUPERVISE_WORDS_MAX + 16];
+        size_t len = 0;
+        snprintf(script, sizeof script,
+                 "i=1; while [ $i -le %d ]; do printf '%%07d\\n' $i; i=$((i+1)); done", counts[i]);
+        struct child *red = start("red", script);
+        await_end(red);
+        for (int k = counts[i] < 129 ? 1 : counts[i] - 128; k <= counts[i]; k++) {
+            len += (size_t)snprintf(want + len, sizeof want - len, "%07d\n", k);
+        }
+        size_t cut = len > SUPERVISE_WORDS_MAX - 1 ? len - (SUPERVISE_WORDS_MAX - 1) : 0;
+        CU_ASSERT_STRING_EQUAL(red->words, want + cut);
+        CU_ASSERT_EQUAL(red->words_len, len - cut);
+    }
+}
+
+/* What is said slowly is put together as what is said at once. */
+static void test_words_that_come_in_pieces(void)
+{
+    struct child *red = start("red", "printf a; read x; printf b; kill $$");
+    struct child *blue = start("blue", "printf 1; sleep 0.02; printf 2; sleep 0.02; printf 3");
+    await_end(red); /* its standard input is empty: read fails at once */
+    await_end(blue);
+    CU_ASSERT_STRING_EQUAL(red->words, "ab");
+    CU_ASSERT_STRING_EQUAL(blue->words, "123");
+}
+
+static void test_stop_asks_first(void)
+{
+    struct child *polite = start("polite", "trap 'echo bye; exit 4' TERM; echo up;"
+                                           "while :; do sleep 0.01; done");
+    await_words(polite, "up");
+    supervise_stop(&all, polite, PATIENCE_MS);
+    CU_ASSERT_TRUE_FATAL(polite->ended);
+    CU_ASSERT(WIFEXITED(polite->status) && WEXITSTATUS(polite->status) == 4);
+    CU_ASSERT_STRING_EQUAL(polite->words, "up\nbye\n");
+    supervise_stop(&all, polite, 1); /* again: nobody is there */
+}
+
+static void test_stop_kills_in_the_end(void)
+{
+    struct child *stubborn =
+        start("stubborn", "trap '' TERM; echo up; while :; do sleep 0.01; done");
+    struct child *other = start("other", "echo up; exec sleep 60");
+    await_words(stubborn, "up");
+    await_words(other, "up");
+    supervise_stop(&all, stubborn, 50);
+    CU_ASSERT_TRUE_FATAL(stubborn->ended);
+    CU_ASSERT(WIFSIGNALED(stubborn->status) && WTERMSIG(stubborn->status) == SIGKILL);
+    CU_ASSERT_FALSE(other->ended);
+}
+
+static void test_stop_all(void)
+{
+    struct child *plain = start("plain", "echo up; exec sleep 60");
+    struct child *stubborn =
+        start("stubborn", "trap '' TERM; echo up; while :; do sleep 0.01; done");
+    struct child *stopped = start("stopped", "echo up; kill -STOP $$; sleep 60");
+    struct child *done = start("done", "exit 0");
+    await_words(plain, "up");
+    await_words(stubborn, "up");
+    await_words(stopped, "up");
+    await_end(done);
+    supervise_stop_all(&all, 100);
+    CU_ASSERT(plain->ended && WIFSIGNALED(plain->status) && WTERMSIG(plain->status) == SIGTERM);
+    CU_ASSERT(stubborn->ended && WIFSIGNALED(stubborn->status) &&
+              WTERMSIG(stubborn->status) == SIGKILL);
+    CU_ASSERT(stopped->ended && WIFSIGNALED(stopped->status) &&
+              WTERMSIG(stopped->status) == SIGTERM);
+    CU_ASSERT(WIFEXITED(done->status));
+}
+
+static void test_a_program_that_is_missing(void)
+{
+    const char *const argv[] = {"no-such-program", NULL};
+    CU_ASSERT_EQUAL(supervise_start(&all, "red", "no-such-program", argv), MU_OK);
+    struct child *red = &all.children[0];
+    await_end(red);
+    CU_ASSERT(WIFEXITED(red->status) && WEXITSTATUS(red->status) == 127);
+    CU_ASSERT_STRING_EQUAL(red->words, "cannot start: the program is missing\n");
+}
+
+static void test_limit_children(void)
+{
+    const char *const argv[] = {"sh", NULL};
+    all.count = SUPERVISE_CHILDREN_MAX;
+    CU_ASSERT_EQUAL(supervise_start(&all, "red", "/bin/sh", argv), MU_FULL);
+    CU_ASSERT_EQUAL(all.count, SUPERVISE_CHILDREN_MAX);
+    all.count = 0;
+}
+
+/* In a process of its own: starts a child, says its pid, and dies without a word to it. */
+static _Noreturn void parent_that_crashes(int out)
+{
+    struct child *orphan = start("orphan", "echo up; exec sleep 60");
+    await_words(orphan, "up");
+    ssize_t written = write(out, &orphan->pid, sizeof orphan->pid);
+    (void)written;
+    kill(getpid(), SIGKILL);
+    _exit(0);
+}
+
+static void test_children_die_with_their_parent(void)
+{
+    int ends[2];
+    pid_t orphan = 0;
+    int status = 0;
+    prctl(PR_SET_CHILD_SUBREAPER, 1); /* the orphan comes to us */
+    CU_ASSERT_EQUAL_FATAL(pipe(ends), 0);
+    pid_t parent = fork();
+    if (parent == 0) {
+        parent_that_crashes(ends[1]);
+    }
+    close(ends[1]);
+    CU_ASSERT_EQUAL_FATAL(read(ends[0], &orphan, sizeof orphan), sizeof orphan);
+    close(ends[0]);
+    CU_ASSERT_EQUAL(waitpid(parent, NULL, 0), parent);
+    uint64_t until_ns = patience_end_ns();
+    pid_t waited = 0;
+    while (waited == 0 && mu_clock_ns() < until_ns) {
+        waited = waitpid(orphan, &status, WNOHANG);
+        nap();
+    }
+    CU_ASSERT_EQUAL(waited, orphan);
+    CU_ASSERT(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    if (waited == 0) {
+        kill(orphan, SIGKILL);
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a child ends by itself", test_a_child_ends_by_itself},
+        {"a killed child is explained", test_a_killed_child_is_explained},
+        {"output is passed on unless quiet", test_output_is_passed_on_unless_quiet},
+        {"limit: last words", test_limit_last_words},
+        {"words that come in pieces", test_words_that_come_in_pieces},
+        {"stop asks first", test_stop_asks_first},
+        {"stop kills in the end", test_stop_kills_in_the_end},
+        {"stop all", test_stop_all},
+        {"a program that is missing", test_a_program_that_is_missing},
+        {"limit: children", test_limit_children},
+        {"children die with their parent", test_children_die_with_their_parent},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"ctl/supervise", NULL, NULL, set_up, tear_down, tests},
+                             CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

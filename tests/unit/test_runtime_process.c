@@ -1,0 +1,423 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A process on a real network, loopback alone.  This test is the broker and the simulator: its
+ * readers and writers share the participant of the process under test.
+ */
+#include "core/clock.h"
+#include "core/text.h"
+#include "runtime/process.h"
+
+#include <CUnit/Basic.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const uint64_t PATIENCE_NS = 5000000000u;
+
+/* Both processes of this test, each in a domain of its own. */
+static struct peer {
+    mu_process *process;
+    struct bus_reader registrations, to_broker, to_simulator;
+    struct bus_writer delivery, sense;
+} mind, body;
+
+/* What the last registration and the last answer said. */
+static struct {
+    unsigned registrations, ups, registrations_lost;
+    char name[MU_NAME_MAX + 1];
+    muster_State state;
+    bool ready, no_broadcasts;
+    int64_t step;
+    uint32_t mails;
+    uint64_t seq, ack;
+    char content[64];
+    bool drives;
+    double forward_m_s;
+} seen;
+
+static char heard_buffer[1024];
+static struct mu_text heard;
+
+/* idlc makes no const members; the bus writes to none. */
+static char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    (void)self;
+    mu_text_format(&heard, "%s %s%s; ", mu_agent_name(a), accepted ? "welcome" : "no ", reason);
+}
+
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    mu_text_format(&heard, "%s#%llu %s %s; ", mu_agent_name(a), (unsigned long long)mail->number,
+                   mail->src, mail->content);
+}
+
+static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)self;
+    mu_text_format(&heard, "%s acts in %lld; ", mu_agent_name(a), (long long)percept->step);
+    CU_ASSERT_EQUAL(mu_agent_drive(a, 0.25, 0.0), MU_OK);
+}
+
+static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
+                       enum mu_outcome outcome)
+{
+    (void)self;
+    mu_text_format(&heard, "%s %llu-%llu %s; ", mu_agent_name(a), (unsigned long long)first_seq,
+                   (unsigned long long)last_seq, mu_outcome_text(outcome));
+}
+
+static const struct mu_handlers handlers = {.on_registered = on_registered,
+                                            .on_mail = on_mail,
+                                            .on_act = on_act,
+                                            .on_receipt = on_receipt};
+
+static void look_at_up(struct bus_reader *reader)
+{
+    enum bus_life life;
+    for (const muster_Up *up; (up = bus_next(reader, &life)) != NULL;) {
+        if (life != BUS_DATA) {
+            continue;
+        }
+        seen.ups++;
+        seen.step = up->step;
+        seen.ack = up->acks._length > 0 ? up->acks._buffer[0].number : seen.ack;
+        const muster_Act *act = up->acts._buffer;
+        seen.mails += act->mails._length;
+        seen.drives = act->drives;
+        seen.forward_m_s = act->forward_m_s;
+        if (act->mails._length > 0) {
+            seen.seq = act->mails._buffer[0].seq;
+            mu_text_copy(seen.content, sizeof seen.content, act->mails._buffer[0].content);
+        }
+    }
+}
+
+static void look(struct peer *p)
+{
+    enum bus_life life;
+    for (const muster_Registration *r; (r = bus_next(&p->registrations, &life)) != NULL;) {
+        seen.registrations += life == BUS_DATA;
+        seen.registrations_lost += life == BUS_DISPOSED;
+        if (life == BUS_DATA) {
+            mu_text_copy(seen.name, sizeof seen.name, r->name);
+            seen.state = r->state;
+            seen.ready = r->ready;
+            seen.no_broadcasts = r->no_broadcasts;
+        }
+    }
+    struct bus_reader *const readers[] = {&p->to_broker, &p->to_simulator};
+    for (size_t i = 0; i < 2; i++) {
+        if (readers[i]->bus) { /* it is open */
+            look_at_up(readers[i]);
+        }
+    }
+}
+
+/* Spins and looks for so long. */
+static void spin_for(struct peer *p, uint64_t ns)
+{
+    uint64_t until_ns = mu_clock_ns() + ns;
+    do {
+        CU_ASSERT_EQUAL_FATAL(mu_process_spin(p->process, 2000000), MU_OK);
+        look(p);
+    } while (mu_clock_ns() < until_ns);
+}
+
+#define SPIN_UNTIL(p, condition)                                                  \
+    do {                                                                          \
+        uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;                          \
+        while (!(condition) && mu_clock_ns() < until_ns) {                        \
+            spin_for(p, 0);                                                       \
+        }                                                                         \
+        CU_ASSERT_TRUE_FATAL(condition);                                          \
+    } while (0)
+
+static void forget(void)
+{
+    memset(&seen, 0, sizeof seen);
+    mu_text_clear(&heard);
+}
+
+static muster_Delivery delivery_to(const struct peer *p, int64_t step)
+{
+    return (muster_Delivery){.process = words(p->process->name), .step = step};
+}
+
+static void deliver(struct peer *p, const muster_Delivery *d)
+{
+    CU_ASSERT_EQUAL_FATAL(bus_write(&p->delivery, d), MU_OK);
+}
+
+static void deliver_verdict(struct peer *p, const char *agent)
+{
+    muster_Verdict v = {.agent = words(agent), .accepted = true, .broker_incarnation = 5,
+                        .reason = words("")};
+    muster_Delivery d = delivery_to(p, muster_STEP_NOW);
+    d.verdicts._buffer = &v;
+    d.verdicts._length = d.verdicts._maximum = 1;
+    deliver(p, &d);
+}
+
+static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64_t number)
+{
+    muster_Parcel parcel = {.box = words(agent),
+                            .number = number,
+                            .letter = {.src = words("blue"), .seq = number, .dst = words(agent),
+                                       .layer = MU_LAYER_SPEECH, .performative = words(""),
+                                       .language = words(""), .ontology = words(""),
+                                       .reply_with = words(""), .in_reply_to = words(""),
+                                       .conversation = words(""), .content = words("hi")}};
+    muster_Delivery d = delivery_to(p, step);
+    d.parcels._buffer = &parcel;
+    d.parcels._length = d.parcels._maximum = 1;
+    deliver(p, &d);
+}
+
+static void sense(struct peer *p, int64_t step, bool lockstep, bool last)
+{
+    muster_Percept percept = {.robot = words("robot")};
+    muster_Sense s = {.process = words(p->process->name), .step = step, .lockstep = lockstep,
+                      .last = last};
+    s.robots._buffer = &percept;
+    s.robots._length = s.robots._maximum = 1;
+    CU_ASSERT_EQUAL_FATAL(bus_write(&p->sense, &s), MU_OK);
+}
+
+static void open_process(struct peer *p, int domain)
+{
+    struct mu_process_options options = {
+        .domain = domain, .name = "test", .with_body = p == &body};
+    CU_ASSERT_EQUAL_FATAL(mu_process_open(&p->process, &options), MU_OK);
+    CU_ASSERT_EQUAL(bus_reader_open(&p->process->bus, BUS_REGISTRATION, NULL, &p->registrations),
+                    MU_OK);
+}
+
+/* Broker and simulator come up. */
+static void open_peers(struct peer *p)
+{
+    struct bus *bus = &p->process->bus;
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "broker", &p->to_broker), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(
+        bus_writer_open(bus, BUS_DELIVERY, p->process->name, NULL, &p->delivery), MU_OK);
+    if (p == &body) {
+        CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "simulator", &p->to_simulator), MU_OK);
+        CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_SENSE, p->process->name, NULL, &p->sense),
+                              MU_OK);
+    }
+}
+
+static void test_no_broker_answers(void)
+{
+    open_process(&mind, 100 + (int)(getpid() % 50));
+    CU_ASSERT_FALSE(mu_process_has_broker(mind.process));
+    CU_ASSERT_EQUAL(mu_process_await_broker(mind.process, 20000000), MU_TIMEOUT);
+}
+
+static void test_joining(void)
+{
+    mu_agent *a = NULL;
+    forget();
+    CU_ASSERT_EQUAL(mu_agent_join(mind.process, &a, "red", MU_KIND_AGENT, 0, &handlers), MU_OK);
+    open_peers(&mind);
+    CU_ASSERT_TRUE(mu_process_has_broker(mind.process));
+    SPIN_UNTIL(&mind, seen.registrations >= 1);
+    CU_ASSERT_STRING_EQUAL(seen.name, "red");
+    CU_ASSERT_EQUAL(seen.state, muster_STATE_RUNNING);
+    CU_ASSERT(!seen.ready && !seen.no_broadcasts);
+    mu_agent_decline_broadcasts(a);
+    SPIN_UNTIL(&mind, seen.no_broadcasts);
+    unsigned before = seen.registrations;
+    SPIN_UNTIL(&mind, seen.registrations > before); /* a heartbeat */
+
+    deliver_verdict(&mind, "red");
+    CU_ASSERT_EQUAL(mu_process_await_broker(mind.process, PATIENCE_NS), MU_OK);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red welcome; ");
+}
+
+static void test_mail_out_and_in(void)
+{
+    mu_agent *red = agent_find(mind.process, "red");
+    uint64_t seq = 0;
+    forget();
+    CU_ASSERT_EQUAL(
+        mu_agent_send(red, &(struct mu_mail){.dst = "blue", .content = "hello"}, &seq), MU_OK);
+    CU_ASSERT_EQUAL(seq, 1);
+    SPIN_UNTIL(&mind, seen.mails == 1);
+    CU_ASSERT_EQUAL(seen.step, muster_STEP_NOW);
+    CU_ASSERT_EQUAL(seen.seq, 1);
+    CU_ASSERT_STRING_EQUAL(seen.content, "hello");
+    spin_for(&mind, 50000000);
+    CU_ASSERT_EQUAL(seen.mails, 1);
+
+    deliver_mail(&mind, muster_STEP_NOW, "red", 1);
+    SPIN_UNTIL(&mind, seen.ack == 1);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#1 blue hi; ");
+}
+
+static void test_mail_without_an_answer_goes_out_again(void)
+{
+    SPIN_UNTIL(&mind, seen.mails == 2); /* after a second */
+    CU_ASSERT_EQUAL(seen.seq, 1);
+    forget();
+    muster_Receipt r = {.agent = words("red"), .first_seq = 1, .last_seq = 1,
+                        .result = muster_OUTCOME_DELIVERED};
+    muster_Delivery d = delivery_to(&mind, muster_STEP_NOW);
+    d.receipts._buffer = &r;
+    d.receipts._length = d.receipts._maximum = 1;
+    deliver(&mind, &d);
+    SPIN_UNTIL(&mind, heard.len > 0);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red 1-1 delivered; ");
+    const struct outbox *box = &agent_find(mind.process, "red")->outbox;
+    CU_ASSERT_EQUAL(box->first_seq, box->next_seq);
+}
+
+static void test_running_ends_when_told(void)
+{
+    mu_process_stop(mind.process);
+    CU_ASSERT_EQUAL(mu_process_run(mind.process), MU_OK);
+    mind.process->stopped = false;
+    struct itimerspec soon = {.it_value = {.tv_nsec = 50000000}};
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGTERM};
+    timer_t timer;
+    /* mu_process_run catches the signal as soon as it begins. */
+    CU_ASSERT_EQUAL_FATAL(timer_create(CLOCK_MONOTONIC, &event, &timer), 0);
+    CU_ASSERT_EQUAL_FATAL(timer_settime(timer, 0, &soon, NULL), 0);
+    CU_ASSERT_EQUAL(mu_process_run(mind.process), MU_OK);
+    timer_delete(timer);
+}
+
+static void test_closing_takes_the_agents_back(void)
+{
+    mu_agent *red = agent_find(mind.process, "red");
+    forget();
+    mu_agent_set_state(red, MU_GONE);
+    SPIN_UNTIL(&mind, seen.registrations_lost == 1);
+    mu_agent_set_state(red, MU_GONE);
+    spin_for(&mind, 10000000);
+    CU_ASSERT_EQUAL(seen.registrations_lost, 1);
+    mu_process_close(mind.process);
+}
+
+static void test_a_body_is_ready_when_all_have_matched(void)
+{
+    mu_agent *a = NULL;
+    open_process(&body, 150 + (int)(getpid() % 50));
+    forget();
+    CU_ASSERT_EQUAL(mu_agent_join(body.process, &a, "robot", MU_KIND_ROBOT, 0, &handlers), MU_OK);
+    SPIN_UNTIL(&body, seen.registrations >= 1);
+    CU_ASSERT_EQUAL(seen.state, muster_STATE_STANDBY);
+    CU_ASSERT_FALSE(seen.ready);
+    open_peers(&body);
+    SPIN_UNTIL(&body, seen.ready);
+    deliver_verdict(&body, "robot");
+    CU_ASSERT_EQUAL(mu_process_await_broker(body.process, PATIENCE_NS), MU_OK);
+    mu_agent_set_state(a, MU_RUNNING);
+    SPIN_UNTIL(&body, seen.state == muster_STATE_RUNNING);
+}
+
+static void test_free_running(void)
+{
+    forget();
+    sense(&body, 10, false, false);
+    SPIN_UNTIL(&body, seen.step == 10);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot acts in 10; ");
+    CU_ASSERT(seen.drives && seen.forward_m_s > 0.24 && seen.forward_m_s < 0.26);
+    CU_ASSERT_EQUAL(seen.ups, 2); /* one sample, read by broker and simulator */
+
+    /* Mail waits for the next step, unless none comes. */
+    forget();
+    deliver_mail(&body, muster_STEP_NOW, "robot", 1);
+    spin_for(&body, 20000000);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    sense(&body, 11, false, false);
+    SPIN_UNTIL(&body, seen.step == 11);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#1 blue hi; robot acts in 11; ");
+    CU_ASSERT_EQUAL(seen.ack, 1);
+    forget();
+    deliver_mail(&body, muster_STEP_NOW, "robot", 2);
+    SPIN_UNTIL(&body, seen.ack == 2);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#2 blue hi; ");
+}
+
+static void test_lock_step_waits_for_its_mail(void)
+{
+    forget();
+    sense(&body, 21, true, false);
+    spin_for(&body, 50000000);
+    CU_ASSERT_EQUAL(seen.ups, 0);
+    deliver_mail(&body, 20, "robot", 3);
+    SPIN_UNTIL(&body, seen.ups == 2);
+    CU_ASSERT_EQUAL(seen.step, 21);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#3 blue hi; robot acts in 21; ");
+    CU_ASSERT_EQUAL(seen.ack, 3);
+
+    forget(); /* the mail may come first */
+    deliver_mail(&body, 21, "robot", 4);
+    spin_for(&body, 20000000);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    sense(&body, 22, true, false);
+    SPIN_UNTIL(&body, seen.ups == 2);
+    CU_ASSERT_EQUAL(seen.step, 22);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#4 blue hi; robot acts in 22; ");
+    CU_ASSERT_EQUAL(mu_agent_broadcast(agent_find(body.process, "robot"), "later"), MU_OK);
+    spin_for(&body, 20000000);
+    CU_ASSERT_EQUAL(seen.mails, 0); /* goes out with the next step */
+}
+
+static void test_the_end_of_the_run(void)
+{
+    mu_result spun = MU_OK;
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    forget();
+    sense(&body, 23, true, true);
+    while (spun == MU_OK && mu_clock_ns() < until_ns) {
+        spun = mu_process_spin(body.process, 2000000);
+    }
+    look(&body);
+    CU_ASSERT_EQUAL(spun, MU_DONE);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    CU_ASSERT_EQUAL(mu_process_run(body.process), MU_OK);
+    mu_process_close(body.process);
+}
+
+static int begin(void)
+{
+    unsetenv("CYCLONEDDS_URI");
+    mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
+    alarm(60);
+    return 0;
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"no broker answers", test_no_broker_answers},
+        {"joining", test_joining},
+        {"mail out and in", test_mail_out_and_in},
+        {"mail without an answer goes out again", test_mail_without_an_answer_goes_out_again},
+        {"running ends when told", test_running_ends_when_told},
+        {"closing takes the agents back", test_closing_takes_the_agents_back},
+        {"a body is ready when all have matched", test_a_body_is_ready_when_all_have_matched},
+        {"free running", test_free_running},
+        {"lock step waits for its mail", test_lock_step_waits_for_its_mail},
+        {"the end of the run", test_the_end_of_the_run},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"runtime/process", begin, NULL, NULL, NULL, tests},
+                             CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
