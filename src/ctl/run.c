@@ -60,6 +60,9 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
         {.name = "limit", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "0",
          .help = "end the run after this much wall time, with exit code 124; 0: never",
          .target = &o->limit_s, .max = 1e9},
+        {.name = "no-spread", .kind = MU_OPTION_FLAG,
+         .help = "let the system move processes between processors; as fast as possible, each "
+                 "stays on one", .target = &o->no_spread},
         {.name = "quiet", .letter = 'q', .kind = MU_OPTION_FLAG, .help = "say only what came out",
          .target = &o->quiet},
         {.name = "json", .kind = MU_OPTION_FLAG, .help = "say it as one line of JSON",
@@ -418,7 +421,9 @@ int run_verb(int argc, char **argv)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
-    supervise_init(&r->children, r->options.quiet);
+    /* In lock step all processes work in turns; at leisure the machine may place them. */
+    bool hurries = !r->options.free && r->options.rate <= 0.0;
+    supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
     int code = live(r);
     supervise_stop_all(&r->children, STOP_PATIENCE_MS);
     if (r->process) {

@@ -17,10 +17,25 @@
 #include <time.h>
 #include <unistd.h>
 
-void supervise_init(struct supervise *s, bool quiet)
+void supervise_init(struct supervise *s, bool quiet, bool spread)
 {
     *s = (struct supervise){.quiet = quiet};
+    s->spread = sched_getaffinity(0, sizeof s->processors, &s->processors) == 0 && spread;
     s->children = mu_startup_array(SUPERVISE_CHILDREN_MAX, sizeof *s->children);
+}
+
+/* Finds the processor of the next child: they take turns. */
+static cpu_set_t processor_choose(const struct supervise *s)
+{
+    cpu_set_t one = s->processors;
+    int turn = (int)(s->count % (uint32_t)CPU_COUNT(&s->processors));
+    for (int cpu = 0; s->spread && cpu < CPU_SETSIZE; cpu++) {
+        if (CPU_ISSET(cpu, &s->processors) && turn-- == 0) {
+            CPU_ZERO(&one);
+            CPU_SET(cpu, &one);
+        }
+    }
+    return one;
 }
 
 /* In the child, between fork and exec: nothing here may allocate. */
@@ -56,8 +71,12 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
         return MU_FAULT_OS;
     }
     pid_t parent = getpid();
+    cpu_set_t processors = processor_choose(s);
     pid_t pid = fork();
     if (pid == 0) {
+        if (s->spread) {
+            sched_setaffinity(0, sizeof processors, &processors);
+        }
         child_become(path, argv, ends[1], parent);
     }
     close(ends[1]);

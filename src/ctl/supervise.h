@@ -11,6 +11,7 @@
 #include "muster/limits.h"
 #include "muster/result.h"
 
+#include <sched.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -31,10 +32,18 @@ struct supervise {
     struct child *children;     /* SUPERVISE_CHILDREN_MAX */
     uint32_t count;
     bool quiet;                 /* do not pass on what children say */
+    bool spread;                /* each child stays on one processor, they take turns */
+    cpu_set_t processors;       /* that we may use */
 };
 
-/** Takes memory at start-up. */
-void supervise_init(struct supervise *s, bool quiet);
+/**
+ * Takes memory at start-up.
+ *
+ * @param spread  keep each child, with all its threads, on one processor.  Children that wait for
+ *                one another all the time then wake their threads without a word to another
+ *                processor, which costs more than what the thread does.
+ */
+void supervise_init(struct supervise *s, bool quiet, bool spread);
 
 /** Starts a program that stands beside ours.  @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
 MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
