@@ -28,8 +28,8 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "red";
-    struct mu_process_options options = {
-        .domain = argc > 2 ? (int)strtol(argv[2], NULL, 10) : 0, .with_body = true};
+    struct mu_process_options options = {.domain = argc > 2 ? (int)strtol(argv[2], NULL, 10) : 0,
+                                         .with_body = true};
     struct mu_handlers handlers = {.on_state = on_state, .on_act = on_act};
     mu_process *process;
     mu_agent *robot;

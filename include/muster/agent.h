@@ -52,18 +52,18 @@ enum mu_layer { MU_DIRECTIVE, MU_LAYER_SYSTEM, MU_LAYER_QUERY, MU_LAYER_SPEECH }
  * In a mail that arrived every string is set.
  */
 struct mu_mail {
-    const char *src;           /* set by the runtime */
-    const char *dst;           /* a name, names joined by commas, or all, robots, special */
-    uint64_t seq;              /* set by the runtime: counts the sender's mails from 1 */
-    uint64_t number;           /* of an arrived mail: its place in this agent's box */
-    uint32_t layer;            /* enum mu_layer, or a higher one */
-    const char *performative;  /* of a directive: start, suspend, resume, do, ... */
-    const char *language;      /* "" is clips */
+    const char *src;          /* set by the runtime */
+    const char *dst;          /* a name, names joined by commas, or all, robots, special */
+    uint64_t seq;             /* set by the runtime: counts the sender's mails from 1 */
+    uint64_t number;          /* of an arrived mail: its place in this agent's box */
+    uint32_t layer;           /* enum mu_layer, or a higher one */
+    const char *performative; /* of a directive: start, suspend, resume, do, ... */
+    const char *language;     /* "" is clips */
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    int64_t due_ns;            /* not before this time of the run; < 0: at once */
-    uint64_t ttl_ns;           /* expires when this old; 0: never */
+    int64_t due_ns;  /* not before this time of the run; < 0: at once */
+    uint64_t ttl_ns; /* expires when this old; 0: never */
 };
 
 /* What a robot's body feels and sees at the start of a control step. */
@@ -74,7 +74,7 @@ struct mu_percept {
     double forward_m_s, turn_rad_s;
     bool stalled;
     size_t sonar_count;
-    const float *sonar_m;      /* valid in the handler only */
+    const float *sonar_m; /* valid in the handler only */
 };
 
 /* A line of the white pages. */
@@ -109,11 +109,11 @@ struct mu_handlers {
 };
 
 struct mu_process_options {
-    int domain;                /* DDS domain */
-    const char *interface;     /* address of the interface; NULL: 127.0.0.1 */
-    const char *peer;          /* host of the broker; NULL: this one */
-    const char *name;          /* for DDS tools; NULL: the program's */
-    bool with_body;            /* its agents have bodies: the simulator's steps are wanted */
+    int domain;            /* DDS domain */
+    const char *interface; /* address of the interface; NULL: 127.0.0.1 */
+    const char *peer;      /* host of the broker; NULL: this one */
+    const char *name;      /* for DDS tools; NULL: the program's */
+    bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
 };
 
 /** Connects to the bus.  @return MU_OK or MU_FAULT_DDS */

@@ -9,7 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** Takes zeroed memory for the life of the process.  Aborts after the seal, or when there is none. */
+/** Takes zeroed memory for the life of the process.  Aborts after the seal, or when there is none.
+ */
 void *mu_startup_alloc(size_t bytes);
 
 /** As mu_startup_alloc, for count things of one size; aborts when the product overflows. */

@@ -16,21 +16,21 @@
 #define MUSTER_RESULT_H
 
 /* The one list: enumerators, and the words that people and rules see. */
-#define MU_RESULTS(X)                           \
-    X(FAULT_FILE, -4, "bad-file")               \
-    X(FAULT_USAGE, -3, "wrong-usage")           \
-    X(FAULT_DDS, -2, "dds-failure")             \
-    X(FAULT_OS, -1, "system-failure")           \
-    X(OK, 0, "ok")                              \
-    X(ABSENT, 1, "unknown-name")                \
-    X(EXISTS, 2, "name-taken")                  \
-    X(FULL, 3, "full")                          \
-    X(BUSY, 4, "busy")                          \
-    X(DUPLICATE, 5, "duplicate")                \
-    X(REFUSED, 6, "refused")                    \
-    X(MALFORMED, 7, "malformed")                \
-    X(TIMEOUT, 8, "timeout")                    \
-    X(NAME_HELD, 9, "name-held-by-another")     \
+#define MU_RESULTS(X)                       \
+    X(FAULT_FILE, -4, "bad-file")           \
+    X(FAULT_USAGE, -3, "wrong-usage")       \
+    X(FAULT_DDS, -2, "dds-failure")         \
+    X(FAULT_OS, -1, "system-failure")       \
+    X(OK, 0, "ok")                          \
+    X(ABSENT, 1, "unknown-name")            \
+    X(EXISTS, 2, "name-taken")              \
+    X(FULL, 3, "full")                      \
+    X(BUSY, 4, "busy")                      \
+    X(DUPLICATE, 5, "duplicate")            \
+    X(REFUSED, 6, "refused")                \
+    X(MALFORMED, 7, "malformed")            \
+    X(TIMEOUT, 8, "timeout")                \
+    X(NAME_HELD, 9, "name-held-by-another") \
     X(DONE, 10, "done")
 
 typedef enum mu_result {

@@ -12,13 +12,47 @@
  * would take the functions themselves away.
  */
 static const char *const env_denied[] = {
-    "exit", "system", "open", "close", "remove", "rename", "load", "load*", "save", "bload",
-    "bsave", "batch", "batch*", "dribble-on", "dribble-off", "load-facts",
-    "save-facts", "load-instances", "save-instances", "bload-instances", "bsave-instances",
-    "restore-instances", "constructs-to-c",
-    "fetch", "toss", "print-region", "get-region", "read", "readline", "read-number", "get-char",
-    "set-locale", "release-mem", "conserve-mem", "clear", "profile", "profile-info",
-    "profile-reset", "set-profile-percent-threshold", "get-profile-percent-threshold", "timer",
+    "exit",
+    "system",
+    "open",
+    "close",
+    "remove",
+    "rename",
+    "load",
+    "load*",
+    "save",
+    "bload",
+    "bsave",
+    "batch",
+    "batch*",
+    "dribble-on",
+    "dribble-off",
+    "load-facts",
+    "save-facts",
+    "load-instances",
+    "save-instances",
+    "bload-instances",
+    "bsave-instances",
+    "restore-instances",
+    "constructs-to-c",
+    "fetch",
+    "toss",
+    "print-region",
+    "get-region",
+    "read",
+    "readline",
+    "read-number",
+    "get-char",
+    "set-locale",
+    "release-mem",
+    "conserve-mem",
+    "clear",
+    "profile",
+    "profile-info",
+    "profile-reset",
+    "set-profile-percent-threshold",
+    "get-profile-percent-threshold",
+    "timer",
     "operating-system",
 };
 
@@ -32,7 +66,7 @@ struct mind *clips_env_mind(void *env)
 static int env_route_query(void *env, const char *name)
 {
     (void)env;
-    static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT,  WDISPLAY,
+    static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT, WDISPLAY,
                                          WDIALOG,  WERROR,  WWARNING, WTRACE};
     for (size_t i = 0; i < sizeof routes / sizeof routes[0]; i++) {
         if (strcmp(name, routes[i]) == 0) {
@@ -153,8 +187,7 @@ double clips_env_global(const struct mind *m, enum clips_global which)
 {
     const DATA_OBJECT *value = &m->globals[which]->current;
     bool number = value->type == FLOAT || value->type == INTEGER;
-    return number ? clips_value_of(value->type, value->value)
-                  : (double)env_globals[which].value_mm;
+    return number ? clips_value_of(value->type, value->value) : (double)env_globals[which].value_mm;
 }
 
 /* The globals and the template that C code knows; the robot's name is a valid symbol. */
@@ -169,10 +202,9 @@ static bool env_build(struct mind *m)
     }
     mu_text_add(&globals, ")");
     return EnvBuild(m->env, globals.at) &&
-           EnvBuild(m->env,
-                    "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
-                    " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
-                    " (slot conversation) (multislot content))");
+           EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
+                            " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
+                            " (slot conversation) (multislot content))");
 }
 
 static void env_install(struct mind *m)

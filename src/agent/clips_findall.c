@@ -217,7 +217,8 @@ static struct deftemplate *findall_template(void *env)
 {
     const struct expr *relation = EvaluationData(env)->CurrentExpression->argList;
     return relation->type == DEFTEMPLATE_PTR
-               ? relation->value : EnvFindDeftemplate(env, ValueToString(relation->value));
+               ? relation->value
+               : EnvFindDeftemplate(env, ValueToString(relation->value));
 }
 
 void clips_findall_call(void *env, DATA_OBJECT *out)

@@ -23,7 +23,10 @@ static const struct {
     const struct function_row *rows;
     size_t count;
 } function_groups[] = {
-#define GROUP(title, rows) {title, rows, sizeof rows / sizeof rows[0]}
+#define GROUP(title, rows)                        \
+    {                                             \
+        title, rows, sizeof rows / sizeof rows[0] \
+    }
     GROUP("Physical", function_physical),
     GROUP("Agent", function_agent),
     GROUP("Extensions", function_extensions),
@@ -38,8 +41,8 @@ void clips_functions_install(struct mind *m)
         for (size_t i = 0; i < function_groups[g].count; i++) {
             const struct function_row *row = &function_groups[g].rows[i];
             int (*call)(void *) = (int (*)(void *))(void (*)(void))row->call;
-            int known = EnvDefineFunction2(m->env, row->name, row->code, call, row->name,
-                                           row->arguments);
+            int known =
+                EnvDefineFunction2(m->env, row->name, row->code, call, row->name, row->arguments);
             MU_ASSERT(known);
         }
     }

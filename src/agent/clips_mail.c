@@ -210,8 +210,8 @@ static void getmsg_answer(void *env, const struct field *from, const struct mult
 static uint64_t mail_number(const struct fact *f)
 {
     const struct field *id = &f->theProposition.theFields[MAIL_ID];
-    return id->type == INTEGER
-               ? (uint64_t)((const struct integerHashNode *)id->value)->contents : 0;
+    return id->type == INTEGER ? (uint64_t)((const struct integerHashNode *)id->value)->contents
+                               : 0;
 }
 
 static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)

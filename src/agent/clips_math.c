@@ -158,8 +158,8 @@ void clips_math_random(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "random", "no argument or two: the least and the greatest number");
         return;
     }
-    if (count == 2 && (!clips_value_whole(env, "random", 1, &lo) ||
-                       !clips_value_whole(env, "random", 2, &hi))) {
+    if (count == 2 &&
+        (!clips_value_whole(env, "random", 1, &lo) || !clips_value_whole(env, "random", 2, &hi))) {
         return;
     }
     if (lo > hi) {
@@ -236,8 +236,9 @@ void clips_math_mod(void *env, DATA_OBJECT *out)
         return;
     }
     if (arg[0].type == FLOAT || arg[1].type == FLOAT) {
-        clips_value_float(env, out, fmod(clips_value_of(arg[0].type, arg[0].value),
-                                         clips_value_of(arg[1].type, arg[1].value)));
+        clips_value_float(env, out,
+                          fmod(clips_value_of(arg[0].type, arg[0].value),
+                               clips_value_of(arg[1].type, arg[1].value)));
         return;
     }
     long long a = ((struct integerHashNode *)arg[0].value)->contents;

@@ -90,8 +90,14 @@ void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct mult
         AtomInstall(m->env, type, first);
     }
     uint16_t *chain = &all->chains[message_chain(from, first)];
-    *e = (struct clips_message){.fact = fact, .from = from, .first_type = type, .first = first,
-                                .id = id, .step = m->step, .older = all->newest, .chain = *chain};
+    *e = (struct clips_message){.fact = fact,
+                                .from = from,
+                                .first_type = type,
+                                .first = first,
+                                .id = id,
+                                .step = m->step,
+                                .older = all->newest,
+                                .chain = *chain};
     *chain = index;
     *(all->newest ? &all->at[all->newest].newer : &all->oldest) = index;
     all->newest = index;

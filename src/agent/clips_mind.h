@@ -15,23 +15,23 @@
 #include <tmpltutl.h>
 
 enum {
-    CLIPS_TICKS_MAX = 2000000,       /* turns of loops and returns of functions, a step or a line */
-    CLIPS_DEPTH_MAX = 1000,          /* functions that have not returned */
-    CLIPS_STACK_MAX = 3 << 20,       /* bytes of stack below the entry */
-    CLIPS_MEMORY_MAX = 64 << 20,     /* bytes that CLIPS holds */
-    CLIPS_MEMORY_SPARE = 8 << 20,    /* more of them for a line, so that a person can tidy up */
-    CLIPS_PRINT_MAX = 1 << 20,       /* bytes that one step may print */
-    CLIPS_LINE_MAX = 16384,          /* bytes of a console line */
-    CLIPS_FILE_MAX = 1 << 20,        /* bytes of a rule file */
-    CLIPS_FILES_DEEP_MAX = 16,       /* files that extend each other */
-    CLIPS_SAID_MAX = 2048,           /* bytes kept of an error */
-    CLIPS_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
-    CLIPS_MESSAGE_STEPS = 50,        /* a message fact that is so old goes */
-    CLIPS_MESSAGES_MAX = 1024,       /* message facts; beyond, the oldest goes */
-    CLIPS_MAILS_MAX = 1024,          /* mail facts; beyond, mail is refused */
-    CLIPS_PARKED_MAX = 1024,         /* mails for (getmsg) that have no mail fact */
-    CLIPS_PARKED_BYTES = 256 << 10,  /* of their contents, each with a zero at its end */
-    CLIPS_SHOWN_MAX = 64             /* different errors of rules that were shown */
+    CLIPS_TICKS_MAX = 2000000,      /* turns of loops and returns of functions, a step or a line */
+    CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
+    CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
+    CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
+    CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
+    CLIPS_PRINT_MAX = 1 << 20,      /* bytes that one step may print */
+    CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
+    CLIPS_FILE_MAX = 1 << 20,       /* bytes of a rule file */
+    CLIPS_FILES_DEEP_MAX = 16,      /* files that extend each other */
+    CLIPS_SAID_MAX = 2048,          /* bytes kept of an error */
+    CLIPS_FIRED_MAX = 8192,         /* bytes of names of the rules fired in a step */
+    CLIPS_MESSAGE_STEPS = 50,       /* a message fact that is so old goes */
+    CLIPS_MESSAGES_MAX = 1024,      /* message facts; beyond, the oldest goes */
+    CLIPS_MAILS_MAX = 1024,         /* mail facts; beyond, mail is refused */
+    CLIPS_PARKED_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
+    CLIPS_PARKED_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
+    CLIPS_SHOWN_MAX = 64            /* different errors of rules that were shown */
 };
 
 /* Where what CLIPS prints goes. */
@@ -60,7 +60,7 @@ struct clips_parked_mail {
     uint64_t id;
     SYMBOL_HN *from;
     uint32_t at, bytes; /* of its content */
-    bool clips;       /* the content is a list of fields */
+    bool clips;         /* the content is a list of fields */
 };
 
 struct clips_parked {

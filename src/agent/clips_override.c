@@ -23,8 +23,8 @@ static char override_returns[OVERRIDE_COUNT];
 static struct expr override_enter(void *env, struct expr *first, const DATA_OBJECT *value)
 {
     struct expr call = *EvaluationData(env)->CurrentExpression;
-    *first = (struct expr){.type = value->type, .value = value->value,
-                           .nextArg = call.argList->nextArg};
+    *first =
+        (struct expr){.type = value->type, .value = value->value, .nextArg = call.argList->nextArg};
     call.argList = first;
     return call;
 }
@@ -73,8 +73,8 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
     if (!clips_value_word(env, override_names[which], 1, &text)) {
         return;
     }
-    const char *wrong = strlen(text) > CLIPS_LINE_MAX ? "at most 16384 bytes"
-                                                      : clips_text_check(text);
+    const char *wrong =
+        strlen(text) > CLIPS_LINE_MAX ? "at most 16384 bytes" : clips_text_check(text);
     if (wrong) {
         char wanted[128];
         struct mu_text t;
@@ -120,9 +120,12 @@ static void override_strategy(void *env, DATA_OBJECT *out)
     static const struct {
         const char *name;
         int value;
-    } strategies[] = {{"depth", DEPTH_STRATEGY},           {"breadth", BREADTH_STRATEGY},
-                      {"lex", LEX_STRATEGY},               {"mea", MEA_STRATEGY},
-                      {"complexity", COMPLEXITY_STRATEGY}, {"simplicity", SIMPLICITY_STRATEGY}};
+    } strategies[] = {{"depth", DEPTH_STRATEGY},
+                      {"breadth", BREADTH_STRATEGY},
+                      {"lex", LEX_STRATEGY},
+                      {"mea", MEA_STRATEGY},
+                      {"complexity", COMPLEXITY_STRATEGY},
+                      {"simplicity", SIMPLICITY_STRATEGY}};
     enum { COUNT = sizeof strategies / sizeof strategies[0] };
     const char *name;
     clips_value_bool(env, out, false);

@@ -48,7 +48,10 @@ mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool cl
         clips_parked_drop(m);
     }
     struct clips_parked_mail *to = parked_at(p, p->count++);
-    *to = (struct clips_parked_mail){.id = mail->id, .at = at, .bytes = len + 1, .clips = clips,
+    *to = (struct clips_parked_mail){.id = mail->id,
+                                     .at = at,
+                                     .bytes = len + 1,
+                                     .clips = clips,
                                      .from = EnvAddSymbol(m->env, mail->src)};
     IncrementSymbolCount(to->from);
     memcpy(p->bytes + at, mail->content, len);

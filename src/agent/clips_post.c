@@ -10,9 +10,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct mind_letter post_blank = {
-    .dst = "", .performative = "", .language = "clips", .ontology = "", .reply_with = "",
-    .in_reply_to = "", .conversation = "", .content = ""};
+static const struct mind_letter post_blank = {.dst = "",
+                                              .performative = "",
+                                              .language = "clips",
+                                              .ontology = "",
+                                              .reply_with = "",
+                                              .in_reply_to = "",
+                                              .conversation = "",
+                                              .content = ""};
 
 bool clips_post_field(struct mu_text *out, unsigned short type, const void *value)
 {

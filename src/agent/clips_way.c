@@ -30,7 +30,7 @@ static const double way_cost_deg_mm = 0.15; /* for each mm less than ?*care* */
 static const double way_cost_turn = 0.35;   /* for each degree off where the body turns already */
 static const double way_turn_s = 1.5;       /* a body that turns at w deg/s turns by w / this */
 
-static const double way_same_deg = 25; /* the wanted direction is as good as one so near */
+static const double way_same_deg = 25;  /* the wanted direction is as good as one so near */
 static const double way_aside_deg = 27; /* at least so far to a side when there is no room ahead */
 
 /* Leaning away from what is close at one side. */

@@ -39,19 +39,40 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(set->network),
-        {.name = "rules", .letter = 'r', .kind = MU_OPTION_STRING, .unit = "FILE",
-         .help = "the robot's behaviour, a CLIPS file", .target = &set->rules},
-        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "1",
-         .environment = "MUSTER_SEED", .help = "seed of (random), together with the name",
+        {.name = "rules",
+         .letter = 'r',
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .help = "the robot's behaviour, a CLIPS file",
+         .target = &set->rules},
+        {.name = "seed",
+         .kind = MU_OPTION_INTEGER,
+         .unit = "N",
+         .fallback = "1",
+         .environment = "MUSTER_SEED",
+         .help = "seed of (random), together with the name",
          .target = &set->seed},
-        {.name = "firings", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "200",
-         .help = "rules that fire in one control step at most", .target = &set->firings_max,
-         .min = 1, .max = 1000000},
-        {.name = "global", .kind = MU_OPTION_LIST, .unit = "NAME=VALUE",
-         .help = "set a global, for example mate=red", .target = &set->globals},
-        {.name = "functions", .kind = MU_OPTION_FLAG,
-         .help = "print the functions that rules may call, and exit", .target = &set->functions},
-        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
+        {.name = "firings",
+         .kind = MU_OPTION_INTEGER,
+         .unit = "N",
+         .fallback = "200",
+         .help = "rules that fire in one control step at most",
+         .target = &set->firings_max,
+         .min = 1,
+         .max = 1000000},
+        {.name = "global",
+         .kind = MU_OPTION_LIST,
+         .unit = "NAME=VALUE",
+         .help = "set a global, for example mate=red",
+         .target = &set->globals},
+        {.name = "functions",
+         .kind = MU_OPTION_FLAG,
+         .help = "print the functions that rules may call, and exit",
+         .target = &set->functions},
+        {.name = "verbose",
+         .letter = 'v',
+         .kind = MU_OPTION_FLAG,
+         .help = "log what happens",
          .target = &set->verbose},
     };
     static struct mu_options options;
@@ -72,14 +93,16 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
     }
     set->name = options.words[0];
     if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
-        fprintf(stderr, "muster robot: '%s' cannot be a robot's name: it must match "
-                        "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n", set->name);
+        fprintf(stderr,
+                "muster robot: '%s' cannot be a robot's name: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
+                set->name);
         return MU_FAULT_USAGE;
     }
     return MU_OK;
 }
 
-/* --- what the mind asks for ---------------------------------------------------------------------- */
+/* --- what the mind asks for ------------------------------------------------------------------- */
 
 static mu_result port_send(void *self, const struct mind_letter *letter)
 {
@@ -134,7 +157,7 @@ static void port_print(void *self, const char *text)
     fputs(text, stderr);
 }
 
-/* --- what happens to the agent ------------------------------------------------------------------- */
+/* --- what happens to the agent ---------------------------------------------------------------- */
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -282,7 +305,7 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     mu_agent_fired(a, act.firings, act.rules);
 }
 
-/* --- the life of the process --------------------------------------------------------------------- */
+/* --- the life of the process ------------------------------------------------------------------ */
 
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
 {
@@ -317,8 +340,11 @@ static mu_result mind_make(struct robot *r, const struct settings *set)
                                    .seed = (uint64_t)set->seed,
                                    .rules_folder = mu_startup_string(folder),
                                    .firings_max = (uint32_t)set->firings_max,
-                                   .ports = {.self = r, .send = port_send, .lookup = port_lookup,
-                                             .listing = port_listing, .print = port_print}};
+                                   .ports = {.self = r,
+                                             .send = port_send,
+                                             .lookup = port_lookup,
+                                             .listing = port_listing,
+                                             .print = port_print}};
     struct mu_fault fault;
     mu_result made = mind_open(&r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
@@ -364,8 +390,9 @@ int main(int argc, char **argv)
     mu_result ready = mind_make(r, &set);
     ready = ready == MU_OK ? robot_join(r, &set) : ready;
     if (ready == MU_TIMEOUT) {
-        fprintf(stderr, "muster robot: no broker answers in domain %d; start one with: "
-                        "muster broker NAME --domain %d\n",
+        fprintf(stderr,
+                "muster robot: no broker answers in domain %d; start one with: "
+                "muster broker NAME --domain %d\n",
                 (int)set.network.domain, (int)set.network.domain);
     }
     if (ready != MU_OK) {

@@ -80,13 +80,13 @@ enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
 
 /* What the rules did in one step. */
 struct mind_act {
-    bool drives;      /* setSpeed or stop was called; the last call counts */
+    bool drives; /* setSpeed or stop was called; the last call counts */
     double forward_m_s, turn_rad_s;
     uint32_t firings;
-    uint32_t errors;  /* right-hand sides that ended in an error */
+    uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why;  /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *why; /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
 };
 
 struct mind;

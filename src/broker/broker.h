@@ -22,13 +22,13 @@
 struct broker;
 
 struct broker_options {
-    const char *name;           /* of this broker, for the white pages */
-    uint64_t incarnation;       /* a number that no earlier broker of this network had */
-    const char *host;           /* for its own line of the white pages */
+    const char *name;     /* of this broker, for the white pages */
+    uint64_t incarnation; /* a number that no earlier broker of this network had */
+    const char *host;     /* for its own line of the white pages */
     uint32_t pid;
-    uint64_t wall_ns;           /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
-    uint64_t resend_after_ns;   /* an unacknowledged parcel goes out again after this; 1 s when 0 */
-    uint64_t hold_ns;           /* so long a new holder waits for the old one; 1.5 s when 0 */
+    uint64_t wall_ns;         /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
+    uint64_t resend_after_ns; /* an unacknowledged parcel goes out again after this; 1 s when 0 */
+    uint64_t hold_ns;         /* so long a new holder waits for the old one; 1.5 s when 0 */
 };
 
 /** Takes all memory that the broker will ever use.  One broker in a process. */

@@ -61,7 +61,7 @@ static mu_result post_open(struct post *p)
     return MU_OK;
 }
 
-/* --- in ------------------------------------------------------------------------------------------ */
+/* --- in --------------------------------------------------------------------------------------- */
 
 static void registrations_take(struct post *p)
 {
@@ -94,7 +94,7 @@ static void post_take(struct post *p)
     }
 }
 
-/* --- out ----------------------------------------------------------------------------------------- */
+/* --- out -------------------------------------------------------------------------------------- */
 
 static struct mailbag *bag_find(struct post *p, const char *process)
 {
@@ -190,13 +190,12 @@ static void status_tell(struct post *p)
     muster_BrokerStatus status = {0};
     broker_status(p->broker, &status);
     status.malformed += p->bus.malformed;
-    if (memcmp(&status, &p->told, sizeof status) != 0 &&
-        bus_write(&p->status, &status) == MU_OK) {
+    if (memcmp(&status, &p->told, sizeof status) != 0 && bus_write(&p->status, &status) == MU_OK) {
         p->told = status;
     }
 }
 
-/* --- the loop ------------------------------------------------------------------------------------ */
+/* --- the loop --------------------------------------------------------------------------------- */
 
 /* While it waits for a whole step, whoever is not in the lock step waits for at most so long. */
 static const uint64_t OUTSIDE_PATIENCE_NS = 5000000;
@@ -235,16 +234,18 @@ int main(int argc, char **argv)
     bool verbose = false;
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(network),
-        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
+        {.name = "verbose",
+         .letter = 'v',
+         .kind = MU_OPTION_FLAG,
+         .help = "log what happens",
          .target = &verbose},
     };
     static struct mu_options options;
-    options = (struct mu_options){
-        .program = "muster broker",
-        .usage = "NAME [OPTION...]",
-        .about = "Knows every agent by name and carries their mail.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+    options = (struct mu_options){.program = "muster broker",
+                                  .usage = "NAME [OPTION...]",
+                                  .about = "Knows every agent by name and carries their mail.",
+                                  .table = table,
+                                  .count = sizeof table / sizeof table[0]};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
@@ -265,12 +266,15 @@ int main(int argc, char **argv)
                                     .pid = (uint32_t)getpid(),
                                     .wall_ns = mu_clock_wall_ns()};
     p->broker = broker_open(&broker);
-    struct bus_options bus = {.domain = (int)network.domain, .place = BUS_BROKER,
-                              .name = "broker", .interface = network.interface,
+    struct bus_options bus = {.domain = (int)network.domain,
+                              .place = BUS_BROKER,
+                              .name = "broker",
+                              .interface = network.interface,
                               .hub = network.peer};
     mu_result opened = bus_open(&p->bus, &bus);
     if (opened == MU_BUSY) {
-        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n", bus.domain);
+        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
+                bus.domain);
     }
     if (opened != MU_OK || post_open(p) != MU_OK) {
         return MU_EXIT_DDS;

@@ -169,9 +169,11 @@ static void reregister(struct broker *b, uint32_t agent, struct presence *is)
 
 static void presence_of(const muster_Registration *r, struct presence *is)
 {
-    *is = (struct presence){
-        .kind = r->kind, .state = r->state, .no_broadcasts = r->no_broadcasts,
-        .incarnation = r->incarnation, .pid = r->pid};
+    *is = (struct presence){.kind = r->kind,
+                            .state = r->state,
+                            .no_broadcasts = r->no_broadcasts,
+                            .incarnation = r->incarnation,
+                            .pid = r->pid};
     (void)mu_text_copy(is->host, sizeof is->host, r->host);
 }
 

@@ -22,7 +22,7 @@ enum { REGISTRY_BROKER = 0, REGISTRY_MAX = MU_AGENTS_MAX + 1 };
 struct presence {
     muster_Kind kind;
     muster_State state;
-    bool no_broadcasts;             /* mail to all passes it by */
+    bool no_broadcasts; /* mail to all passes it by */
     uint64_t incarnation;
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];

@@ -23,7 +23,8 @@ int bus_port(int domain, int index)
     return 7400 + 250 * domain + 10 + 2 * index;
 }
 
-/* A taken index makes Cyclone print an error; we go on to the next one, so nobody should read it. */
+/* A taken index makes Cyclone print an error; we go on to the next one, so nobody should read it.
+ */
 static void log_nothing(void *arg, const dds_log_data_t *data)
 {
     (void)arg;
@@ -40,8 +41,8 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
 
     struct in_addr address;
     const char *interface = options->interface ? options->interface : "127.0.0.1";
-    bool is_loopback = inet_pton(AF_INET, interface, &address) == 1 &&
-                       (ntohl(address.s_addr) >> 24) == 127;
+    bool is_loopback =
+        inet_pton(AF_INET, interface, &address) == 1 && (ntohl(address.s_addr) >> 24) == 127;
     if (is_loopback) {
         loopback_begin(ntohl(address.s_addr));
     }
@@ -143,7 +144,7 @@ mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *par
     if (subscriber < 0) {
         return dds_fault("subscriber", subscriber);
     }
-    dds_qos_t *qos = topic_qos(&topic_table[topic]);
+    dds_qos_t *qos = topics_qos(&topic_table[topic]);
     dds_listener_t *listener = dds_create_listener(reader);
     dds_lset_data_available(listener, on_arrival);
     reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, listener);
@@ -165,7 +166,7 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
     if (writer->publisher < 0) {
         return dds_fault("publisher", writer->publisher);
     }
-    dds_qos_t *qos = topic_qos(&topic_table[topic]);
+    dds_qos_t *qos = topics_qos(&topic_table[topic]);
     writer->writer = dds_create_writer(writer->publisher, bus->topics[topic], qos, NULL);
     dds_delete_qos(qos);
     return writer->writer < 0 ? dds_fault("writer", writer->writer) : MU_OK;
@@ -257,7 +258,7 @@ static bool batch_take(struct bus_reader *r)
         reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
-        r->states[i] = infos[i].valid_data                                       ? BUS_DATA
+        r->states[i] = infos[i].valid_data                                     ? BUS_DATA
                        : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
                                                                                : BUS_LOST;
     }
@@ -298,4 +299,19 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)
 {
     return dds_wait_for_acks(writer->writer, timeout_ns) == DDS_RETCODE_OK;
+}
+
+void bus_print_topics(void)
+{
+    printf("| topic | type | history | durability | partition | from, to | carries |\n"
+           "|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < BUS_TOPICS; i++) {
+        const struct topic *t = &topic_table[i];
+        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
+               t->keeps_all ? "keep all" : "keep last 1",
+               t->for_late_comers ? "transient local" : "volatile",
+               t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
+               t->carries);
+    }
+    printf("\nAll are reliable, with a maximum blocking time of 0.\n");
 }

@@ -39,11 +39,11 @@ enum bus_topic {
 };
 
 struct bus_options {
-    int domain;             /* DDS domain id, 0 to 230 */
+    int domain; /* DDS domain id, 0 to 230 */
     enum bus_place place;
-    const char *name;       /* of the participant, for DDS tools */
-    const char *interface;  /* address of the network interface; NULL: 127.0.0.1 */
-    const char *hub;        /* host of broker and simulator; NULL: the interface's own address */
+    const char *name;      /* of the participant, for DDS tools */
+    const char *interface; /* address of the network interface; NULL: 127.0.0.1 */
+    const char *hub;       /* host of broker and simulator; NULL: the interface's own address */
 };
 
 enum { BUS_BATCH = 32 };
@@ -55,9 +55,9 @@ struct bus {
     /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
     pthread_mutex_t lock;
     pthread_cond_t arrival;
-    uint64_t arrived;           /* samples, ever */
-    uint64_t taken;             /* of them, no longer in a reader */
-    uint64_t wanted;            /* bus_wait wakes when so many are there; 0: nobody waits */
+    uint64_t arrived; /* samples, ever */
+    uint64_t taken;   /* of them, no longer in a reader */
+    uint64_t wanted;  /* bus_wait wakes when so many are there; 0: nobody waits */
 };
 
 struct bus_writer {
@@ -108,7 +108,8 @@ MU_MUST_USE mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, con
 
 void bus_writer_close(struct bus_writer *writer);
 
-/** Writes one sample.  @return MU_OK; MU_BUSY: the network does not keep up, try again; MU_FAULT_DDS */
+/** Writes one sample.  @return MU_OK; MU_BUSY: the network does not keep up, try again;
+ * MU_FAULT_DDS */
 MU_MUST_USE mu_result bus_write(const struct bus_writer *writer, const void *sample);
 
 /** Takes an instance back; only the key of the sample is read. */

@@ -4,7 +4,8 @@
  * The border: what a sample from the network must be before a program sees it.
  *
  * Strings are set and not too long, names are names, counts leave room to count on, percepts are
- * finite, lists are not longer than limits.h allows.  Whether a mail makes sense is the broker's business.
+ * finite, lists are not longer than limits.h allows.  Whether a mail makes sense is the broker's
+ * business.
  *
  * @return each: whether the sample keeps the rules
  */

@@ -12,7 +12,8 @@
 
 #include <stdint.h>
 
-/** From now on, in this thread, UDP sockets bound to any address are bound to this one (host order). */
+/** From now on, in this thread, UDP sockets bound to any address are bound to this one (host
+ * order). */
 void loopback_begin(uint32_t address);
 
 void loopback_end(void);

@@ -4,8 +4,6 @@
 #include "bus/check.h"
 #include "wire.h"
 
-#include <stdio.h>
-
 const struct topic topic_table[BUS_TOPICS] = {
     [BUS_REGISTRATION] =
         {"Registration", &muster_Registration_desc, .for_late_comers = true,
@@ -16,12 +14,11 @@ const struct topic topic_table[BUS_TOPICS] = {
                 .partition = "`broker`; `simulator` too for robots",
                 .from_to = "agent's process to broker and simulator",
                 .carries = "what its agents did in a step: speeds, mails, rules fired"},
-    [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense,
-                   .partition = "the process", .from_to = "simulator to robot's process",
+    [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense, .partition = "the process",
+                   .from_to = "simulator to robot's process",
                    .carries = "a new step: percepts of the process's robots"},
-    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true,
-                      .check = check_delivery, .partition = "the process",
-                      .from_to = "broker to agent's process",
+    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true, .check = check_delivery,
+                      .partition = "the process", .from_to = "broker to agent's process",
                       .carries = "mails, receipts, changes of the white pages"},
     [BUS_ROSTER] = {"Roster", &muster_Roster_desc, .for_late_comers = true, .check = check_roster,
                     .partition = "default", .from_to = "simulator to broker",
@@ -42,7 +39,7 @@ const struct topic topic_table[BUS_TOPICS] = {
                            .from_to = "broker to whoever looks", .carries = "counters of mail"},
 };
 
-dds_qos_t *topic_qos(const struct topic *topic)
+dds_qos_t *topics_qos(const struct topic *topic)
 {
     dds_qos_t *qos = dds_create_qos();
     MU_ASSERT(qos);
@@ -59,19 +56,4 @@ dds_qos_t *topic_qos(const struct topic *topic)
         dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, topic->liveliness_ns);
     }
     return qos;
-}
-
-void bus_print_topics(void)
-{
-    printf("| topic | type | history | durability | partition | from, to | carries |\n"
-           "|---|---|---|---|---|---|---|\n");
-    for (size_t i = 0; i < BUS_TOPICS; i++) {
-        const struct topic *t = &topic_table[i];
-        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
-               t->keeps_all ? "keep all" : "keep last 1",
-               t->for_late_comers ? "transient local" : "volatile",
-               t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
-               t->carries);
-    }
-    printf("\nAll are reliable, with a maximum blocking time of 0.\n");
 }

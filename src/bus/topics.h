@@ -13,11 +13,11 @@
 struct topic {
     const char *name;
     const dds_topic_descriptor_t *descriptor;
-    bool keeps_all;         /* history KEEP_ALL; else KEEP_LAST 1 */
-    bool for_late_comers;   /* durability TRANSIENT_LOCAL */
-    int64_t liveliness_ns;  /* 0: infinite */
+    bool keeps_all;                    /* history KEEP_ALL; else KEEP_LAST 1 */
+    bool for_late_comers;              /* durability TRANSIENT_LOCAL */
+    int64_t liveliness_ns;             /* 0: infinite */
     bool (*check)(const void *sample); /* false: breaks a rule of the wire */
-    const char *partition;  /* in words, for the reference page */
+    const char *partition;             /* in words, for the reference page */
     const char *from_to;
     const char *carries;
 };
@@ -25,6 +25,6 @@ struct topic {
 extern const struct topic topic_table[BUS_TOPICS];
 
 /** Makes the quality of service of a topic; the caller deletes it. */
-dds_qos_t *topic_qos(const struct topic *topic);
+dds_qos_t *topics_qos(const struct topic *topic);
 
 #endif

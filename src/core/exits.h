@@ -10,16 +10,16 @@
 
 enum mu_exit {
     MU_EXIT_DONE = 0,
-    MU_EXIT_EXPECTATION = 1,  /* an expectation failed */
-    MU_EXIT_USAGE = 2,        /* wrong usage */
-    MU_EXIT_FILE = 3,         /* a bad file */
-    MU_EXIT_DDS = 4,          /* nobody answers, no such network */
-    MU_EXIT_CRASH = 5,        /* a process of the run crashed */
-    MU_EXIT_REFUSED = 6,      /* refused by the trust policy */
-    MU_EXIT_NO_AGENT = 7,     /* no such agent */
-    MU_EXIT_UNDELIVERED = 8,  /* mail not delivered: expired, box full, refused */
-    MU_EXIT_WRITE = 9,        /* cannot write */
-    MU_EXIT_TIME = 124,       /* time limit */
+    MU_EXIT_EXPECTATION = 1, /* an expectation failed */
+    MU_EXIT_USAGE = 2,       /* wrong usage */
+    MU_EXIT_FILE = 3,        /* a bad file */
+    MU_EXIT_DDS = 4,         /* nobody answers, no such network */
+    MU_EXIT_CRASH = 5,       /* a process of the run crashed */
+    MU_EXIT_REFUSED = 6,     /* refused by the trust policy */
+    MU_EXIT_NO_AGENT = 7,    /* no such agent */
+    MU_EXIT_UNDELIVERED = 8, /* mail not delivered: expired, box full, refused */
+    MU_EXIT_WRITE = 9,       /* cannot write */
+    MU_EXIT_TIME = 124,      /* time limit */
     MU_EXIT_INTERRUPTED = 130
 };
 

@@ -26,7 +26,7 @@ enum { MU_JSON_DEPTH_MAX = 16, MU_JSON_NUMBER_MAX = 32 };
 enum mu_json_form { MU_JSON_LINE, MU_JSON_INDENTED };
 
 struct mu_json {
-    FILE *file;           /* or NULL: */
+    FILE *file; /* or NULL: */
     struct mu_text *text;
     enum mu_json_form form;
     unsigned depth;

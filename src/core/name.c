@@ -30,7 +30,8 @@ bool mu_name_valid(const char *name)
 
 bool mu_name_reserved(const char *name)
 {
-    static const char *const reserved[] = {"all", "robots", "special", "observer", "operator", "broker"};
+    static const char *const reserved[] = {"all",      "robots",   "special",
+                                           "observer", "operator", "broker"};
     for (size_t i = 0; i < sizeof reserved / sizeof reserved[0]; i++) {
         if (strcmp(name, reserved[i]) == 0) {
             return true;

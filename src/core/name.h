@@ -11,7 +11,10 @@
 /** @return whether this is a name that an agent may bear, a reserved one or not */
 bool mu_name_valid(const char *name);
 
-/** @return whether a robot or host may not bear it: all robots special observer operator broker broker.* */
+/**
+ * @return whether a robot or host may not bear it: all, robots, special, observer, operator,
+ * broker, broker.*
+ */
 bool mu_name_reserved(const char *name);
 
 #endif

@@ -16,12 +16,23 @@ struct mu_network {
 
 /* Rows for a table of options; network is a struct mu_network that outlives the parsing. */
 #define MU_NETWORK_OPTIONS(network)                                                             \
-    {.name = "domain", .kind = MU_OPTION_INTEGER, .unit = "D", .environment = "MUSTER_DOMAIN",  \
-     .help = "DDS domain", .target = &(network).domain, .min = 0, .max = 230},                  \
-    {.name = "interface", .kind = MU_OPTION_STRING, .unit = "ADDRESS",                          \
-     .environment = "MUSTER_INTERFACE", .help = "network interface (default: loopback alone)",  \
-     .target = &(network).interface},                                                           \
-    {.name = "peer", .kind = MU_OPTION_STRING, .unit = "HOST", .environment = "MUSTER_PEER",    \
-     .help = "host of broker and simulator, when it is another", .target = &(network).peer}
+    {.name = "domain",                                                                          \
+     .kind = MU_OPTION_INTEGER,                                                                 \
+     .unit = "D",                                                                               \
+     .environment = "MUSTER_DOMAIN",                                                            \
+     .help = "DDS domain",                                                                      \
+     .target = &(network).domain,                                                               \
+     .min = 0,                                                                                  \
+     .max = 230},                                                                               \
+        {.name = "interface",                                                                   \
+         .kind = MU_OPTION_STRING,                                                              \
+         .unit = "ADDRESS",                                                                     \
+         .environment = "MUSTER_INTERFACE",                                                     \
+         .help = "network interface (default: loopback alone)",                                 \
+         .target = &(network).interface},                                                       \
+    {                                                                                           \
+        .name = "peer", .kind = MU_OPTION_STRING, .unit = "HOST", .environment = "MUSTER_PEER", \
+        .help = "host of broker and simulator, when it is another", .target = &(network).peer   \
+    }
 
 #endif

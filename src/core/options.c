@@ -11,7 +11,9 @@
 
 /* What every program understands beside its own table. */
 static const struct mu_option options_common[] = {
-    {.name = "config", .kind = MU_OPTION_STRING, .unit = "FILE",
+    {.name = "config",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
      .help = "configuration file (else $MUSTER_CONFIG, else ~/.config/muster/config)"},
     {.name = "help", .letter = 'h', .kind = MU_OPTION_FLAG, .help = "print this text"},
     {.name = "version", .kind = MU_OPTION_FLAG, .help = "print the version"},
@@ -76,8 +78,7 @@ static size_t options_name_distance(const char *a, const char *b)
     return row[b_len];
 }
 
-static mu_result options_unknown(const struct mu_options *o, const char *argument,
-                                 const char *name)
+static mu_result options_unknown(const struct mu_options *o, const char *argument, const char *name)
 {
     const char *best = NULL;
     size_t best_distance = 3;
@@ -258,8 +259,8 @@ static mu_result options_read_environment(struct mu_options *o)
             continue;
         }
         if (!mu_option_set(option, value, why)) {
-            fprintf(stderr, "%s: environment variable %s=%s: %s\n", o->program,
-                    option->environment, value, why);
+            fprintf(stderr, "%s: environment variable %s=%s: %s\n", o->program, option->environment,
+                    value, why);
             return options_wrong(o);
         }
         option->source = MU_OPTION_ENVIRONMENT;
@@ -297,8 +298,8 @@ static void options_print_row(const struct mu_option *option)
     bool flag = option->kind == MU_OPTION_FLAG;
     snprintf(left, sizeof left, "%s--%s%s%s", letter, option->name, flag ? "" : " ",
              flag ? "" : (option->unit ? option->unit : "VALUE"));
-    printf(strlen(left) > 26 ? "  %s\n%30s%s" : "  %-26s%s%s", left,
-           strlen(left) > 26 ? "" : "  ", option->help);
+    printf(strlen(left) > 26 ? "  %s\n%30s%s" : "  %-26s%s%s", left, strlen(left) > 26 ? "" : "  ",
+           option->help);
     bool off = flag && option->fallback && strcmp(option->fallback, "no") == 0;
     if (option->fallback && option->fallback[0] && !off) {
         printf(" (default: %s)", option->fallback);

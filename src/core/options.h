@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MU_OPTION_LIST_MAX = 64, MU_OPTION_WORDS_MAX = 512, MU_OPTION_PLACE_MAX = 271 };
+enum { MU_OPTION_LIST_MAX = 1024, MU_OPTION_WORDS_MAX = 512, MU_OPTION_PLACE_MAX = 271 };
 
 enum mu_option_kind {
     MU_OPTION_FLAG,    /* bool; --name, --no-name, and yes/no elsewhere */

@@ -118,10 +118,12 @@ static bool option_set_list(struct mu_option *option, const char *value,
 
 bool mu_option_set(struct mu_option *option, const char *value, char why[MU_OPTION_WHY_MAX])
 {
-    static bool (*const set[])(struct mu_option *, const char *, char[MU_OPTION_WHY_MAX]) = {
-        [MU_OPTION_FLAG] = option_set_flag, [MU_OPTION_STRING] = option_set_string,
-        [MU_OPTION_INTEGER] = option_set_integer, [MU_OPTION_REAL] = option_set_real,
-        [MU_OPTION_LIST] = option_set_list};
+    static bool (*const set[])(struct mu_option *, const char *,
+                               char[MU_OPTION_WHY_MAX]) = {[MU_OPTION_FLAG] = option_set_flag,
+                                                           [MU_OPTION_STRING] = option_set_string,
+                                                           [MU_OPTION_INTEGER] = option_set_integer,
+                                                           [MU_OPTION_REAL] = option_set_real,
+                                                           [MU_OPTION_LIST] = option_set_list};
     return set[option->kind](option, value, why);
 }
 

@@ -10,10 +10,10 @@
 #include <stddef.h>
 
 struct mu_text {
-    char *at;      /* always zero-terminated */
-    size_t len;    /* bytes, without the zero */
-    size_t size;   /* bytes of the buffer */
-    bool cut;      /* something did not fit */
+    char *at;    /* always zero-terminated */
+    size_t len;  /* bytes, without the zero */
+    size_t size; /* bytes of the buffer */
+    bool cut;    /* something did not fit */
 };
 
 /** Makes an empty text in the caller's buffer; size >= 1. */

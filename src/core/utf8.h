@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 /** What stands for bytes that are no UTF-8: U+FFFD. */
-#define MU_UTF8_BROKEN 0xfffdu
+#define MU_UTF8_BROKEN      0xfffdu
 #define MU_UTF8_BROKEN_TEXT "\xef\xbf\xbd"
 
 /**

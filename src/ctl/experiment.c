@@ -132,17 +132,17 @@ static mu_result experiment_take_folder(struct experiment_source *source)
     } else {
         mu_text_add(&folder, ".");
     }
-    return folder.cut ? mu_fault_at(source->fault, source->path, 0, 0,
-                                    "expected a folder's path of at most %zu bytes",
-                                    sizeof e->folder - 1)
-                      : MU_OK;
+    return folder.cut
+               ? mu_fault_at(source->fault, source->path, 0, 0,
+                             "expected a folder's path of at most %zu bytes", sizeof e->folder - 1)
+               : MU_OK;
 }
 
 static mu_result experiment_load_tree(struct experiment_source *source, size_t len,
                                       const char *const *set, size_t set_count)
 {
-    mu_result result = yaml_check(source->tree, yaml_tree_root(source->tree), &experiment_schema,
-                                  source->fault);
+    mu_result result =
+        yaml_check(source->tree, yaml_tree_root(source->tree), &experiment_schema, source->fault);
     if (result == MU_OK) {
         result = experiment_load_fields(source, len);
     }

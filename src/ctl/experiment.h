@@ -31,45 +31,45 @@ struct experiment_global {
 
 struct experiment_robot {
     char *name;
-    char *body;   /* a kind that the world defines; NULL: the robot stands in the world file */
-    char *color;  /* of its track; NULL: the body's, or the robot's name if that is a colour */
+    char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
+    char *color; /* of its track; NULL: the body's, or the robot's name if that is a colour */
     struct experiment_pose *pose; /* NULL: the world file's */
-    char *rules;  /* absolute path; in the file, relative to it */
+    char *rules;                  /* absolute path; in the file, relative to it */
     struct experiment_global *globals;
     unsigned globals_count;
 };
 
 /* What the observer commands, and when. */
 struct experiment_command {
-    double at;    /* s of simulated time */
+    double at;      /* s of simulated time */
     char **targets; /* all, robots, special, group:NAME, or names of this experiment's robots */
     unsigned targets_count;
-    char *line;   /* a CLIPS line */
+    char *line; /* a CLIPS line */
 };
 
 /* What must be true, or the run fails (exit code 1). */
 struct experiment_expectation {
-    char *near_robot;  /* who */
-    char *near_mate;   /* whom */
+    char *near_robot; /* who */
+    char *near_mate;  /* whom */
     double within_m;
     double from_s, to_s; /* the whole run unless it says otherwise */
-    double share;      /* of the time, 0 to 1; 1 unless it says otherwise */
-    char *inside;      /* or: "arena": no robot outside the world */
-    double stall_max_s; /* or: > 0: no robot stalled longer than this in a row */
+    double share;        /* of the time, 0 to 1; 1 unless it says otherwise */
+    char *inside;        /* or: "arena": no robot outside the world */
+    double stall_max_s;  /* or: > 0: no robot stalled longer than this in a row */
 };
 
 /* A process of the run that dies ends the run. */
 enum experiment_on_crash { EXPERIMENT_STOP };
 
 struct experiment {
-    char *name;      /* the file's name without folder and ending, unless it says otherwise;
-                        letters, digits, _ . -, so that a folder may bear it */
-    char *world;     /* absolute path; in the file, relative to it */
+    char *name;  /* the file's name without folder and ending, unless it says otherwise;
+                    letters, digits, _ . -, so that a folder may bear it */
+    char *world; /* absolute path; in the file, relative to it */
     uint64_t seed;
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
     enum experiment_on_crash on_crash;
-    char **brokers;  /* the name of the broker; none: main */
+    char **brokers; /* the name of the broker; none: main */
     unsigned brokers_count;
     struct experiment_robot *robots;
     unsigned robots_count;

@@ -13,7 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { CHECK_DURATION_MAX_S = 1000000, CHECK_STEP_MAX_MS = 10000, CHECK_SUBSTEP_MS = 20, CHECK_NAME_MAX = 63 };
+enum {
+    CHECK_DURATION_MAX_S = 1000000,
+    CHECK_STEP_MAX_MS = 10000,
+    CHECK_SUBSTEP_MS = 20,
+    CHECK_NAME_MAX = 63
+};
 
 static int check_section(struct experiment_source *s, const char *key)
 {

@@ -59,8 +59,7 @@ static mu_result override_put(struct experiment_source *s, enum override_kind ki
                                              : experiment_fault(s, field, 0, "expected a number");
     case OVERRIDE_ON_CRASH:
         *(enum experiment_on_crash *)field = EXPERIMENT_STOP;
-        return strcmp(value, "stop") == 0 ? MU_OK
-                                          : experiment_fault(s, field, 0, "expected stop");
+        return strcmp(value, "stop") == 0 ? MU_OK : experiment_fault(s, field, 0, "expected stop");
     }
     return MU_OK;
 }
@@ -125,8 +124,10 @@ static mu_result override_unknown(struct experiment_source *s, const char *set)
     for (size_t i = 0; i < COUNT(override_robot_keys); i++) {
         mu_text_format(&keys, "robots.NAME.%s, ", override_robot_keys[i].key);
     }
-    return experiment_fault(s, set, 0, "expected KEY=VALUE with one of the keys %s"
-                            "robots.NAME.globals.NAME", buffer);
+    return experiment_fault(s, set, 0,
+                            "expected KEY=VALUE with one of the keys %s"
+                            "robots.NAME.globals.NAME",
+                            buffer);
 }
 
 mu_result experiment_override(struct experiment_source *source, const char *set)

@@ -8,8 +8,7 @@ enum { NEEDED = CYAML_FLAG_POINTER, MAY = CYAML_FLAG_POINTER | CYAML_FLAG_OPTION
 
 static const cyaml_schema_value_t schema_name = {
     CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char, 1, EXPERIMENT_TEXT_MAX)};
-static const cyaml_schema_value_t schema_real = {
-    CYAML_VALUE_FLOAT(CYAML_FLAG_STRICT, double)};
+static const cyaml_schema_value_t schema_real = {CYAML_VALUE_FLOAT(CYAML_FLAG_STRICT, double)};
 
 #define TEXT(key, flags, structure, member) \
     CYAML_FIELD_STRING_PTR(key, flags, structure, member, 1, EXPERIMENT_TEXT_MAX)
@@ -35,13 +34,12 @@ static const cyaml_schema_value_t schema_robot = {
 static const cyaml_schema_field_t schema_command_fields[] = {
     CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
     CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
-    TEXT("line", NEEDED, struct experiment_command, line),
-    CYAML_FIELD_END};
+    TEXT("line", NEEDED, struct experiment_command, line), CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_command = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_command, schema_command_fields)};
 
-#define NUMBER(key, member) \
+#define NUMBER(key, member)                                                                        \
     CYAML_FIELD_FLOAT(key, CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment_expectation, \
                       member)
 

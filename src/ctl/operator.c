@@ -23,7 +23,7 @@ mu_result operator_parse(struct mu_options *o, int argc, char **argv,
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
-    struct operator *o = self;
+    struct operator* o = self;
     o->registered = accepted;
     o->refused = !accepted;
     if (!accepted) {
@@ -35,7 +35,7 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
                        enum mu_outcome outcome)
 {
     (void)a;
-    struct operator *o = self;
+    struct operator* o = self;
     if (first_seq <= o->seq && o->seq <= last_seq) {
         o->outcome = outcome;
         o->answered_for = true;
@@ -62,7 +62,7 @@ static void answer_print(const char *content)
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
-    struct operator *o = self;
+    struct operator* o = self;
     if (!o->reply_with[0] || strcmp(mail->in_reply_to, o->reply_with) != 0) {
         return;
     }
@@ -73,7 +73,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     answer_print(mail->content);
 }
 
-int operator_join(struct operator *o, const struct operator_options *options, const char *verb)
+int operator_join(struct operator* o, const struct operator_options *options, const char *verb)
 {
     int domain = (int)options->network.domain;
     *o = (struct operator){0};
@@ -89,8 +89,8 @@ int operator_join(struct operator *o, const struct operator_options *options, co
     }
     const char *name = options->as ? options->as : "operator";
     enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
-    struct mu_handlers handlers = {.self = o, .on_registered = on_registered,
-                                   .on_mail = on_mail, .on_receipt = on_receipt};
+    struct mu_handlers handlers = {
+        .self = o, .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
     if (mu_agent_join(o->process, &o->agent, name, kind, 0, &handlers) != MU_OK) {
         fprintf(stderr, "muster %s: '%s' is not a name that an agent can have\n", verb, name);
         return MU_EXIT_USAGE;
@@ -107,7 +107,7 @@ int operator_join(struct operator *o, const struct operator_options *options, co
     return o->refused ? MU_EXIT_REFUSED : MU_EXIT_DONE;
 }
 
-void operator_leave(struct operator *o)
+void operator_leave(struct operator* o)
 {
     mu_process_close(o->process);
 }
@@ -126,7 +126,7 @@ static int outcome_exit(enum mu_outcome outcome)
     return MU_EXIT_UNDELIVERED;
 }
 
-static bool spin_until(struct operator *o, const bool *flag, const unsigned *count, unsigned wanted,
+static bool spin_until(struct operator* o, const bool *flag, const unsigned *count, unsigned wanted,
                        uint64_t patience_ns)
 {
     uint64_t until_ns = mu_clock_ns() + patience_ns;
@@ -138,7 +138,7 @@ static bool spin_until(struct operator *o, const bool *flag, const unsigned *cou
     return true;
 }
 
-int operator_send(struct operator *o, struct mu_mail *mail, unsigned answers_wanted, double wait_s)
+int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s)
 {
     if (answers_wanted > 0) {
         snprintf(o->reply_with, sizeof o->reply_with, "q%ld", (long)getpid());
@@ -146,8 +146,10 @@ int operator_send(struct operator *o, struct mu_mail *mail, unsigned answers_wan
     }
     mu_result sent = mu_agent_send(o->agent, mail, &o->seq);
     if (sent != MU_OK) {
-        fprintf(stderr, "muster: the mail cannot be sent: %s (content up to %d bytes, receivers up "
-                        "to %d)\n", mu_result_text(sent), MU_CONTENT_MAX, MU_DST_MAX);
+        fprintf(stderr,
+                "muster: the mail cannot be sent: %s (content up to %d bytes, receivers up "
+                "to %d)\n",
+                mu_result_text(sent), MU_CONTENT_MAX, MU_DST_MAX);
         return MU_EXIT_USAGE;
     }
     if (!spin_until(o, &o->answered_for, NULL, 0, RECEIPT_PATIENCE_NS)) {

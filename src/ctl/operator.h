@@ -17,23 +17,26 @@ struct operator_options {
     bool json;
 };
 
-struct operator {
+struct operator
+{
     mu_process *process;
     mu_agent *agent;
     bool registered, refused;
-    enum mu_outcome outcome;   /* of the last mail sent */
-    uint64_t seq;              /* its number */
-    bool answered_for;         /* outcome is final */
-    unsigned answers;          /* mails that came in reply to it */
-    unsigned failures;         /* of them, failures */
+    enum mu_outcome outcome; /* of the last mail sent */
+    uint64_t seq;            /* its number */
+    bool answered_for;       /* outcome is final */
+    unsigned answers;        /* mails that came in reply to it */
+    unsigned failures;       /* of them, failures */
     char reply_with[32];
 };
 
 /* Rows of an options table that every such verb has. */
-#define OPERATOR_OPTIONS(options)                                                             \
-    MU_NETWORK_OPTIONS((options).network),                                                    \
-    {.name = "as", .kind = MU_OPTION_STRING, .unit = "NAME",                                  \
-     .help = "act as another agent than the operator", .target = &(options).as}
+#define OPERATOR_OPTIONS(options)                                                 \
+    MU_NETWORK_OPTIONS((options).network),                                        \
+    {                                                                             \
+        .name = "as", .kind = MU_OPTION_STRING, .unit = "NAME",                   \
+        .help = "act as another agent than the operator", .target = &(options).as \
+    }
 
 /** Reads the options of a verb; its words stay in o.  @return MU_OK, MU_DONE or a fault */
 MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv,
@@ -44,7 +47,7 @@ MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv
  *
  * @return MU_EXIT_DONE, or the exit code, explained
  */
-int operator_join(struct operator *o, const struct operator_options *options, const char *verb);
+int operator_join(struct operator* o, const struct operator_options *options, const char *verb);
 
 /**
  * Sends one mail, waits for its receipt and, if answers_wanted > 0, for so many answers, which are
@@ -52,9 +55,9 @@ int operator_join(struct operator *o, const struct operator_options *options, co
  *
  * @return the exit code
  */
-int operator_send(struct operator *o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
+int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
 
-void operator_leave(struct operator *o);
+void operator_leave(struct operator* o);
 
 /** Joins words with spaces.  @return whether they fitted */
 bool operator_words(char *text, size_t size, const char *const *words, size_t count);

@@ -52,7 +52,9 @@ static mu_result pages_parse(struct mu_options *o, struct operator_options *opti
     static struct mu_option table[8];
     const struct mu_option rows[] = {
         OPERATOR_OPTIONS(*options),
-        {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object a line",
+        {.name = "json",
+         .kind = MU_OPTION_FLAG,
+         .help = "one object a line",
          .target = &options->json},
     };
     o->count = sizeof rows / sizeof rows[0];
@@ -66,7 +68,8 @@ static mu_result pages_parse(struct mu_options *o, struct operator_options *opti
 int pages_verb_ps(int argc, char **argv)
 {
     static struct operator_options options;
-    static struct mu_options o = {.program = "muster ps", .usage = "[OPTION...]",
+    static struct mu_options o = {.program = "muster ps",
+                                  .usage = "[OPTION...]",
                                   .about = "Lists the white pages: every agent and its state."};
     mu_result parsed = pages_parse(&o, &options, argc, argv);
     if (parsed != MU_OK) {
@@ -89,7 +92,8 @@ int pages_verb_ps(int argc, char **argv)
 int pages_verb_lookup(int argc, char **argv)
 {
     static struct operator_options options;
-    static struct mu_options o = {.program = "muster lookup", .usage = "NAME [OPTION...]",
+    static struct mu_options o = {.program = "muster lookup",
+                                  .usage = "NAME [OPTION...]",
                                   .about = "Looks one agent up in the white pages."};
     mu_result parsed = pages_parse(&o, &options, argc, argv);
     if (parsed != MU_OK) {

@@ -12,34 +12,54 @@
 struct verb {
     const char *name, *usage, *about;
     size_t words_min;
-    const char *to;        /* NULL: the first word */
+    const char *to; /* NULL: the first word */
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
 };
 
-static const struct verb VERB_SEND = {"send", "TO WORD... [OPTION...]",
+static const struct verb VERB_SEND = {"send",
+                                      "TO WORD... [OPTION...]",
                                       "Sends a mail; TO is a name, names joined by commas, all, "
                                       "robots or special.",
-                                      2, NULL, false, NULL, "muster send red hello world"};
-static const struct verb VERB_BROADCAST = {"broadcast", "WORD... [OPTION...]",
-                                           "Sends a mail to every agent that is active.", 1, "all",
-                                           false, NULL, "muster broadcast hello"};
-static const struct verb VERB_DO = {"do", "TARGETS 'LINE' [OPTION...]",
-                                    "Makes agents evaluate a CLIPS line; TARGETS as for send.", 2,
-                                    NULL, true, "do", "muster do red '(wander)'"};
-static const struct verb VERB_START = {"start", "TARGETS [OPTION...]",
-                                       "Takes agents out of standby.", 1, NULL, true, "start",
-                                       "muster start robots"};
-static const struct verb VERB_SUSPEND = {"suspend", "TARGETS [OPTION...]",
-                                         "Stops agents where they are; their mail waits.", 1, NULL,
-                                         true, "suspend", "muster suspend red"};
-static const struct verb VERB_RESUME = {"resume", "TARGETS [OPTION...]",
-                                        "Lets suspended agents go on.", 1, NULL, true, "resume",
-                                        "muster resume red"};
+                                      2,
+                                      NULL,
+                                      false,
+                                      NULL,
+                                      "muster send red hello world"};
+static const struct verb VERB_BROADCAST = {"broadcast",
+                                           "WORD... [OPTION...]",
+                                           "Sends a mail to every agent that is active.",
+                                           1,
+                                           "all",
+                                           false,
+                                           NULL,
+                                           "muster broadcast hello"};
+static const struct verb VERB_DO = {"do",
+                                    "TARGETS 'LINE' [OPTION...]",
+                                    "Makes agents evaluate a CLIPS line; TARGETS as for send.",
+                                    2,
+                                    NULL,
+                                    true,
+                                    "do",
+                                    "muster do red '(wander)'"};
+static const struct verb VERB_START = {
+    "start", "TARGETS [OPTION...]", "Takes agents out of standby.", 1, NULL, true,
+    "start", "muster start robots"};
+static const struct verb VERB_SUSPEND = {"suspend",
+                                         "TARGETS [OPTION...]",
+                                         "Stops agents where they are; their mail waits.",
+                                         1,
+                                         NULL,
+                                         true,
+                                         "suspend",
+                                         "muster suspend red"};
+static const struct verb VERB_RESUME = {
+    "resume", "TARGETS [OPTION...]", "Lets suspended agents go on.", 1, NULL, true,
+    "resume", "muster resume red"};
 
 /* How many answers a directive to these receivers brings. */
-static unsigned answers_of(const struct operator *op, const char *to)
+static unsigned answers_of(const struct operator* op, const char *to)
 {
     unsigned count = 1;
     for (const char *c = to; *c; c++) {
@@ -83,8 +103,10 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
         return MU_EXIT_USAGE;
     }
     if (!v->to && !receivers_valid(o->words[0])) {
-        fprintf(stderr, "muster %s: '%s': expected a name, names joined by commas, all, robots or "
-                        "special\n", v->name, o->words[0]);
+        fprintf(stderr,
+                "muster %s: '%s': expected a name, names joined by commas, all, robots or "
+                "special\n",
+                v->name, o->words[0]);
         return MU_EXIT_USAGE;
     }
     struct operator op;
@@ -112,16 +134,23 @@ static int verb_run(const struct verb *v, int argc, char **argv)
     snprintf(program, sizeof program, "muster %s", v->name);
     struct mu_option table[] = {
         OPERATOR_OPTIONS(options),
-        {.name = "wait", .kind = MU_OPTION_REAL, .unit = "S", .max = 1e6,
-         .help = "wait so long for an answer and print it", .target = &options.wait_s},
-        {.name = "performative", .kind = MU_OPTION_STRING, .unit = "P",
-         .help = "the speech act, for example ask-one", .target = &performative},
+        {.name = "wait",
+         .kind = MU_OPTION_REAL,
+         .unit = "S",
+         .max = 1e6,
+         .help = "wait so long for an answer and print it",
+         .target = &options.wait_s},
+        {.name = "performative",
+         .kind = MU_OPTION_STRING,
+         .unit = "P",
+         .help = "the speech act, for example ask-one",
+         .target = &performative},
     };
     /* A directive's performative is the verb itself. */
     size_t count = sizeof table / sizeof table[0] - (v->performative ? 1 : 0);
     static struct mu_options o;
-    o = (struct mu_options){.program = program, .usage = v->usage, .about = v->about,
-                            .table = table, .count = count};
+    o = (struct mu_options){
+        .program = program, .usage = v->usage, .about = v->about, .table = table, .count = count};
     mu_result parsed = operator_parse(&o, argc, argv, &options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);

@@ -27,11 +27,11 @@ struct report_mail {
 
 struct report_input {
     const struct experiment *experiment;
-    const struct world *world;  /* its outline is drawn */
+    const struct world *world; /* its outline is drawn */
     uint64_t seed;
-    const char *hash;           /* or "none" */
-    double sim_time_s, wall_time_s; /* from the first to the last step */
-    const char *command;        /* how to run it again */
+    const char *hash;                  /* or "none" */
+    double sim_time_s, wall_time_s;    /* from the first to the last step */
+    const char *command;               /* how to run it again */
     const struct report_robot *robots; /* in the order of run.csv */
     size_t robots_count;
     struct report_mail mail;
@@ -41,7 +41,7 @@ struct report_input {
 struct report_robot_result {
     double distance_m, stalled_s, mean_speed_m_s;
     double longest_stall_s;
-    uint32_t stalls;            /* times that it became stalled */
+    uint32_t stalls; /* times that it became stalled */
     double final_x_m, final_y_m, final_heading_rad;
 };
 

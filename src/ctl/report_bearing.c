@@ -10,7 +10,7 @@
 
 enum { BEARING_LEFT = 58, BEARING_TITLE = 40, BEARING_BOTTOM = 54, BEARING_LABEL_ROW = 16 };
 enum { BEARING_LABEL_ROWS_MAX = 4, BEARING_LABEL_MAX = 72 };
-#define BEARING_WIDTH_PX 700.0
+#define BEARING_WIDTH_PX  700.0
 #define BEARING_HEIGHT_PX 340.0
 #define BEARING_LETTER_PX 5.9 /* of 11 px text, at most, as a rule of thumb */
 

@@ -39,9 +39,9 @@ struct report_data {
     double start_s, end_s;         /* of the rows */
     struct report_sample *samples; /* by time, all robots' */
     size_t samples_count;
-    size_t stride;                 /* every how many steps there is a sample */
-    struct report_track *tracks;   /* of each robot */
-    const char **colors;           /* of each robot, CSS, fit for a white ground */
+    size_t stride;               /* every how many steps there is a sample */
+    struct report_track *tracks; /* of each robot */
+    const char **colors;         /* of each robot, CSS, fit for a white ground */
 };
 
 /* --- report_read.c: run.csv, row by row ------------------------------------------------------- */

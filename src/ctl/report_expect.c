@@ -59,8 +59,8 @@ static void expect_end_step(struct report_expect *x)
     for (unsigned i = 0; i < e->expect_count; i++) {
         const struct experiment_expectation *expect = &e->expect[i];
         struct expect_near *near = &x->near[i];
-        bool in_time = x->time_s >= expect->from_s - tolerance_s &&
-                       x->time_s <= expect->to_s + tolerance_s;
+        bool in_time =
+            x->time_s >= expect->from_s - tolerance_s && x->time_s <= expect->to_s + tolerance_s;
         if (!expect->near_robot || !in_time) {
             continue;
         }
@@ -130,8 +130,8 @@ static void expect_judge_inside(const struct report_expect *x, unsigned i,
     result->judged[i] = true;
     result->met[i] = x->any && x->outside_rows == 0;
     if (x->outside_rows > 0) {
-        mu_text_format(&measured, "%s was outside at %g s",
-                       x->input->robots[x->outside_robot].name, x->outside_s);
+        mu_text_format(&measured, "%s was outside at %g s", x->input->robots[x->outside_robot].name,
+                       x->outside_s);
     } else {
         mu_text_add(&measured, x->any ? "none was" : "the run has no rows");
     }

@@ -45,8 +45,8 @@ static bool explored_covers(const struct world_shape *shape, double x_m, double 
 
 static void explored_add_shape(struct report_explored *e, const struct world_shape *shape)
 {
-    double reach_m = shape->kind == WORLD_DISC ? shape->radius_m
-                                               : hypot(shape->half_x_m, shape->half_y_m);
+    double reach_m =
+        shape->kind == WORLD_DISC ? shape->radius_m : hypot(shape->half_x_m, shape->half_y_m);
     double x = (shape->pose.x_m - e->min_x_m) / e->fine_m;
     double y = (shape->pose.y_m - e->min_y_m) / e->fine_m;
     double reach = reach_m / e->fine_m + 1;

@@ -35,7 +35,8 @@ static void html_head(FILE *file, const struct report_data *data)
 {
     const struct report_input *input = data->input;
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>", file);
+          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>",
+          file);
     svg_escape(file, input->experiment->name);
     fprintf(file, ", seed %" PRIu64 "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>",
             input->seed, html_style);
@@ -54,7 +55,8 @@ static void html_expectations(FILE *file, const struct report_data *data)
         return;
     }
     fputs("<h2>Expectations</h2>\n<table class=\"text\">\n<tr><th>expected</th><th>measured</th>"
-          "<th>met</th></tr>\n", file);
+          "<th>met</th></tr>\n",
+          file);
     for (unsigned i = 0; i < count; i++) {
         const struct report_result *result = data->result;
         const char *verdict = !result->judged[i] ? "<td class=\"soft\">not judged"
@@ -74,7 +76,8 @@ static void html_robots(FILE *file, const struct report_data *data)
     fputs("<h2>Robots</h2>\n<div class=\"wide\"><table>\n<tr><th>robot</th><th>distance</th>"
           "<th>mean speed</th><th>stalls</th><th>stalled</th><th>longest stall</th>"
           "<th>mail sent</th><th>received</th><th>rule firings</th><th>stands at</th>"
-          "<th>heading</th></tr>\n", file);
+          "<th>heading</th></tr>\n",
+          file);
     for (size_t i = 0; i < data->input->robots_count; i++) {
         const struct report_robot *robot = &data->input->robots[i];
         const struct report_robot_result *result = &data->result->robots[i];

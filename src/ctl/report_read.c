@@ -6,11 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char read_header[] =
-    "time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled";
+static const char read_header[] = "time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled";
 
 enum read_column {
-    READ_TIME, READ_ROBOT, READ_X, READ_Y, READ_HEADING, READ_FORWARD, READ_TURN, READ_STALLED,
+    READ_TIME,
+    READ_ROBOT,
+    READ_X,
+    READ_Y,
+    READ_HEADING,
+    READ_FORWARD,
+    READ_TURN,
+    READ_STALLED,
     READ_COLUMNS
 };
 
@@ -125,9 +131,8 @@ static mu_result read_fields(struct report_reader *r, char *line, struct report_
     const struct {
         enum read_column column;
         double *value;
-    } numbers[] = {{READ_TIME, &row->time_s},       {READ_X, &row->x_m},
-                   {READ_Y, &row->y_m},             {READ_HEADING, &row->heading_rad},
-                   {READ_FORWARD, &forward},        {READ_TURN, &turn},
+    } numbers[] = {{READ_TIME, &row->time_s},         {READ_X, &row->x_m},      {READ_Y, &row->y_m},
+                   {READ_HEADING, &row->heading_rad}, {READ_FORWARD, &forward}, {READ_TURN, &turn},
                    {READ_STALLED, &stalled}};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         if (!read_number(fields[numbers[i].column], numbers[i].value)) {

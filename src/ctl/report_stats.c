@@ -46,9 +46,9 @@ static void stats_add_sample(struct report_data *data, const struct report_row *
     }
     struct report_track *track = &data->tracks[row->robot];
     int32_t index = (int32_t)data->samples_count++;
-    data->samples[index] = (struct report_sample){
-        (float)row->time_s, (float)row->x_m, (float)row->y_m, (float)row->heading_rad,
-        REPORT_NO_SAMPLE};
+    data->samples[index] =
+        (struct report_sample){(float)row->time_s, (float)row->x_m, (float)row->y_m,
+                               (float)row->heading_rad, REPORT_NO_SAMPLE};
     if (track->last == REPORT_NO_SAMPLE) {
         track->first = index;
     } else {

@@ -7,10 +7,10 @@
 #include <math.h>
 
 enum { TRACKS_LEFT = 58, TRACKS_TOP = 40, TRACKS_BOTTOM = 54, TRACKS_LABELLED_MAX = 8 };
-#define TRACKS_WIDTH_PX 700.0
-#define TRACKS_HEIGHT_PX 760.0
+#define TRACKS_WIDTH_PX      700.0
+#define TRACKS_HEIGHT_PX     760.0
 #define TRACKS_HEIGHT_MIN_PX 120.0
-#define TRACKS_MARK_ROOM_PX 16.0
+#define TRACKS_MARK_ROOM_PX  16.0
 
 struct tracks {
     FILE *file;
@@ -31,8 +31,8 @@ static void tracks_init(struct tracks *t, FILE *file, const struct report_data *
     double width_px = width_m * t->px_per_m;
     double height_px = fmax(height_m * t->px_per_m, TRACKS_HEIGHT_MIN_PX);
     double middle_px = TRACKS_TOP + height_px / 2;
-    t->x = (struct svg_scale){w->min_x_m, w->min_x_m + width_m, TRACKS_LEFT,
-                              TRACKS_LEFT + width_px};
+    t->x =
+        (struct svg_scale){w->min_x_m, w->min_x_m + width_m, TRACKS_LEFT, TRACKS_LEFT + width_px};
     t->y = (struct svg_scale){w->min_y_m, w->min_y_m + height_m,
                               middle_px + height_m * t->px_per_m / 2,
                               middle_px - height_m * t->px_per_m / 2};
@@ -116,7 +116,8 @@ static void tracks_draw_time(const struct tracks *t, const double at[2], double 
         svg_tick_label(label, time_s);
         svg_text(t->file, beside, SVG_START,
                  "font-size=\"9.5\" stroke=\"#fff\" stroke-width=\"2.4\" paint-order=\"stroke\" "
-                 "stroke-linejoin=\"round\"", label);
+                 "stroke-linejoin=\"round\"",
+                 label);
     }
 }
 

@@ -33,48 +33,87 @@ static void signal_note(int number)
     run_signal = number;
 }
 
-/* --- options and files --------------------------------------------------------------------------- */
+/* --- options and files ------------------------------------------------------------------------ */
+
+/* What the command line says; a negative number: nothing. */
+static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
+static struct mu_option_list chosen_set;
+
+static struct mu_option option_table[] = {
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .environment = "MUSTER_SEED",
+     .help = "seed of the run (default: the file's, else 1)",
+     .target = &chosen.seed,
+     .max = 1e15},
+    {.name = "duration",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .help = "simulated seconds (default: the file's)",
+     .target = &chosen.duration_s,
+     .min = 0.02,
+     .max = 1e6},
+    {.name = "rate",
+     .kind = MU_OPTION_REAL,
+     .unit = "R",
+     .fallback = "0",
+     .environment = "MUSTER_RATE",
+     .help = "times real time; 0: as fast as it goes",
+     .target = &chosen.rate,
+     .max = 1e6},
+    {.name = "free",
+     .kind = MU_OPTION_FLAG,
+     .help = "real time without lock step",
+     .target = &chosen.free},
+    {.name = "set",
+     .kind = MU_OPTION_LIST,
+     .unit = "KEY=VALUE",
+     .help = "override a value of the file, for example robots.red.rules=x.clp",
+     .target = &chosen_set},
+    {.name = "out",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .help = "folder of the report (default: out/EXPERIMENT-SEED)",
+     .target = &chosen.out},
+    {.name = "domain",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "D",
+     .environment = "MUSTER_DOMAIN",
+     .help = "DDS domain (default: a free one)",
+     .target = &chosen.domain,
+     .max = 230},
+    {.name = "limit",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "end the run after this much wall time, with exit code 124; 0: never",
+     .target = &chosen.limit_s,
+     .max = 1e9},
+    {.name = "no-spread",
+     .kind = MU_OPTION_FLAG,
+     .help = "let the system move processes between processors; as fast as possible, each "
+             "stays on one",
+     .target = &chosen.no_spread},
+    {.name = "quiet",
+     .letter = 'q',
+     .kind = MU_OPTION_FLAG,
+     .help = "say only what came out",
+     .target = &chosen.quiet},
+    {.name = "json",
+     .kind = MU_OPTION_FLAG,
+     .help = "say it as one line of JSON",
+     .target = &chosen.json},
+};
 
 static mu_result options_parse(struct run *r, int argc, char **argv)
 {
-    static struct mu_option_list set;
-    struct run_options *o = &r->options;
-    struct mu_option table[] = {
-        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .environment = "MUSTER_SEED",
-         .help = "seed of the run (default: the file's, else 1)", .target = &o->seed, .max = 1e15},
-        {.name = "duration", .kind = MU_OPTION_REAL, .unit = "S",
-         .help = "simulated seconds (default: the file's)", .target = &o->duration_s, .min = 0.02,
-         .max = 1e6},
-        {.name = "rate", .kind = MU_OPTION_REAL, .unit = "R", .fallback = "0",
-         .environment = "MUSTER_RATE", .help = "times real time; 0: as fast as it goes",
-         .target = &o->rate, .max = 1e6},
-        {.name = "free", .kind = MU_OPTION_FLAG, .help = "real time without lock step",
-         .target = &o->free},
-        {.name = "set", .kind = MU_OPTION_LIST, .unit = "KEY=VALUE",
-         .help = "override a value of the file, for example robots.red.rules=x.clp",
-         .target = &set},
-        {.name = "out", .kind = MU_OPTION_STRING, .unit = "DIR",
-         .help = "folder of the report (default: out/EXPERIMENT-SEED)", .target = &o->out},
-        {.name = "domain", .kind = MU_OPTION_INTEGER, .unit = "D", .environment = "MUSTER_DOMAIN",
-         .help = "DDS domain (default: a free one)", .target = &o->domain, .max = 230},
-        {.name = "limit", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "0",
-         .help = "end the run after this much wall time, with exit code 124; 0: never",
-         .target = &o->limit_s, .max = 1e9},
-        {.name = "no-spread", .kind = MU_OPTION_FLAG,
-         .help = "let the system move processes between processors; as fast as possible, each "
-                 "stays on one", .target = &o->no_spread},
-        {.name = "quiet", .letter = 'q', .kind = MU_OPTION_FLAG, .help = "say only what came out",
-         .target = &o->quiet},
-        {.name = "json", .kind = MU_OPTION_FLAG, .help = "say it as one line of JSON",
-         .target = &o->json},
-    };
-    static struct mu_options options;
-    options = (struct mu_options){
+    static struct mu_options options = {
         .program = "muster run",
         .usage = "FILE [OPTION...]",
         .about = "Runs an experiment with all its processes and leaves a report.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
@@ -84,9 +123,10 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
                         "muster run experiments/follow.yaml\n");
         return MU_FAULT_USAGE;
     }
-    o->file = options.words[0];
-    o->set = set.items;
-    o->set_count = set.count;
+    chosen.file = options.words[0];
+    chosen.set = chosen_set.items;
+    chosen.set_count = chosen_set.count;
+    r->options = chosen;
     return MU_OK;
 }
 
@@ -144,7 +184,7 @@ static mu_result files_prepare(struct run *r)
     return done;
 }
 
-/* --- the observer -------------------------------------------------------------------------------- */
+/* --- the observer ----------------------------------------------------------------------------- */
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -188,8 +228,8 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
-    struct mu_handlers handlers = {.self = r, .on_registered = on_registered,
-                                   .on_receipt = on_receipt, .on_mail = on_mail};
+    struct mu_handlers handlers = {
+        .self = r, .on_registered = on_registered, .on_receipt = on_receipt, .on_mail = on_mail};
     MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_decline_broadcasts(r->observer);
     return MU_OK;
@@ -198,8 +238,11 @@ static mu_result network_join(struct run *r)
 static mu_result directive_send(struct run *r, const char *to, const char *verb, const char *line,
                                 double at_s)
 {
-    struct mu_mail mail = {.dst = to, .layer = MU_DIRECTIVE, .performative = verb,
-                           .content = line, .due_ns = (int64_t)llround(at_s * 1e9)};
+    struct mu_mail mail = {.dst = to,
+                           .layer = MU_DIRECTIVE,
+                           .performative = verb,
+                           .content = line,
+                           .due_ns = (int64_t)llround(at_s * 1e9)};
     mu_result sent = mu_agent_send(r->observer, &mail, NULL);
     r->directives_sent += sent == MU_OK;
     return sent;
@@ -223,7 +266,7 @@ static mu_result commands_send(struct run *r)
     return sent;
 }
 
-/* --- what comes in ------------------------------------------------------------------------------- */
+/* --- what comes in ---------------------------------------------------------------------------- */
 
 static void status_take(struct run *r, const muster_RunStatus *s)
 {
@@ -277,7 +320,7 @@ static void progress_show(struct run *r)
             r->experiment->duration, factor, (r->experiment->duration - time_s) / factor);
 }
 
-/* --- the course of a run ------------------------------------------------------------------------- */
+/* --- the course of a run ---------------------------------------------------------------------- */
 
 static int crash_explain(const struct child *child, bool running)
 {
@@ -407,7 +450,6 @@ static int live(struct run *r)
 int run_verb(int argc, char **argv)
 {
     struct run *r = mu_startup_alloc(sizeof *r);
-    r->options = (struct run_options){.seed = -1, .domain = -1, .duration_s = -1.0};
     mu_result ready = options_parse(r, argc, argv);
     ready = ready == MU_OK ? files_prepare(r) : ready;
     if (ready != MU_OK) {

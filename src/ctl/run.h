@@ -11,16 +11,16 @@
 #include "ctl/report.h"
 #include "ctl/supervise.h"
 #include "muster/agent.h"
-#include "world/world.h"
 #include "wire.h"
+#include "world/world.h"
 
 #include <limits.h>
 #include <signal.h>
 
 struct run_options {
     const char *file;
-    int64_t seed, domain;   /* < 0: the file's; the first free one */
-    double duration_s;      /* < 0: the file's */
+    int64_t seed, domain; /* < 0: the file's; the first free one */
+    double duration_s;    /* < 0: the file's */
     double rate, limit_s;
     bool free, quiet, json, no_spread;
     const char *out;
@@ -33,7 +33,7 @@ struct run {
     struct experiment *experiment;
     struct world *world;
     int domain;
-    char folder[PATH_MAX];       /* of the report */
+    char folder[PATH_MAX]; /* of the report */
     struct supervise children;
     mu_process *process;
     mu_agent *observer;

@@ -21,19 +21,19 @@ enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 8, SUPERVISE_WORDS_MAX = 1024 };
 struct child {
     char name[MU_NAME_MAX + 1]; /* broker, simulator, or the robot's */
     pid_t pid;
-    int output;                 /* both of its outputs, read end; -1: closed */
+    int output; /* both of its outputs, read end; -1: closed */
     bool ended;
-    int status;                 /* of waitpid */
+    int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
     uint32_t words_len;
 };
 
 struct supervise {
-    struct child *children;     /* SUPERVISE_CHILDREN_MAX */
+    struct child *children; /* SUPERVISE_CHILDREN_MAX */
     uint32_t count;
-    bool quiet;                 /* do not pass on what children say */
-    bool spread;                /* each child stays on one processor, they take turns */
-    cpu_set_t processors;       /* that we may use */
+    bool quiet;           /* do not pass on what children say */
+    bool spread;          /* each child stays on one processor, they take turns */
+    cpu_set_t processors; /* that we may use */
 };
 
 /**

@@ -185,9 +185,9 @@ mu_result yaml_check(struct yaml_tree *tree, int node, const cyaml_schema_value_
                                   struct mu_fault *);
     /* The types that our schemas use; libcyaml judges the others alone. */
     static const check_fn checks[CYAML__TYPE_COUNT] = {
-        [CYAML_MAPPING] = yaml_check_mapping,        [CYAML_SEQUENCE] = yaml_check_list,
-        [CYAML_SEQUENCE_FIXED] = yaml_check_list,    [CYAML_ENUM] = yaml_check_enum,
-        [CYAML_STRING] = yaml_check_string,          [CYAML_FLOAT] = yaml_check_number,
+        [CYAML_MAPPING] = yaml_check_mapping,     [CYAML_SEQUENCE] = yaml_check_list,
+        [CYAML_SEQUENCE_FIXED] = yaml_check_list, [CYAML_ENUM] = yaml_check_enum,
+        [CYAML_STRING] = yaml_check_string,       [CYAML_FLOAT] = yaml_check_number,
         [CYAML_UINT] = yaml_check_number,
     };
     check_fn check = checks[schema->type];

@@ -196,7 +196,8 @@ mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
 mu_result mu_agent_broadcast(mu_agent *a, const char *content)
 {
     return mu_agent_send(
-        a, &(struct mu_mail){.dst = "all", .layer = MU_LAYER_SPEECH, .content = content, .due_ns = -1},
+        a,
+        &(struct mu_mail){.dst = "all", .layer = MU_LAYER_SPEECH, .content = content, .due_ns = -1},
         NULL);
 }
 

@@ -66,10 +66,15 @@ static const char *or_empty(const char *s)
 
 mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail)
 {
-    const char *from[OUTBOX_STRINGS] = {
-        src, or_empty(mail->dst), or_empty(mail->performative), or_empty(mail->language),
-        or_empty(mail->ontology), or_empty(mail->reply_with), or_empty(mail->in_reply_to),
-        or_empty(mail->conversation), or_empty(mail->content)};
+    const char *from[OUTBOX_STRINGS] = {src,
+                                        or_empty(mail->dst),
+                                        or_empty(mail->performative),
+                                        or_empty(mail->language),
+                                        or_empty(mail->ontology),
+                                        or_empty(mail->reply_with),
+                                        or_empty(mail->in_reply_to),
+                                        or_empty(mail->conversation),
+                                        or_empty(mail->content)};
     static const size_t most[OUTBOX_STRINGS] = {MU_NAME_MAX,  MU_DST_MAX,   MU_FIELD_MAX,
                                                 MU_FIELD_MAX, MU_FIELD_MAX, MU_FIELD_MAX,
                                                 MU_FIELD_MAX, MU_FIELD_MAX, MU_CONTENT_MAX};
@@ -95,10 +100,19 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
         at += lens[i];
     }
     *slot_of(box, box->next_seq) = (struct outbox_slot){
-        .mail = {.src = copy[0], .seq = box->next_seq, .dst = copy[1], .layer = mail->layer,
-                 .performative = copy[2], .language = copy[3], .ontology = copy[4],
-                 .reply_with = copy[5], .in_reply_to = copy[6], .conversation = copy[7],
-                 .due_ns = mail->due_ns, .ttl_ns = mail->ttl_ns, .content = copy[8]},
+        .mail = {.src = copy[0],
+                 .seq = box->next_seq,
+                 .dst = copy[1],
+                 .layer = mail->layer,
+                 .performative = copy[2],
+                 .language = copy[3],
+                 .ontology = copy[4],
+                 .reply_with = copy[5],
+                 .in_reply_to = copy[6],
+                 .conversation = copy[7],
+                 .due_ns = mail->due_ns,
+                 .ttl_ns = mail->ttl_ns,
+                 .content = copy[8]},
         .text_end = (size_t)(at - box->text),
     };
     box->next_seq++;

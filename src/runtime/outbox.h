@@ -15,26 +15,27 @@
 enum { OUTBOX_TEXT_MAX = 512 * 1024 };
 
 struct outbox_slot {
-    muster_Mail mail;   /* its strings point into the text ring */
-    size_t text_end;    /* where its text ends in the ring */
-    bool confirmed;     /* the broker has answered */
+    muster_Mail mail; /* its strings point into the text ring */
+    size_t text_end;  /* where its text ends in the ring */
+    bool confirmed;   /* the broker has answered */
 };
 
 struct outbox {
-    struct outbox_slot *slots; /* MU_OUTBOX_MAX of them */
-    char *text;                /* OUTBOX_TEXT_MAX bytes */
-    uint64_t first_seq;        /* of the oldest mail that is kept; == next_seq: none */
-    uint64_t next_seq;         /* that the next mail will bear */
-    uint64_t unsent_seq;       /* the first that has not gone out (again) */
-    uint64_t renumbered;       /* how far seq is ahead of what the slots were filled by */
-    bool begun;                /* a mail has gone out */
+    struct outbox_slot *slots;   /* MU_OUTBOX_MAX of them */
+    char *text;                  /* OUTBOX_TEXT_MAX bytes */
+    uint64_t first_seq;          /* of the oldest mail that is kept; == next_seq: none */
+    uint64_t next_seq;           /* that the next mail will bear */
+    uint64_t unsent_seq;         /* the first that has not gone out (again) */
+    uint64_t renumbered;         /* how far seq is ahead of what the slots were filled by */
+    bool begun;                  /* a mail has gone out */
     size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
 };
 
 /** Takes memory at start-up; the first mail will bear number 1. */
 void outbox_init(struct outbox *box);
 
-/** The sender's earlier mails went up to last_seq: mails not yet sent are numbered from there on. */
+/** The sender's earlier mails went up to last_seq: mails not yet sent are numbered from there on.
+ */
 void outbox_continue(struct outbox *box, uint64_t last_seq);
 
 /**

@@ -15,10 +15,10 @@
 #include <stdatomic.h>
 
 enum {
-    PROCESS_UP_MAILS = 256,          /* mails in one Up */
-    PROCESS_PARCELS = 16 * 1024,     /* parcels in one Delivery; more come again */
-    PROCESS_UP_BYTES = 48 * 1024,    /* of mail content in one Up, beside the first mail */
-    PROCESS_RULES_MAX = 8 * 1024,    /* names of fired rules, in bytes */
+    PROCESS_UP_MAILS = 256,       /* mails in one Up */
+    PROCESS_PARCELS = 16 * 1024,  /* parcels in one Delivery; more come again */
+    PROCESS_UP_BYTES = 48 * 1024, /* of mail content in one Up, beside the first mail */
+    PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
 };
 
 struct mu_agent {
@@ -30,7 +30,7 @@ struct mu_agent {
     uint64_t incarnation;
     bool registered, refused;
     bool no_broadcasts;
-    bool gone;             /* has left */
+    bool gone; /* has left */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
     uint64_t last_number;  /* taken from the box */
@@ -38,7 +38,7 @@ struct mu_agent {
     uint64_t handed;       /* parcels that reached its handlers */
     bool drives;           /* this step */
     double forward_m_s, turn_rad_s;
-    uint32_t firings;      /* this step */
+    uint32_t firings; /* this step */
     char rules[PROCESS_RULES_MAX + 1];
 };
 
@@ -52,14 +52,14 @@ struct mu_process {
     struct mu_agent *agents; /* MU_LOCAL_AGENTS_MAX of them */
     uint32_t agent_count;
     struct members members;
-    uint64_t broker_incarnation;   /* 0: none has answered yet */
-    uint64_t heartbeat_ns;         /* when the last registrations went out */
-    bool ready;                    /* all that lock step needs has matched */
+    uint64_t broker_incarnation; /* 0: none has answered yet */
+    uint64_t heartbeat_ns;       /* when the last registrations went out */
+    bool ready;                  /* all that lock step needs has matched */
     bool in_lockstep;
-    const muster_Sense *step;       /* a step that waits for its mail, on loan */
-    const muster_Delivery *mail;    /* a delivery not handled yet, on loan */
-    uint64_t step_wall_ns;          /* when the last step came */
-    bool done;                      /* the simulator has ended the run */
+    const muster_Sense *step;    /* a step that waits for its mail, on loan */
+    const muster_Delivery *mail; /* a delivery not handled yet, on loan */
+    uint64_t step_wall_ns;       /* when the last step came */
+    bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;

@@ -142,7 +142,7 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
     parcels_hand(p, d, count, false);
 }
 
-/* --- the answer ---------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static uint32_t acks_fill(mu_process *p)
 {
@@ -150,8 +150,8 @@ static uint32_t acks_fill(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
         if (a->acked_number != a->last_number) {
-            p->acks[count++] = (muster_Ack){
-                .box = a->name, .number = a->last_number, .handed = a->handed};
+            p->acks[count++] =
+                (muster_Ack){.box = a->name, .number = a->last_number, .handed = a->handed};
         }
     }
     return count;

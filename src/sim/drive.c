@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Rubber on a hard floor. */
-#define DRIVE_FRICTION 0.6
+#define DRIVE_FRICTION     0.6
 #define DRIVE_GRAVITY_M_S2 9.81
 
 /* The wheels stand this far from the middle, as a part of the width. */
@@ -12,9 +12,9 @@
 
 /* Held up: the wheels turn, the body does less than a quarter of it. */
 #define DRIVE_STALL_FORWARD_M_S 0.02
-#define DRIVE_STALL_TURN_RAD_S 0.05
-#define DRIVE_STALL_PART 0.25
-#define DRIVE_STALL_AFTER_S 0.3
+#define DRIVE_STALL_TURN_RAD_S  0.05
+#define DRIVE_STALL_PART        0.25
+#define DRIVE_STALL_AFTER_S     0.3
 
 static double drive_clamp(double value, double least, double most)
 {
@@ -76,8 +76,7 @@ struct drive_force drive_run(struct drive *drive, const struct drive_motion *mot
 
 void drive_watch(struct drive *drive, const struct drive_motion *motion, double dt_s)
 {
-    bool forward =
-        drive_held_up(drive->forward_m_s, motion->forward_m_s, DRIVE_STALL_FORWARD_M_S);
+    bool forward = drive_held_up(drive->forward_m_s, motion->forward_m_s, DRIVE_STALL_FORWARD_M_S);
     bool turn = drive_held_up(drive->turn_rad_s, motion->turn_rad_s, DRIVE_STALL_TURN_RAD_S);
     drive->held_up_s = forward || turn ? drive->held_up_s + dt_s : 0;
 }

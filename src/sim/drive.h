@@ -16,7 +16,7 @@ struct drive_limits {
     double forward_max_m_s, reverse_max_m_s, turn_max_rad_s;
     double forward_accel_m_s2, turn_accel_rad_s2;
     double mass_kg, inertia_kg_m2;
-    double traction_n;          /* that the wheels bring to the floor */
+    double traction_n; /* that the wheels bring to the floor */
     double turn_traction_nm;
 };
 

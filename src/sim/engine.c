@@ -18,9 +18,9 @@
 
 struct engine_robot {
     struct drive drive;
-    struct ode_motion motion;           /* as of now */
-    struct ode_motion last_good;        /* as of the last control step */
-    double outline_x_m, outline_y_m;    /* the outline's middle in the robot's frame */
+    struct ode_motion motion;        /* as of now */
+    struct ode_motion last_good;     /* as of the last control step */
+    double outline_x_m, outline_y_m; /* the outline's middle in the robot's frame */
     struct sonar_ring sonars;
 };
 

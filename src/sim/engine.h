@@ -16,15 +16,15 @@
 
 struct engine_options {
     uint64_t seed;
-    uint64_t step_ns;     /* of a control step; a multiple of substep_ns */
-    uint64_t substep_ns;  /* of the physics; 20 ms when 0 */
+    uint64_t step_ns;    /* of a control step; a multiple of substep_ns */
+    uint64_t substep_ns; /* of the physics; 20 ms when 0 */
 };
 
 /* What a robot feels and sees. */
 struct engine_percept {
-    struct world_pose pose;      /* heading in (-pi, pi] */
+    struct world_pose pose;         /* heading in (-pi, pi] */
     double forward_m_s, turn_rad_s; /* as it really moves, in its own frame */
-    bool stalled;                /* its wheels have been held up for 0.3 s */
+    bool stalled;                   /* its wheels have been held up for 0.3 s */
     size_t sonar_count;
     float sonar_m[MU_SONARS_MAX];
 };

@@ -7,9 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-#define GRID_CELL_M 1.0   /* the measured optimum for rays is flat from 0.5 to 1.5 */
-#define GRID_MARGIN_M 1.0 /* around the world */
-#define GRID_SLACK 1e-7   /* cells count as a little larger: rounding must leave no gap */
+#define GRID_CELL_M   1.0  /* the measured optimum for rays is flat from 0.5 to 1.5 */
+#define GRID_MARGIN_M 1.0  /* around the world */
+#define GRID_SLACK    1e-7 /* cells count as a little larger: rounding must leave no gap */
 
 struct grid_span {
     int x0, x1, y0, y1;
@@ -122,8 +122,8 @@ static uint32_t grid_cells_of(const struct grid *grid, const struct solid *solid
     return (uint32_t)cells;
 }
 
-static void grid_layer_init(struct grid *grid, struct grid_layer *layer,
-                            const struct solid *solids, size_t count)
+static void grid_layer_init(struct grid *grid, struct grid_layer *layer, const struct solid *solids,
+                            size_t count)
 {
     size_t cells = (size_t)grid->nx * (size_t)grid->ny;
     uint64_t entries = 0;

@@ -19,12 +19,12 @@ enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -1 };
 struct grid_layer {
     const struct solid *solids;
     uint32_t count;
-    uint32_t *start;    /* of each cell's entries; one more than there are cells */
-    uint32_t *entries;  /* indices of solids */
+    uint32_t *start;   /* of each cell's entries; one more than there are cells */
+    uint32_t *entries; /* indices of solids */
     uint32_t entries_max;
-    uint32_t *outside;  /* solids that do not lie wholly on the grid */
+    uint32_t *outside; /* solids that do not lie wholly on the grid */
     uint32_t outside_count;
-    uint64_t *seen;     /* for each solid, the number of the query that met it last */
+    uint64_t *seen; /* for each solid, the number of the query that met it last */
 };
 
 struct grid {

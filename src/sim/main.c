@@ -30,54 +30,97 @@ struct settings {
     struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
 
-static mu_result settings_parse(struct settings *set, int argc, char **argv, const char **world)
+static struct settings set;
+
+static struct mu_option option_table[] = {
+    MU_NETWORK_OPTIONS(set.network),
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .environment = "MUSTER_SEED",
+     .help = "seed of the run",
+     .target = &set.seed},
+    {.name = "duration",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "simulated seconds; 0: until stopped",
+     .target = &set.duration_s,
+     .max = 1e9},
+    {.name = "rate",
+     .kind = MU_OPTION_REAL,
+     .unit = "R",
+     .fallback = "0",
+     .environment = "MUSTER_RATE",
+     .help = "times real time; 0: as fast as it goes",
+     .target = &set.rate,
+     .max = 1e6},
+    {.name = "step",
+     .kind = MU_OPTION_REAL,
+     .unit = "MS",
+     .fallback = "100",
+     .help = "length of a control step, a multiple of 20",
+     .target = &set.step_ms,
+     .min = 20,
+     .max = 10000},
+    {.name = "silence",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "5",
+     .help = "wall time after which a silent controller ends the run",
+     .target = &set.silence_s,
+     .min = 0.1,
+     .max = 3600},
+    {.name = "free",
+     .kind = MU_OPTION_FLAG,
+     .help = "real time without lock step",
+     .target = &set.free},
+    {.name = "wait",
+     .kind = MU_OPTION_FLAG,
+     .help = "the first step waits for `muster run`",
+     .target = &set.waits_for_go},
+    {.name = "csv",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record tracks here",
+     .target = &set.csv},
+    {.name = "robots",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME",
+     .help = "a robot that has a controller (default: all)",
+     .target = &set.robots},
+    {.name = "place",
+     .kind = MU_OPTION_LIST,
+     .unit = "'NAME BODY X Y DEG COLOR'",
+     .help = "put a robot into the world, or elsewhere; - for what the world says",
+     .target = &set.places},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &set.verbose},
+};
+
+static mu_result settings_parse(int argc, char **argv, const char **world)
 {
-    struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set->network),
-        {.name = "seed", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "1",
-         .environment = "MUSTER_SEED", .help = "seed of the run", .target = &set->seed},
-        {.name = "duration", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "0",
-         .help = "simulated seconds; 0: until stopped", .target = &set->duration_s, .max = 1e9},
-        {.name = "rate", .kind = MU_OPTION_REAL, .unit = "R", .fallback = "0",
-         .environment = "MUSTER_RATE", .help = "times real time; 0: as fast as it goes",
-         .target = &set->rate, .max = 1e6},
-        {.name = "step", .kind = MU_OPTION_REAL, .unit = "MS", .fallback = "100",
-         .help = "length of a control step, a multiple of 20", .target = &set->step_ms,
-         .min = 20, .max = 10000},
-        {.name = "silence", .kind = MU_OPTION_REAL, .unit = "S", .fallback = "5",
-         .help = "wall time after which a silent controller ends the run",
-         .target = &set->silence_s, .min = 0.1, .max = 3600},
-        {.name = "free", .kind = MU_OPTION_FLAG, .help = "real time without lock step",
-         .target = &set->free},
-        {.name = "wait", .kind = MU_OPTION_FLAG, .help = "the first step waits for `muster run`",
-         .target = &set->waits_for_go},
-        {.name = "csv", .kind = MU_OPTION_STRING, .unit = "FILE", .help = "record tracks here",
-         .target = &set->csv},
-        {.name = "robots", .kind = MU_OPTION_LIST, .unit = "NAME",
-         .help = "a robot that has a controller (default: all)", .target = &set->robots},
-        {.name = "place", .kind = MU_OPTION_LIST, .unit = "'NAME BODY X Y DEG COLOR'",
-         .help = "put a robot into the world, or elsewhere; - for what the world says",
-         .target = &set->places},
-        {.name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens",
-         .target = &set->verbose},
-    };
-    static struct mu_options options;
-    options = (struct mu_options){
+    static struct mu_options options = {
         .program = "muster sim",
         .usage = "WORLD [OPTION...]",
         .about = "Simulates the robots of a world file and keeps the clock of the run.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
     }
     if (options.words_count != 1) {
-        fprintf(stderr, "muster sim: name one world file, for example: muster sim worlds/arena.world\n");
+        fprintf(stderr,
+                "muster sim: name one world file, for example: muster sim worlds/arena.world\n");
         return MU_FAULT_USAGE;
     }
-    if (fmod(set->step_ms, 20.0) != 0.0) {
-        fprintf(stderr, "muster sim: --step %g: expected a multiple of 20 ms\n", set->step_ms);
+    if (fmod(set.step_ms, 20.0) != 0.0) {
+        fprintf(stderr, "muster sim: --step %g: expected a multiple of 20 ms\n", set.step_ms);
         return MU_FAULT_USAGE;
     }
     *world = options.words[0];
@@ -110,12 +153,12 @@ static mu_result place_robot(struct world *world, const char *text, struct mu_fa
                            has_pose ? &pose : NULL, strcmp(color, "-") == 0 ? NULL : color, fault);
 }
 
-static mu_result world_prepare(struct world *world, const struct settings *set, const char *path)
+static mu_result world_prepare(struct world *world, const char *path)
 {
     struct mu_fault fault;
     mu_result loaded = world_load(world, path, false, &fault);
-    for (size_t i = 0; loaded == MU_OK && i < set->places.count; i++) {
-        loaded = place_robot(world, set->places.items[i], &fault);
+    for (size_t i = 0; loaded == MU_OK && i < set.places.count; i++) {
+        loaded = place_robot(world, set.places.items[i], &fault);
     }
     loaded = loaded == MU_OK ? world_check_places(world, &fault) : loaded;
     if (loaded != MU_OK) {
@@ -167,15 +210,14 @@ static int session_live(struct session *s)
 
 int main(int argc, char **argv)
 {
-    struct settings set = {0};
     const char *path;
-    mu_result parsed = settings_parse(&set, argc, argv, &path);
+    mu_result parsed = settings_parse(argc, argv, &path);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
     mu_log_open("sim", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct world *world = mu_startup_alloc(sizeof *world);
-    mu_result prepared = world_prepare(world, &set, path);
+    mu_result prepared = world_prepare(world, path);
     if (prepared != MU_OK) {
         return mu_exit_for(prepared);
     }
@@ -186,12 +228,15 @@ int main(int argc, char **argv)
     if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {
         return MU_EXIT_WRITE;
     }
-    struct bus_options bus = {.domain = (int)set.network.domain, .place = BUS_SIMULATOR,
-                              .name = "simulator", .interface = set.network.interface,
+    struct bus_options bus = {.domain = (int)set.network.domain,
+                              .place = BUS_SIMULATOR,
+                              .name = "simulator",
+                              .interface = set.network.interface,
                               .hub = set.network.peer};
     mu_result opened = bus_open(&s->bus, &bus);
     if (opened != MU_OK) {
-        fprintf(stderr, "muster sim: domain %d has a simulator already, or no network\n", bus.domain);
+        fprintf(stderr, "muster sim: domain %d has a simulator already, or no network\n",
+                bus.domain);
         return MU_EXIT_DDS;
     }
     struct session_options options = {.step_ns = step_ns,

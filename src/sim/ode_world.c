@@ -76,8 +76,8 @@ double ode_world_add(const struct ode_body_size *size, struct world_pose pose)
     dMass mass;
     dMassSetBoxTotal(&mass, size->mass_kg, size->length_m, size->width_m, size->width_m);
     /* The body turns about its own point; the weight is taken to lie there (Steiner's theorem). */
-    mass.I[10] += size->mass_kg * (size->middle_x_m * size->middle_x_m +
-                                   size->middle_y_m * size->middle_y_m);
+    mass.I[10] +=
+        size->mass_kg * (size->middle_x_m * size->middle_x_m + size->middle_y_m * size->middle_y_m);
     dBodySetMass(body, &mass);
     dBodySetGyroscopicMode(body, 0);
     ode_world.bodies[ode_world.count++] = body;

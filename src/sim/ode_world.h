@@ -22,8 +22,8 @@ struct ode_body_size {
 
 /* What the rest of the simulator wants to know of a body. */
 struct ode_motion {
-    double x, y, c, s;       /* pose; cosine and sine of the heading */
-    double vx, vy, turn;     /* in the world's frame */
+    double x, y, c, s;   /* pose; cosine and sine of the heading */
+    double vx, vy, turn; /* in the world's frame */
 };
 
 /** Starts ODE with room for so many bodies. */

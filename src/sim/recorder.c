@@ -36,13 +36,15 @@ mu_result recorder_open(struct recorder **out, const char *path)
     return MU_OK;
 }
 
-/* Writes a number with six decimals; printf would take a tenth of a whole step for a row of them. */
+/* Writes a number with six decimals; printf would take a tenth of a whole step for a row of them.
+ */
 static char *number_write(char *to, double value)
 {
     char digits[24];
     size_t count = 0;
     long long scaled = llround(value * 1e6);
-    unsigned long long rest = scaled < 0 ? 0ull - (unsigned long long)scaled : (unsigned long long)scaled;
+    unsigned long long rest =
+        scaled < 0 ? 0ull - (unsigned long long)scaled : (unsigned long long)scaled;
     if (scaled < 0) {
         *to++ = '-';
     }

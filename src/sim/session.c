@@ -28,8 +28,7 @@ static mu_result topics_open(struct session *s)
 }
 
 mu_result session_open(struct session *s, const struct session_options *options,
-                       const struct world *world, struct engine *engine,
-                       struct recorder *recorder)
+                       const struct world *world, struct engine *engine, struct recorder *recorder)
 {
     s->options = *options;
     s->world = world;
@@ -52,7 +51,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     return topics_open(s);
 }
 
-/* --- who is there -------------------------------------------------------------------------------- */
+/* --- who is there ----------------------------------------------------------------------------- */
 
 static struct session_robot *robot_find(struct session *s, const char *name)
 {
@@ -100,8 +99,7 @@ static void registration_take(struct session *s, const muster_Registration *r, e
         if (robot->process >= 0) {
             s->processes[robot->process].ready = r->ready;
         }
-    } else if (robot->process >= 0 &&
-               strcmp(s->processes[robot->process].name, r->process) == 0) {
+    } else if (robot->process >= 0 && strcmp(s->processes[robot->process].name, r->process) == 0) {
         robot->process = -1;
     }
 }
@@ -180,7 +178,7 @@ void session_tell(struct session *s, muster_RunState state, bool always)
     (void)written; /* the next one says more */
 }
 
-/* --- the beginning ------------------------------------------------------------------------------- */
+/* --- the beginning ---------------------------------------------------------------------------- */
 
 /* Tells the broker which processes make the lock step. */
 static mu_result roster_write(struct session *s, bool lockstep)
@@ -189,10 +187,8 @@ static mu_result roster_write(struct session *s, bool lockstep)
     for (uint32_t i = 0; i < s->process_count; i++) {
         names[i] = s->processes[i].name;
     }
-    muster_Roster roster = {.simulator = s->name,
-                            .lockstep = lockstep,
-                            .step = s->step,
-                            .step_ns = s->options.step_ns};
+    muster_Roster roster = {
+        .simulator = s->name, .lockstep = lockstep, .step = s->step, .step_ns = s->options.step_ns};
     roster.processes._buffer = names;
     roster.processes._length = roster.processes._maximum = s->process_count;
     return bus_write(&s->roster, &roster);
@@ -272,7 +268,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
     return told < 0 ? told : MU_OK;
 }
 
-/* --- what comes in ------------------------------------------------------------------------------- */
+/* --- what comes in ---------------------------------------------------------------------------- */
 
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
 {

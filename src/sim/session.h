@@ -22,9 +22,9 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled;   /* the run waits for its controller; else it is an obstacle */
-    int32_t process;   /* index of the process that controls it; -1: none */
-    bool drives;       /* of the last answer: a speed was set */
+    bool controlled; /* the run waits for its controller; else it is an obstacle */
+    int32_t process; /* index of the process that controls it; -1: none */
+    bool drives;     /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     uint32_t quiet_steps; /* since a speed was set */
     unsigned char digest[RUNHASH_BYTES];
@@ -35,20 +35,20 @@ struct session_robot {
 struct session_process {
     char name[MU_PROCESS_MAX + 1];
     struct bus_writer sense;
-    bool ready;           /* it has matched all that it needs */
-    int64_t answered;     /* the last step that it has answered */
+    bool ready;       /* it has matched all that it needs */
+    int64_t answered; /* the last step that it has answered */
     uint64_t answered_wall_ns;
-    muster_Sense sample;  /* what it is sent; its robots lie in the session's pool */
-    bool sample_pending;  /* the network has refused it: try again */
+    muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
+    bool sample_pending; /* the network has refused it: try again */
 };
 
 struct session_options {
     uint64_t step_ns;
-    uint64_t duration_ns;  /* 0: no end */
-    double rate;           /* times real time; 0: as fast as it goes */
-    bool free;             /* no lock step */
-    bool waits_for_go;     /* the first step waits for a RunCommand */
-    uint64_t silence_ns;   /* wall time after which a silent controller is a fault */
+    uint64_t duration_ns; /* 0: no end */
+    double rate;          /* times real time; 0: as fast as it goes */
+    bool free;            /* no lock step */
+    bool waits_for_go;    /* the first step waits for a RunCommand */
+    uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
 };
 
 struct session {
@@ -65,10 +65,10 @@ struct session {
     size_t robot_count;
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
-    muster_Percept *percepts;          /* one for each robot, in order of process */
+    muster_Percept *percepts; /* one for each robot, in order of process */
     muster_RobotTotals *totals;
     int64_t step;
-    int64_t mail_step;       /* the last step whose Delivery is in */
+    int64_t mail_step;                    /* the last step whose Delivery is in */
     unsigned char outside[RUNHASH_BYTES]; /* digest of that step's mails from outside */
     uint32_t answers_missing;
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;

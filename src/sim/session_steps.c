@@ -12,7 +12,7 @@ static const int64_t RETRY_NS = 1000000;
 /* In free running a controller that has not answered for this long has let go of its robot. */
 static const uint64_t DEADMAN_NS = 300000000;
 
-/* --- senses out ---------------------------------------------------------------------------------- */
+/* --- senses out ------------------------------------------------------------------------------- */
 
 static void percepts_read(struct session *s)
 {
@@ -68,7 +68,7 @@ static bool senses_retry(struct session *s)
     return all;
 }
 
-/* --- one step ------------------------------------------------------------------------------------ */
+/* --- one step --------------------------------------------------------------------------------- */
 
 /* Hashes and records the world as this step found it; done while the controllers think. */
 static void world_record(struct session *s)
@@ -119,7 +119,7 @@ static void step_finish(struct session *s)
     s->last_step_wall_ns = mu_clock_ns();
 }
 
-/* --- lock step ----------------------------------------------------------------------------------- */
+/* --- lock step -------------------------------------------------------------------------------- */
 
 static mu_result silence_report(struct session *s)
 {
@@ -220,7 +220,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
     return waited == MU_DONE ? MU_OK : waited;
 }
 
-/* --- free running -------------------------------------------------------------------------------- */
+/* --- free running ----------------------------------------------------------------------------- */
 
 static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {

@@ -28,9 +28,8 @@ struct solid solid_disc(double x_m, double y_m, double radius_m)
 
 struct solid solid_of_shape(const struct world_shape *shape)
 {
-    return shape->kind == WORLD_DISC
-               ? solid_disc(shape->pose.x_m, shape->pose.y_m, shape->radius_m)
-               : solid_box(shape->pose, shape->half_x_m, shape->half_y_m);
+    return shape->kind == WORLD_DISC ? solid_disc(shape->pose.x_m, shape->pose.y_m, shape->radius_m)
+                                     : solid_box(shape->pose, shape->half_x_m, shape->half_y_m);
 }
 
 void solid_extent(const struct solid *solid, double *x_m, double *y_m)
@@ -42,8 +41,8 @@ void solid_extent(const struct solid *solid, double *x_m, double *y_m)
     *y_m = disc ? solid->half_x : s * solid->half_x + c * solid->half_y;
 }
 
-static double solid_ray_disc(const struct solid *solid, const double from[2],
-                             const double along[2], double best)
+static double solid_ray_disc(const struct solid *solid, const double from[2], const double along[2],
+                             double best)
 {
     double fx = from[0] - solid->x;
     double fy = from[1] - solid->y;

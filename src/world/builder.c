@@ -96,9 +96,9 @@ mu_result builder_fault(struct builder *b, const struct worldfile_place *at, con
 mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity)
 {
     static const char *const models[] = {
-        "actuator",  "blinkenlight", "blobfinder",     "block", "bumper",   "camera", "fiducial",
-        "gripper",   "indicator",    "lightindicator", "laser", "model",    "position",
-        "ranger",    "sensor",       "speech",         "wifi",
+        "actuator", "blinkenlight", "blobfinder", "block",          "bumper", "camera",
+        "fiducial", "gripper",      "indicator",  "lightindicator", "laser",  "model",
+        "position", "ranger",       "sensor",     "speech",         "wifi",
     };
     const char *kind = worldfile_kind(entity);
     for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
@@ -135,8 +135,8 @@ mu_result builder_numbers(struct builder *b, const struct worldfile_entity *enti
     }
     for (size_t i = 0; i < p->value_count; i++) {
         if (p->values[i].text) {
-            return builder_fault(b, &p->at, "expected a number for '%s', found '%.40s'",
-                                 wanted.key, p->values[i].text);
+            return builder_fault(b, &p->at, "expected a number for '%s', found '%.40s'", wanted.key,
+                                 p->values[i].text);
         }
         wanted.to[i] = p->values[i].number;
     }

@@ -86,9 +86,10 @@ struct worldfile_place builder_place(const struct worldfile_entity *entity, cons
 struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose);
 
 /** Visits the models inside a model: first those of what it derives from. */
-MU_MUST_USE mu_result builder_children(
-    const struct worldfile_entity *entity,
-    mu_result (*visit)(void *context, const struct worldfile_entity *child), void *context);
+MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
+                                       mu_result (*visit)(void *context,
+                                                          const struct worldfile_entity *child),
+                                       void *context);
 
 /** Adds a static shape.  at: whose it is, for the fault when there is no room. */
 MU_MUST_USE mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,

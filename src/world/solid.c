@@ -15,7 +15,7 @@
 enum { SOLID_POINTS_MAX = 256, SOLID_DISC_POINTS_MIN = 8 };
 
 #define SOLID_DISC_TOLERANCE 0.02 /* of the radius */
-#define SOLID_BOUNDARY_M 0.2      /* walls stand outside the model's size, this thick */
+#define SOLID_BOUNDARY_M     0.2  /* walls stand outside the model's size, this thick */
 
 struct solid_polygon {
     double x[SOLID_POINTS_MAX], y[SOLID_POINTS_MAX];
@@ -242,10 +242,8 @@ static mu_result solid_place_boundary(struct solid_reader *reader)
 mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
                       struct world_pose pose)
 {
-    struct solid_reader reader = {.builder = b,
-                                  .owner = entity,
-                                  .min = {INFINITY, INFINITY},
-                                  .max = {-INFINITY, -INFINITY}};
+    struct solid_reader reader = {
+        .builder = b, .owner = entity, .min = {INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY}};
     double origin[4] = {0, 0, 0, 0};
     double obstacle = 1;
     double ranger = 1;

@@ -25,22 +25,22 @@ enum world_shape_kind { WORLD_BOX, WORLD_DISC };
 
 struct world_shape {
     enum world_shape_kind kind;
-    struct world_pose pose;       /* of its centre */
-    double half_x_m, half_y_m;    /* box */
-    double radius_m;              /* disc */
+    struct world_pose pose;    /* of its centre */
+    double half_x_m, half_y_m; /* box */
+    double radius_m;           /* disc */
 };
 
 struct world_sonar {
-    struct world_pose pose;       /* in the robot's frame */
+    struct world_pose pose; /* in the robot's frame */
     double range_min_m, range_max_m;
     double fov_rad;
 };
 
 struct world_robot {
     char name[MU_NAME_MAX + 1];
-    char color[32];               /* a CSS colour, or Stage's name of one */
-    struct world_pose pose;       /* of its centre of rotation, where it starts */
-    double length_m, width_m;     /* its outline: an oriented box */
+    char color[32];                /* a CSS colour, or Stage's name of one */
+    struct world_pose pose;        /* of its centre of rotation, where it starts */
+    double length_m, width_m;      /* its outline: an oriented box */
     double origin_x_m, origin_y_m; /* the outline's centre in the robot's frame */
     double mass_kg;
     double forward_max_m_s, reverse_max_m_s; /* both >= 0 */
@@ -53,11 +53,11 @@ struct world_robot {
 struct world {
     char file[256];
     double min_x_m, min_y_m, max_x_m, max_y_m; /* a box around everything */
-    struct world_shape *shapes;   /* static and solid: stop robots and sonar alike */
+    struct world_shape *shapes;                /* static and solid: stop robots and sonar alike */
     size_t shape_count;
-    struct world_robot *robots;   /* as in the file, then as added; room for MU_ROBOTS_MAX */
+    struct world_robot *robots; /* as in the file, then as added; room for MU_ROBOTS_MAX */
     size_t robot_count;
-    struct world_file *source;    /* the parsed file: what its names define, for world_add_robot */
+    struct world_file *source; /* the parsed file: what its names define, for world_add_robot */
 };
 
 /**

@@ -449,8 +449,7 @@ const char *worldfile_kind(const struct worldfile_entity *entity)
     return entity->type;
 }
 
-const struct worldfile_entity *worldfile_definition(const struct world_file *file,
-                                                    const char *name)
+const struct worldfile_entity *worldfile_definition(const struct world_file *file, const char *name)
 {
     for (const struct worldfile_entity *e = file->definitions; e; e = e->next) {
         if (strcmp(e->defines, name) == 0) {

@@ -29,8 +29,8 @@ enum {
     WORLDFILE_TEXT_MAX = 8 << 20,   /* bytes of one file */
     WORLDFILE_INCLUDES_MAX = 256,   /* in all */
     WORLDFILE_INCLUDE_DEPTH_MAX = 16,
-    WORLDFILE_NESTING_MAX = 32,      /* models in models, as written */
-    WORLDFILE_DERIVATION_MAX = 32,   /* definitions that derive from definitions */
+    WORLDFILE_NESTING_MAX = 32,    /* models in models, as written */
+    WORLDFILE_DERIVATION_MAX = 32, /* definitions that derive from definitions */
     WORLDFILE_DEFINITIONS_MAX = 1024,
     WORLDFILE_PROPERTIES_MAX = 2048, /* of one model, without what it derives from */
     WORLDFILE_TUPLE_MAX = 256        /* values in [ ] */
