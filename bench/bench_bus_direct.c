@@ -46,7 +46,7 @@ static void ends_open(struct ends *e, int domain, enum bus_place place)
     const struct topic *up = &topic_table[BUS_UP];
     dds_entity_t topic =
         or_die(dds_create_topic(at, up->descriptor, up->name, NULL, NULL), "topic");
-    dds_qos_t *qos = topic_qos(up);
+    dds_qos_t *qos = topics_qos(up);
     dds_qos_t *to = dds_create_qos();
     dds_qset_partition1(to, first ? "back" : "there");
     dds_entity_t publisher = or_die(dds_create_publisher(at, to, NULL), "publisher");

@@ -160,7 +160,8 @@ void mu_agent_decline_broadcasts(mu_agent *a);
 /**
  * Sends a mail; it is kept and sent again until the broker has answered for it.
  *
- * @param seq  out: its number, for on_receipt; may be NULL
+ * @param seq  out: its number, for on_receipt; may be NULL.  Before on_registered it is not final:
+ *             an earlier agent of that name may have sent mails, and the count goes on after them.
  * @return MU_OK; MU_MALFORMED: a field is missing or too long; MU_FULL: MU_OUTBOX_MAX mails are
  *         not answered for yet
  */

@@ -71,9 +71,21 @@ static mu_result domain_open(const struct bus_options *options)
     return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 119", code);
 }
 
+/* What goes into the configuration as it stands: an address or the name of a host. */
+static bool is_host(const char *text)
+{
+    static const char allowed[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_";
+    return !text || (text[0] && strlen(text) < 256 && text[strspn(text, allowed)] == '\0');
+}
+
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){0};
+    if (!is_host(options->interface) || !is_host(options->hub)) {
+        fprintf(stderr, "expected the address of an interface and the name or address of a host\n");
+        return MU_FAULT_USAGE;
+    }
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
         mu_result opened = domain_open(options);

@@ -28,8 +28,11 @@ void supervise_init(struct supervise *s, bool quiet, bool spread)
 static cpu_set_t processor_choose(const struct supervise *s)
 {
     cpu_set_t one = s->processors;
+    if (!s->spread) {
+        return one; /* on a machine with more than CPU_SETSIZE of them, we know of none */
+    }
     int turn = (int)(s->count % (uint32_t)CPU_COUNT(&s->processors));
-    for (int cpu = 0; s->spread && cpu < CPU_SETSIZE; cpu++) {
+    for (int cpu = 0; cpu < CPU_SETSIZE; cpu++) {
         if (CPU_ISSET(cpu, &s->processors) && turn-- == 0) {
             CPU_ZERO(&one);
             CPU_SET(cpu, &one);

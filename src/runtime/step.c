@@ -47,13 +47,14 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
 {
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
-        if (!p->fresh[i] || (parcel->letter.layer == MU_DIRECTIVE) != directives) {
+        struct mu_agent *a = agent_find(p, parcel->box);
+        if (!p->fresh[i] || a->gone || (parcel->letter.layer == MU_DIRECTIVE) != directives) {
             continue;
         }
         if (directives) {
-            agent_directive(agent_find(p, parcel->box), parcel);
+            agent_directive(a, parcel);
         } else {
-            agent_mail(agent_find(p, parcel->box), parcel);
+            agent_mail(a, parcel);
         }
     }
 }

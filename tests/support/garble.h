@@ -11,7 +11,12 @@
 #include <stddef.h>
 #include <string.h>
 
-/** Copies sample with 1 to 8 wounds.  @param size  bytes of to; @return its length, without a zero */
+/**
+ * Copies a sample with 1 to 8 wounds.
+ *
+ * @param size  bytes of to; twice the sample's are enough
+ * @return the length of what came out, without its zero
+ */
 static inline size_t garble(struct mu_random *r, char *to, size_t size, const char *sample,
                             size_t len)
 {
@@ -23,9 +28,7 @@ static inline size_t garble(struct mu_random *r, char *to, size_t size, const ch
         char mark = mu_random_between(r, 0, 1) ? (char)mu_random_between(r, 1, 255)
                                                : marks[mu_random_between(r, 0, sizeof marks - 2)];
         switch (mu_random_between(r, 0, 15)) {
-        case 0: /* cut off */
-            len = at;
-            break;
+        case 0: /* cut off */ len = at; break;
         case 1:
         case 2: /* taken out */
             memmove(to + at, to + at + 1, len - at - 1);

@@ -20,13 +20,21 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
 
 /* idlc makes no const members; the checks write to none. */
 #define W(s) ((char *)(uintptr_t)(s))
-#define LIST(buffer) {._length = FEW, ._maximum = FEW, ._buffer = (buffer)}
+#define LIST(buffer)                                         \
+    {                                                        \
+        ._length = FEW, ._maximum = FEW, ._buffer = (buffer) \
+    }
 
-#define A_MAIL                                                                               \
-    {.src = W("red"), .seq = 1, .dst = W("blue"), .layer = 3, .performative = W("tell"),     \
-     .language = W(""), .ontology = W(""), .reply_with = W(""), .in_reply_to = W(""),        \
-     .conversation = W(""), .due_ns = -1, .content = W("hello")}
-#define A_MEMBER {.name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here")}
+#define A_MAIL                                                                              \
+    {                                                                                       \
+        .src = W("red"), .seq = 1, .dst = W("blue"), .layer = 3, .performative = W("tell"), \
+        .language = W(""), .ontology = W(""), .reply_with = W(""), .in_reply_to = W(""),    \
+        .conversation = W(""), .due_ns = -1, .content = W("hello")                          \
+    }
+#define A_MEMBER                                                                   \
+    {                                                                              \
+        .name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here") \
+    }
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
@@ -34,7 +42,8 @@ static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
     {.agent = W("blue"), .rules = W("")},
     {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails)},
 };
-static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {{.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
+static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
+    {.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
 static muster_Up up = {.process = W("p1"), .acts = LIST(acts), .acks = LIST(acks)};
 
 static float sonar_m[MU_SONARS_MAX + 1] = {0.5f, 1.0f, 2.0f};
@@ -58,8 +67,7 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .members = LIST(members),
                                    .outside = LIST(outside)};
 
-static muster_Registration registration = {
-    .name = W("red"), .process = W("p1"), .host = W("here")};
+static muster_Registration registration = {.name = W("red"), .process = W("p1"), .host = W("here")};
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {.simulator = W("sim"), .processes = LIST(processes)};
 static muster_RunCommand command = {.simulator = W("sim")};
@@ -71,15 +79,15 @@ static muster_Member member = A_MEMBER;
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 
 enum field_kind {
-    A_NAME,    /* of an agent */
-    A_WORD,    /* at most max bytes and at least one */
-    A_TEXT,    /* at most max bytes */
-    A_COUNT,   /* from 1 to INT64_MAX */
-    A_LAST,    /* from 0 to INT64_MAX */
-    A_DOUBLE,  /* finite */
-    A_SPEED,   /* anything: what is no number is the simulator's to refuse */
-    A_FLOAT,   /* finite */
-    A_LENGTH,  /* of a sequence, at most max */
+    A_NAME,   /* of an agent */
+    A_WORD,   /* at most max bytes and at least one */
+    A_TEXT,   /* at most max bytes */
+    A_COUNT,  /* from 1 to INT64_MAX */
+    A_LAST,   /* from 0 to INT64_MAX */
+    A_DOUBLE, /* finite */
+    A_SPEED,  /* anything: what is no number is the simulator's to refuse */
+    A_FLOAT,  /* finite */
+    A_LENGTH, /* of a sequence, at most max */
 };
 
 static const struct field {
@@ -90,22 +98,26 @@ static const struct field {
     enum field_kind kind;
     size_t max;
 } fields[] = {
-#define MAIL(label, check, sample, m)                                               \
-    {label ".src", check, sample, &(m).src, A_NAME, 0},                             \
-    {label ".seq", check, sample, &(m).seq, A_COUNT, 0},                            \
-    {label ".dst", check, sample, &(m).dst, A_WORD, MU_DST_MAX},                    \
-    {label ".performative", check, sample, &(m).performative, A_TEXT, MU_FIELD_MAX}, \
-    {label ".language", check, sample, &(m).language, A_TEXT, MU_FIELD_MAX},        \
-    {label ".ontology", check, sample, &(m).ontology, A_TEXT, MU_FIELD_MAX},        \
-    {label ".reply_with", check, sample, &(m).reply_with, A_TEXT, MU_FIELD_MAX},    \
-    {label ".in_reply_to", check, sample, &(m).in_reply_to, A_TEXT, MU_FIELD_MAX},  \
-    {label ".conversation", check, sample, &(m).conversation, A_TEXT, MU_FIELD_MAX}, \
-    {label ".content", check, sample, &(m).content, A_TEXT, MU_CONTENT_MAX}
-#define MEMBER(label, check, sample, m)                                     \
-    {label ".name", check, sample, &(m).name, A_NAME, 0},                   \
-    {label ".process", check, sample, &(m).process, A_TEXT, MU_PROCESS_MAX}, \
-    {label ".broker", check, sample, &(m).broker, A_TEXT, MU_FIELD_MAX},    \
-    {label ".host", check, sample, &(m).host, A_TEXT, MU_FIELD_MAX}
+#define MAIL(label, check, sample, m)                                                    \
+    {label ".src", check, sample, &(m).src, A_NAME, 0},                                  \
+        {label ".seq", check, sample, &(m).seq, A_COUNT, 0},                             \
+        {label ".dst", check, sample, &(m).dst, A_WORD, MU_DST_MAX},                     \
+        {label ".performative", check, sample, &(m).performative, A_TEXT, MU_FIELD_MAX}, \
+        {label ".language", check, sample, &(m).language, A_TEXT, MU_FIELD_MAX},         \
+        {label ".ontology", check, sample, &(m).ontology, A_TEXT, MU_FIELD_MAX},         \
+        {label ".reply_with", check, sample, &(m).reply_with, A_TEXT, MU_FIELD_MAX},     \
+        {label ".in_reply_to", check, sample, &(m).in_reply_to, A_TEXT, MU_FIELD_MAX},   \
+        {label ".conversation", check, sample, &(m).conversation, A_TEXT, MU_FIELD_MAX}, \
+    {                                                                                    \
+        label ".content", check, sample, &(m).content, A_TEXT, MU_CONTENT_MAX            \
+    }
+#define MEMBER(label, check, sample, m)                                          \
+    {label ".name", check, sample, &(m).name, A_NAME, 0},                        \
+        {label ".process", check, sample, &(m).process, A_TEXT, MU_PROCESS_MAX}, \
+        {label ".broker", check, sample, &(m).broker, A_TEXT, MU_FIELD_MAX},     \
+    {                                                                            \
+        label ".host", check, sample, &(m).host, A_TEXT, MU_FIELD_MAX            \
+    }
 
     {"registration.name", check_registration, &registration, &registration.name, A_WORD,
      MU_FIELD_MAX},
@@ -331,10 +343,14 @@ static void test_bad_names_of_agents_reach_the_broker(void)
 static void test_every_topic_has_its_check(void)
 {
     bool (*const checks[BUS_TOPICS])(const void *) = {
-        [BUS_REGISTRATION] = check_registration, [BUS_UP] = check_up,
-        [BUS_SENSE] = check_sense,               [BUS_DELIVERY] = check_delivery,
-        [BUS_ROSTER] = check_roster,             [BUS_RUN_COMMAND] = check_run_command,
-        [BUS_RUN_STATUS] = check_run_status,     [BUS_MEMBER] = check_member,
+        [BUS_REGISTRATION] = check_registration,
+        [BUS_UP] = check_up,
+        [BUS_SENSE] = check_sense,
+        [BUS_DELIVERY] = check_delivery,
+        [BUS_ROSTER] = check_roster,
+        [BUS_RUN_COMMAND] = check_run_command,
+        [BUS_RUN_STATUS] = check_run_status,
+        [BUS_MEMBER] = check_member,
         [BUS_BROKER_STATUS] = check_broker_status,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {

@@ -20,10 +20,10 @@ static void test_every_result_has_its_exit_code(void)
         mu_result result;
         int code;
     } table[] = {
-        {MU_OK, 0},           {MU_DONE, 0},      {MU_FAULT_USAGE, 2}, {MU_FAULT_FILE, 3},
-        {MU_MALFORMED, 3},    {MU_FAULT_DDS, 4}, {MU_BUSY, 4},        {MU_TIMEOUT, 4},
-        {MU_NAME_HELD, 4},    {MU_REFUSED, 6},   {MU_ABSENT, 7},      {MU_EXISTS, 8},
-        {MU_FULL, 8},         {MU_DUPLICATE, 8}, {MU_FAULT_OS, 9},    {(mu_result)-99, 5},
+        {MU_OK, 0},         {MU_DONE, 0},      {MU_FAULT_USAGE, 2}, {MU_FAULT_FILE, 3},
+        {MU_MALFORMED, 3},  {MU_FAULT_DDS, 4}, {MU_BUSY, 4},        {MU_TIMEOUT, 4},
+        {MU_NAME_HELD, 4},  {MU_REFUSED, 6},   {MU_ABSENT, 7},      {MU_EXISTS, 8},
+        {MU_FULL, 8},       {MU_DUPLICATE, 8}, {MU_FAULT_OS, 9},    {(mu_result)-99, 5},
         {(mu_result)99, 5},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -81,9 +81,9 @@ static void test_fault_says_where(void)
                  {3, 0, "a.yaml:3: no robot 7\n"},
                  {0, 7, "a.yaml: no robot 7\n"}};
     for (size_t i = 0; i < 3; i++) {
-        CU_ASSERT_EQUAL(mu_fault_at(&fault, "a.yaml", cases[i].line, cases[i].column,
-                                    "no robot %d", 7),
-                        MU_FAULT_FILE);
+        CU_ASSERT_EQUAL(
+            mu_fault_at(&fault, "a.yaml", cases[i].line, cases[i].column, "no robot %d", 7),
+            MU_FAULT_FILE);
         capture_begin();
         mu_fault_print(&fault);
         capture_end();

@@ -8,10 +8,9 @@
 
 static void test_names_that_are_names(void)
 {
-    static const char *const names[] = {"a",      "Z",        "_",         "red",     "red.1",
-                                        "r2-d2",  "__",       "a..b",      "A_b-C.9", "all",
-                                        "broker", "broker.x", "nil",       "true",    "x-",
-                                        "x.",     "_-._-.",   "operator"};
+    static const char *const names[] = {"a",   "Z",    "_",       "red", "red.1",  "r2-d2",
+                                        "__",  "a..b", "A_b-C.9", "all", "broker", "broker.x",
+                                        "nil", "true", "x-",      "x.",  "_-._-.", "operator"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         CU_ASSERT_TRUE(mu_name_valid(names[i]));
     }
@@ -20,13 +19,59 @@ static void test_names_that_are_names(void)
 static void test_names_from_hell(void)
 {
     static const char *const names[] = {
-        "",        " ",         "9",         "-",          ".",        "-rf",     "..",
-        "../x",    "a/b",       "a b",       " a",         "a ",       "a\n",     "\na",
-        "a\tb",    "a,b",       "a:b",       "group:g",    "*",        "a*",      "?x",
-        "$?x",     "?*x*",      "a;b",       "a'b",        "a\"b",     "a\\b",    "(a)",
-        "a&b",     "a|b",       "~a",        "a=b",        "a%sb",     "%n",      "a\x01" "b",
-        "a\x7f",   "\x1b[31m",  "r\xc3\xb6t", "\xc3\xa9",  "\xff\xfe", "a\x80",   "a\xc2\xa0",
-        "\xd0\xb0", "e\xcc\x81", "\xe2\x80\xae" "a", "\xf0\x9f\xa4\x96", "@", "[", "`", "{", "a^",
+        "",
+        " ",
+        "9",
+        "-",
+        ".",
+        "-rf",
+        "..",
+        "../x",
+        "a/b",
+        "a b",
+        " a",
+        "a ",
+        "a\n",
+        "\na",
+        "a\tb",
+        "a,b",
+        "a:b",
+        "group:g",
+        "*",
+        "a*",
+        "?x",
+        "$?x",
+        "?*x*",
+        "a;b",
+        "a'b",
+        "a\"b",
+        "a\\b",
+        "(a)",
+        "a&b",
+        "a|b",
+        "~a",
+        "a=b",
+        "a%sb",
+        "%n",
+        "a\x01"
+        "b",
+        "a\x7f",
+        "\x1b[31m",
+        "r\xc3\xb6t",
+        "\xc3\xa9",
+        "\xff\xfe",
+        "a\x80",
+        "a\xc2\xa0",
+        "\xd0\xb0",
+        "e\xcc\x81",
+        "\xe2\x80\xae"
+        "a",
+        "\xf0\x9f\xa4\x96",
+        "@",
+        "[",
+        "`",
+        "{",
+        "a^",
     };
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         CU_ASSERT_FALSE(mu_name_valid(names[i]));
@@ -64,11 +109,13 @@ static void test_limit_length(void)
 
 static void test_reserved_names(void)
 {
-    static const char *const reserved[] = {"all",    "robots",  "special",   "observer", "operator",
-                                           "broker", "broker.", "broker.b1", "broker.broker"};
-    static const char *const allowed[] = {"All",     "ALL",    "al",        "all_", "all.x", "robot",
-                                          "brokers", "broke",  "broker-b1", "operators",
-                                          "observer.1", "specials", "", "red"};
+    static const char *const reserved[] = {"all",      "robots",    "special",
+                                           "observer", "operator",  "broker",
+                                           "broker.",  "broker.b1", "broker.broker"};
+    static const char *const allowed[] = {
+        "All",     "ALL",   "al",        "all_",      "all.x",      "robot",    "",
+        "brokers", "broke", "broker-b1", "operators", "observer.1", "specials", "red",
+    };
     for (size_t i = 0; i < sizeof reserved / sizeof reserved[0]; i++) {
         CU_ASSERT_TRUE(mu_name_reserved(reserved[i]));
     }

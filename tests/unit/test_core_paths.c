@@ -17,9 +17,9 @@ static void test_join(void)
     static const struct {
         const char *folder, *file, *want;
     } cases[] = {
-        {"a", "b", "a/b"},       {"a/b", "../c", "a/b/../c"}, {"a", "/b", "/b"},
-        {"", "b", "b"},          {"", "/b", "/b"},            {"/", "b", "//b"},
-        {"a b", "c d", "a b/c d"}, {"a", "", "a/"},           {"", "", ""},
+        {"a", "b", "a/b"}, {"a/b", "../c", "a/b/../c"}, {"a", "/b", "/b"},         {"", "b", "b"},
+        {"", "/b", "/b"},  {"/", "b", "//b"},           {"a b", "c d", "a b/c d"}, {"a", "", "a/"},
+        {"", "", ""},
     };
     char path[32];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

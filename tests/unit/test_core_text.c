@@ -107,10 +107,23 @@ static void test_every_character_is_read_back(void)
 static void test_broken_characters(void)
 {
     static const char *const broken[] = {
-        "\x80",         "\xbf",         "\xfe",         "\xff",     "\xc0\x80",
-        "\xc1\xbf",     "\xe0\x80\x80", "\xe0\x9f\xbf", "\xc3",     "\xe2\x82",
-        "\xf0\x9f\x98", "\xc3(",        "\xe2(\xa1",    "\xf8\x88\x80\x80\x80",
-        "\xf0\x80\x80\x80", "\xf4\x90\x80\x80", "\xed\xa0\x80",
+        "\x80",
+        "\xbf",
+        "\xfe",
+        "\xff",
+        "\xc0\x80",
+        "\xc1\xbf",
+        "\xe0\x80\x80",
+        "\xe0\x9f\xbf",
+        "\xc3",
+        "\xe2\x82",
+        "\xf0\x9f\x98",
+        "\xc3(",
+        "\xe2(\xa1",
+        "\xf8\x88\x80\x80\x80",
+        "\xf0\x80\x80\x80",
+        "\xf4\x90\x80\x80",
+        "\xed\xa0\x80",
     };
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
         uint32_t code = 0;

@@ -7,8 +7,8 @@
 #include "bus/bus.h"
 #include "ctl/runs.h"
 
-#include <CUnit/Basic.h>
 #include <arpa/inet.h>
+#include <CUnit/Basic.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/prctl.h>

@@ -17,7 +17,7 @@ static struct supervise all; /* static: leak checkers see its memory */
 
 static void set_up(void)
 {
-    supervise_init(&all, true);
+    supervise_init(&all, true, false);
     alarm(60);
 }
 
@@ -194,6 +194,36 @@ static void test_stop_all(void)
     CU_ASSERT(WIFEXITED(done->status));
 }
 
+static const char which_processors[] = "grep Cpus_allowed_list: /proc/self/status";
+
+static void test_spread_children_take_turns(void)
+{
+    struct child *free = start("free", which_processors);
+    await_end(free);
+    supervise_init(&all, true, true);
+    struct child *first = start("first", which_processors);
+    struct child *second = start("second", which_processors);
+    await_end(first);
+    await_end(second);
+    bool many = CPU_COUNT(&all.processors) > 1;
+    const struct child *const both[] = {first, second};
+    for (size_t i = 0; i < 2; i++) { /* one number, no list */
+        const char *list = strchr(both[i]->words, '\t');
+        CU_ASSERT_PTR_NOT_NULL_FATAL(list);
+        CU_ASSERT_EQUAL(list[1 + strspn(list + 1, "0123456789")], '\n');
+    }
+    CU_ASSERT_EQUAL(strcmp(first->words, second->words) != 0, many);
+    CU_ASSERT_EQUAL(strcmp(free->words, first->words) != 0, many);
+}
+
+static void test_spread_without_a_known_processor(void)
+{
+    CPU_ZERO(&all.processors); /* as where there are too many to be asked for */
+    struct child *red = start("red", "echo up");
+    await_end(red);
+    CU_ASSERT_STRING_EQUAL(red->words, "up\n");
+}
+
 static void test_a_program_that_is_missing(void)
 {
     const char *const argv[] = {"no-such-program", NULL};
@@ -263,6 +293,8 @@ int main(void)
         {"stop asks first", test_stop_asks_first},
         {"stop kills in the end", test_stop_kills_in_the_end},
         {"stop all", test_stop_all},
+        {"spread children take turns", test_spread_children_take_turns},
+        {"spread without a known processor", test_spread_without_a_known_processor},
         {"a program that is missing", test_a_program_that_is_missing},
         {"limit: children", test_limit_children},
         {"children die with their parent", test_children_die_with_their_parent},

@@ -12,11 +12,11 @@ static void test_the_whole_state_machine(void)
 {
     static const enum mu_state next[STATES][LIFE_EVENTS] = {
         /*                 start         suspend       resume        dispose */
-        [MU_STANDBY] =   {MU_RUNNING,   MU_STANDBY,   MU_STANDBY,   MU_GONE},
-        [MU_RUNNING] =   {MU_RUNNING,   MU_SUSPENDED, MU_RUNNING,   MU_GONE},
-        [MU_SUSPENDED] = {MU_SUSPENDED, MU_SUSPENDED, MU_RUNNING,   MU_GONE},
-        [MU_MOVING] =    {MU_MOVING,    MU_MOVING,    MU_MOVING,    MU_GONE},
-        [MU_GONE] =      {MU_GONE,      MU_GONE,      MU_GONE,      MU_GONE},
+        [MU_STANDBY] = {MU_RUNNING, MU_STANDBY, MU_STANDBY, MU_GONE},
+        [MU_RUNNING] = {MU_RUNNING, MU_SUSPENDED, MU_RUNNING, MU_GONE},
+        [MU_SUSPENDED] = {MU_SUSPENDED, MU_SUSPENDED, MU_RUNNING, MU_GONE},
+        [MU_MOVING] = {MU_MOVING, MU_MOVING, MU_MOVING, MU_GONE},
+        [MU_GONE] = {MU_GONE, MU_GONE, MU_GONE, MU_GONE},
     };
     for (int state = 0; state < STATES; state++) {
         for (int event = 0; event < LIFE_EVENTS; event++) {
@@ -44,8 +44,8 @@ static void test_directives_name_events(void)
                  {"suspend", LIFE_SUSPEND},
                  {"resume", LIFE_RESUME},
                  {"dispose", LIFE_DISPOSE}};
-    static const char *const others[] = {"", "Start", "star", "starts", " start", "do", "step",
-                                         "tell", "run", "start\n"};
+    static const char *const others[] = {"",   "Start", "star", "starts", " start",
+                                         "do", "step",  "tell", "run",    "start\n"};
     CU_ASSERT_EQUAL(LIFE_EVENTS, 4);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         enum life_event event = LIFE_EVENTS;
@@ -75,7 +75,7 @@ static void test_words(void)
     for (int i = 0; i <= MU_MAIL_REFUSED; i++) {
         CU_ASSERT_STRING_EQUAL(mu_outcome_text((enum mu_outcome)i), outcomes[i]);
     }
-    CU_ASSERT_STRING_EQUAL(mu_kind_text((enum mu_kind)-1), "unknown");
+    CU_ASSERT_STRING_EQUAL(mu_kind_text((enum mu_kind) - 1), "unknown");
     CU_ASSERT_STRING_EQUAL(mu_kind_text((enum mu_kind)4), "unknown");
     CU_ASSERT_STRING_EQUAL(mu_outcome_text((enum mu_outcome)7), "unknown");
 }

@@ -22,9 +22,14 @@ static char *words(const char *s)
 
 static void set(const char *name, muster_State state, uint32_t pid)
 {
-    muster_Member line = {.name = words(name), .kind = muster_KIND_ROBOT, .state = state,
-                          .process = words("p1"), .broker = words("b1"), .host = words("here"),
-                          .pid = pid, .since_wall_ns = 7000000000u + pid};
+    muster_Member line = {.name = words(name),
+                          .kind = muster_KIND_ROBOT,
+                          .state = state,
+                          .process = words("p1"),
+                          .broker = words("b1"),
+                          .host = words("here"),
+                          .pid = pid,
+                          .since_wall_ns = 7000000000u + pid};
     members_set(&members, &line);
 }
 

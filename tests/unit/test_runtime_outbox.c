@@ -51,11 +51,20 @@ static void expect_waiting(uint64_t first_seq, unsigned first_content, unsigned 
 static void test_a_mail_is_copied_whole(void)
 {
     char content[] = "hello";
-    const struct mu_mail mail = {.src = "somebody-else", .dst = "blue,green", .seq = 77,
-                                 .number = 5, .layer = MU_LAYER_QUERY, .performative = "ask-one",
-                                 .language = "json", .ontology = "o", .reply_with = "r1",
-                                 .in_reply_to = "q1", .conversation = "c1", .content = content,
-                                 .due_ns = -1, .ttl_ns = 9};
+    const struct mu_mail mail = {.src = "somebody-else",
+                                 .dst = "blue,green",
+                                 .seq = 77,
+                                 .number = 5,
+                                 .layer = MU_LAYER_QUERY,
+                                 .performative = "ask-one",
+                                 .language = "json",
+                                 .ontology = "o",
+                                 .reply_with = "r1",
+                                 .in_reply_to = "q1",
+                                 .conversation = "c1",
+                                 .content = content,
+                                 .due_ns = -1,
+                                 .ttl_ns = 9};
     CU_ASSERT_EQUAL(outbox_put(&box, "red", &mail), MU_OK);
     memset(content, 'x', sizeof content - 1);
     CU_ASSERT_EQUAL_FATAL(outbox_unsent(&box, out, 1), 1);
@@ -146,7 +155,7 @@ static void test_confirmed_out_of_order(void)
 /* A name that has sent before goes on counting, however many mails wait already. */
 static void test_continue_numbers_what_waits(void)
 {
-    static const uint64_t lasts[] = {1,    2,    3,    4,    5,    6,    1019, 1020, 1021,
+    static const uint64_t lasts[] = {1,    2,    3,    4,    5,    6,    1019,     1020,      1021,
                                      1022, 1023, 1024, 1025, 2047, 2048, 1u << 20, 1ull << 40};
     for (size_t i = 0; i < sizeof lasts / sizeof lasts[0]; i++) {
         outbox_init(&box);
@@ -297,7 +306,7 @@ static void test_limit_text_to_the_byte(void)
     }
 }
 
-/* --- a random life against a plain list ---------------------------------------------------------- */
+/* --- a random life against a plain list ------------------------------------------------------ */
 
 enum { MODEL_SEED = 11, MODEL_ROUNDS = 24000, MODEL_MAILS = 2 * MU_OUTBOX_MAX, HEAD_BYTES = 40 };
 

@@ -74,10 +74,8 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
                    (unsigned long long)last_seq, mu_outcome_text(outcome));
 }
 
-static const struct mu_handlers handlers = {.on_registered = on_registered,
-                                            .on_mail = on_mail,
-                                            .on_act = on_act,
-                                            .on_receipt = on_receipt};
+static const struct mu_handlers handlers = {
+    .on_registered = on_registered, .on_mail = on_mail, .on_act = on_act, .on_receipt = on_receipt};
 
 static void look_at_up(struct bus_reader *reader)
 {
@@ -131,13 +129,13 @@ static void spin_for(struct peer *p, uint64_t ns)
     } while (mu_clock_ns() < until_ns);
 }
 
-#define SPIN_UNTIL(p, condition)                                                  \
-    do {                                                                          \
-        uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;                          \
-        while (!(condition) && mu_clock_ns() < until_ns) {                        \
-            spin_for(p, 0);                                                       \
-        }                                                                         \
-        CU_ASSERT_TRUE_FATAL(condition);                                          \
+#define SPIN_UNTIL(p, condition)                           \
+    do {                                                   \
+        uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;   \
+        while (!(condition) && mu_clock_ns() < until_ns) { \
+            spin_for(p, 0);                                \
+        }                                                  \
+        CU_ASSERT_TRUE_FATAL(condition);                   \
     } while (0)
 
 static void forget(void)
@@ -158,8 +156,8 @@ static void deliver(struct peer *p, const muster_Delivery *d)
 
 static void deliver_verdict(struct peer *p, const char *agent)
 {
-    muster_Verdict v = {.agent = words(agent), .accepted = true, .broker_incarnation = 5,
-                        .reason = words("")};
+    muster_Verdict v = {
+        .agent = words(agent), .accepted = true, .broker_incarnation = 5, .reason = words("")};
     muster_Delivery d = delivery_to(p, muster_STEP_NOW);
     d.verdicts._buffer = &v;
     d.verdicts._length = d.verdicts._maximum = 1;
@@ -170,11 +168,17 @@ static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64
 {
     muster_Parcel parcel = {.box = words(agent),
                             .number = number,
-                            .letter = {.src = words("blue"), .seq = number, .dst = words(agent),
-                                       .layer = MU_LAYER_SPEECH, .performative = words(""),
-                                       .language = words(""), .ontology = words(""),
-                                       .reply_with = words(""), .in_reply_to = words(""),
-                                       .conversation = words(""), .content = words("hi")}};
+                            .letter = {.src = words("blue"),
+                                       .seq = number,
+                                       .dst = words(agent),
+                                       .layer = MU_LAYER_SPEECH,
+                                       .performative = words(""),
+                                       .language = words(""),
+                                       .ontology = words(""),
+                                       .reply_with = words(""),
+                                       .in_reply_to = words(""),
+                                       .conversation = words(""),
+                                       .content = words("hi")}};
     muster_Delivery d = delivery_to(p, step);
     d.parcels._buffer = &parcel;
     d.parcels._length = d.parcels._maximum = 1;
@@ -184,8 +188,8 @@ static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64
 static void sense(struct peer *p, int64_t step, bool lockstep, bool last)
 {
     muster_Percept percept = {.robot = words("robot")};
-    muster_Sense s = {.process = words(p->process->name), .step = step, .lockstep = lockstep,
-                      .last = last};
+    muster_Sense s = {
+        .process = words(p->process->name), .step = step, .lockstep = lockstep, .last = last};
     s.robots._buffer = &percept;
     s.robots._length = s.robots._maximum = 1;
     CU_ASSERT_EQUAL_FATAL(bus_write(&p->sense, &s), MU_OK);
@@ -193,8 +197,7 @@ static void sense(struct peer *p, int64_t step, bool lockstep, bool last)
 
 static void open_process(struct peer *p, int domain)
 {
-    struct mu_process_options options = {
-        .domain = domain, .name = "test", .with_body = p == &body};
+    struct mu_process_options options = {.domain = domain, .name = "test", .with_body = p == &body};
     CU_ASSERT_EQUAL_FATAL(mu_process_open(&p->process, &options), MU_OK);
     CU_ASSERT_EQUAL(bus_reader_open(&p->process->bus, BUS_REGISTRATION, NULL, &p->registrations),
                     MU_OK);
@@ -205,8 +208,8 @@ static void open_peers(struct peer *p)
 {
     struct bus *bus = &p->process->bus;
     CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "broker", &p->to_broker), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(
-        bus_writer_open(bus, BUS_DELIVERY, p->process->name, NULL, &p->delivery), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_DELIVERY, p->process->name, NULL, &p->delivery),
+                          MU_OK);
     if (p == &body) {
         CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "simulator", &p->to_simulator), MU_OK);
         CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_SENSE, p->process->name, NULL, &p->sense),
@@ -247,8 +250,8 @@ static void test_mail_out_and_in(void)
     mu_agent *red = agent_find(mind.process, "red");
     uint64_t seq = 0;
     forget();
-    CU_ASSERT_EQUAL(
-        mu_agent_send(red, &(struct mu_mail){.dst = "blue", .content = "hello"}, &seq), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_send(red, &(struct mu_mail){.dst = "blue", .content = "hello"}, &seq),
+                    MU_OK);
     CU_ASSERT_EQUAL(seq, 1);
     SPIN_UNTIL(&mind, seen.mails == 1);
     CU_ASSERT_EQUAL(seen.step, muster_STEP_NOW);
@@ -267,8 +270,8 @@ static void test_mail_without_an_answer_goes_out_again(void)
     SPIN_UNTIL(&mind, seen.mails == 2); /* after a second */
     CU_ASSERT_EQUAL(seen.seq, 1);
     forget();
-    muster_Receipt r = {.agent = words("red"), .first_seq = 1, .last_seq = 1,
-                        .result = muster_OUTCOME_DELIVERED};
+    muster_Receipt r = {
+        .agent = words("red"), .first_seq = 1, .last_seq = 1, .result = muster_OUTCOME_DELIVERED};
     muster_Delivery d = delivery_to(&mind, muster_STEP_NOW);
     d.receipts._buffer = &r;
     d.receipts._length = d.receipts._maximum = 1;

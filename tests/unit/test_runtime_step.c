@@ -117,14 +117,20 @@ static void set_up(void)
 
 static void parcel(const char *box, uint64_t number, const char *performative, const char *content)
 {
-    parcels[delivery.parcels._length++] = (muster_Parcel){
-        .box = words(box),
-        .number = number,
-        .letter = {.src = words("blue"), .seq = number, .dst = words(box),
-                   .layer = performative[0] ? MU_DIRECTIVE : MU_LAYER_SPEECH,
-                   .performative = words(performative), .language = words(""),
-                   .ontology = words(""), .reply_with = words(""), .in_reply_to = words(""),
-                   .conversation = words(""), .content = words(content)}};
+    parcels[delivery.parcels._length++] =
+        (muster_Parcel){.box = words(box),
+                        .number = number,
+                        .letter = {.src = words("blue"),
+                                   .seq = number,
+                                   .dst = words(box),
+                                   .layer = performative[0] ? MU_DIRECTIVE : MU_LAYER_SPEECH,
+                                   .performative = words(performative),
+                                   .language = words(""),
+                                   .ontology = words(""),
+                                   .reply_with = words(""),
+                                   .in_reply_to = words(""),
+                                   .conversation = words(""),
+                                   .content = words(content)}};
 }
 
 static void deliver_with(const muster_Sense *with)
@@ -272,9 +278,13 @@ static void test_directives_of_life_are_the_runtimes(void)
     static const struct {
         const char *directive, *want;
     } story[] = {
-        {"suspend", ""},           {"resume", ""},  {"start", "red is running; "},
-        {"start", ""},             {"suspend", "red is suspended; "},
-        {"start", ""},             {"step", "red step 5; "},
+        {"suspend", ""},
+        {"resume", ""},
+        {"start", "red is running; "},
+        {"start", ""},
+        {"suspend", "red is suspended; "},
+        {"start", ""},
+        {"step", "red step 5; "},
         {"resume", "red is running; "},
     };
     for (uint64_t i = 0; i < sizeof story / sizeof story[0]; i++) {
@@ -282,6 +292,31 @@ static void test_directives_of_life_are_the_runtimes(void)
         expect(story[i].want);
     }
     CU_ASSERT_EQUAL(red->handed, 8);
+}
+
+/* Nobody who asks for an answer waits for an agent that has no handler. */
+static void test_a_directive_without_a_handler(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    red->handlers.on_directive = NULL;
+    red->registered = true;
+    parcel("red", 1, "do", "(wander)");
+    expect("");
+    CU_ASSERT_EQUAL(answer(NULL)->acts._buffer[0].mails._length, 0);
+    mu_text_clear(&heard);
+    parcel("red", 2, "do", "(wander)");
+    parcels[0].letter.reply_with = words("r7");
+    parcels[0].letter.conversation = words("c7");
+    expect("");
+    const muster_Act *act = answer(NULL)->acts._buffer;
+    CU_ASSERT_EQUAL_FATAL(act->mails._length, 1);
+    const muster_Mail *mail = act->mails._buffer;
+    CU_ASSERT_STRING_EQUAL(mail->dst, "blue");
+    CU_ASSERT_STRING_EQUAL(mail->performative, "not-understood");
+    CU_ASSERT_STRING_EQUAL(mail->in_reply_to, "r7");
+    CU_ASSERT_STRING_EQUAL(mail->conversation, "c7");
+    CU_ASSERT_STRING_EQUAL(mail->content, "do");
+    CU_ASSERT_EQUAL(mail->layer, MU_LAYER_SPEECH);
 }
 
 static void receipts(muster_Receipt *buffer, uint32_t count)
@@ -307,8 +342,8 @@ static void test_receipts_confirm(void)
     expect("red 1-2 delivered; red 5-5 box-full; ");
     CU_ASSERT_EQUAL(red->outbox.first_seq, 3);
     /* A mail that the runtime sent twice is answered for, but the agent hears only once. */
-    muster_Receipt twice[] = {{.agent = words("red"), .first_seq = 3, .last_seq = 4,
-                               .result = muster_OUTCOME_DUPLICATE}};
+    muster_Receipt twice[] = {
+        {.agent = words("red"), .first_seq = 3, .last_seq = 4, .result = muster_OUTCOME_DUPLICATE}};
     receipts(twice, 1);
     expect("");
     CU_ASSERT_EQUAL(red->outbox.first_seq, 6);
@@ -316,8 +351,11 @@ static void test_receipts_confirm(void)
 
 static muster_Verdict verdict(const char *agent, uint64_t broker, uint64_t last_seq)
 {
-    return (muster_Verdict){.agent = words(agent), .accepted = true, .last_seq = last_seq,
-                            .broker_incarnation = broker, .reason = words("")};
+    return (muster_Verdict){.agent = words(agent),
+                            .accepted = true,
+                            .last_seq = last_seq,
+                            .broker_incarnation = broker,
+                            .reason = words("")};
 }
 
 static void verdict_deliver(muster_Verdict v, const char *want)
@@ -419,8 +457,13 @@ static void test_a_percept_is_passed_on_whole(void)
     static struct mu_percept got;
     join("red", MU_KIND_ROBOT, 0);
     sense.time_ns = 700;
-    percepts[0] = (muster_Percept){.robot = words("red"), .x_m = 1, .y_m = 2, .heading_rad = 3,
-                                   .forward_m_s = 4, .turn_rad_s = 5, .stalled = true};
+    percepts[0] = (muster_Percept){.robot = words("red"),
+                                   .x_m = 1,
+                                   .y_m = 2,
+                                   .heading_rad = 3,
+                                   .forward_m_s = 4,
+                                   .turn_rad_s = 5,
+                                   .stalled = true};
     percepts[0].sonar_m._buffer = sonar_m;
     percepts[0].sonar_m._length = 2;
     agents[0].handlers.self = &got;
@@ -564,6 +607,7 @@ int main(void)
         {"who has left takes nothing", test_who_has_left_takes_nothing},
         {"directives before percepts before mail", test_directives_before_percepts_before_mail},
         {"directives of life are the runtime's", test_directives_of_life_are_the_runtimes},
+        {"a directive without a handler", test_a_directive_without_a_handler},
         {"limit: parcels in one delivery", test_limit_parcels_in_one_delivery},
         CU_TEST_INFO_NULL,
     };

@@ -24,12 +24,24 @@ static muster_Mail mails[2];
 /* An act with everything in it. */
 static muster_Act act_make(void)
 {
-    mails[0] = (muster_Mail){.src = words("red"), .dst = words("blue"), .seq = 7, .layer = 3,
-                             .performative = words("tell"), .content = words("near 2")};
-    mails[1] = (muster_Mail){.src = words("red"), .dst = words("all"), .seq = 8, .layer = 2,
-                             .performative = words(""), .content = words("")};
-    muster_Act act = {.agent = words("red"), .state = muster_STATE_RUNNING, .drives = true,
-                      .forward_m_s = 0.25, .turn_rad_s = -0.5, .firings = 2,
+    mails[0] = (muster_Mail){.src = words("red"),
+                             .dst = words("blue"),
+                             .seq = 7,
+                             .layer = 3,
+                             .performative = words("tell"),
+                             .content = words("near 2")};
+    mails[1] = (muster_Mail){.src = words("red"),
+                             .dst = words("all"),
+                             .seq = 8,
+                             .layer = 2,
+                             .performative = words(""),
+                             .content = words("")};
+    muster_Act act = {.agent = words("red"),
+                      .state = muster_STATE_RUNNING,
+                      .drives = true,
+                      .forward_m_s = 0.25,
+                      .turn_rad_s = -0.5,
+                      .firings = 2,
                       .rules = words("see act")};
     act.mails._buffer = mails;
     act.mails._length = act.mails._maximum = 2;
@@ -51,16 +63,19 @@ static void test_hashes_stay_what_they_were(void)
     muster_Act act = act_make();
     runhash_act(hash, &act, digest);
     text_of(digest, text);
-    CU_ASSERT_STRING_EQUAL(text, "a7768b63f7205c261bb118170bc81e5fdfe3481d8a8df12d094a3b26c41acccb");
+    CU_ASSERT_STRING_EQUAL(text, "a7768b63f7205c261bb118170bc81e5f"
+                                 "dfe3481d8a8df12d094a3b26c41acccb");
     runhash_outside(hash, mails, 2, digest);
     text_of(digest, text);
-    CU_ASSERT_STRING_EQUAL(text, "75645f83193b3d146554f33a0ce98c4eaac191dc93bf836b762a7c31ff8bbead");
+    CU_ASSERT_STRING_EQUAL(text, "75645f83193b3d146554f33a0ce98c4e"
+                                 "aac191dc93bf836b762a7c31ff8bbead");
 
     struct runhash *run = runhash_open();
     runhash_fold_number(run, 0x0102030405060708);
     runhash_fold(run, "abc", 3);
     runhash_end(run, text);
-    CU_ASSERT_STRING_EQUAL(text, "a95f9b6766a7808b67c164180904f51e22562775f5307c9c323725f53b9a50ca");
+    CU_ASSERT_STRING_EQUAL(text, "a95f9b6766a7808b67c164180904f51e"
+                                 "22562775f5307c9c323725f53b9a50ca");
 }
 
 /* FIPS 180-2, B.1, and the digest of nothing. */
@@ -69,16 +84,30 @@ static void test_it_is_sha256(void)
     char text[RUNHASH_TEXT];
     struct runhash *nothing = runhash_open();
     runhash_end(nothing, text);
-    CU_ASSERT_STRING_EQUAL(text, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    CU_ASSERT_STRING_EQUAL(text, "e3b0c44298fc1c149afbf4c8996fb924"
+                                 "27ae41e4649b934ca495991b7852b855");
     struct runhash *abc = runhash_open();
     runhash_fold(abc, "abc", 3);
     runhash_end(abc, text);
-    CU_ASSERT_STRING_EQUAL(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    CU_ASSERT_STRING_EQUAL(text, "ba7816bf8f01cfea414140de5dae2223"
+                                 "b00361a396177a9cb410ff61f20015ad");
 }
 
 enum change_field {
-    AGENT, STATE, DRIVES, FORWARD, TURN, FIRINGS, RULES, MAILS, /* of the act */
-    SRC, DST, SEQ, LAYER, PERFORMATIVE, CONTENT,                /* of its first mail */
+    AGENT,
+    STATE,
+    DRIVES,
+    FORWARD,
+    TURN,
+    FIRINGS,
+    RULES,
+    MAILS, /* of the act */
+    SRC,
+    DST,
+    SEQ,
+    LAYER,
+    PERFORMATIVE,
+    CONTENT, /* of its first mail */
 };
 
 /* Each way to change an act, in one field or in two. */

@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The network, on loopback: readers and writers of one participant, and another process that holds
+ * the broker's place.
+ */
+#include "bus/bus.h"
+#include "core/clock.h"
+#include "wire.h"
+
+#include <CUnit/Basic.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const uint64_t PATIENCE_NS = 5000000000u;
+static const int64_t WAIT_NS = 5000000;
+
+static struct bus bus; /* static: DDS keeps pointers into it */
+static pid_t holder;   /* of the broker's place */
+
+static int domain(void)
+{
+    return 100 + (int)(getpid() % 100);
+}
+
+/* idlc makes no const members; the bus writes to none. */
+static char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+/* Starts before this process touches DDS, which does not survive a fork. */
+static int begin(void)
+{
+    int ends[2];
+    char up = 0;
+    unsetenv("CYCLONEDDS_URI");
+    alarm(60);
+    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "holder"};
+    if (pipe(ends) != 0) {
+        return 1;
+    }
+    holder = fork();
+    if (holder == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        up = bus_open(&bus, &options) == MU_OK;
+        ssize_t written = write(ends[1], &up, 1);
+        (void)written;
+        pause();
+        _exit(0);
+    }
+    close(ends[1]);
+    ssize_t got = read(ends[0], &up, 1);
+    close(ends[0]);
+    return got != 1 || !up;
+}
+
+static int end(void)
+{
+    kill(holder, SIGKILL);
+    return waitpid(holder, NULL, 0) != holder;
+}
+
+static void test_a_place_is_taken_once(void)
+{
+    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "test"};
+    CU_ASSERT_EQUAL(bus_open(&bus, &options), MU_BUSY);
+    options.place = BUS_AGENT;
+    CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
+}
+
+static bool await(struct bus_reader *reader, const void **sample, enum bus_life *life)
+{
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (!(*sample = bus_next(reader, life)) && mu_clock_ns() < until_ns) {
+        bus_wait(&bus, 1, WAIT_NS);
+    }
+    return *sample != NULL;
+}
+
+static muster_Delivery delivery(int64_t step)
+{
+    return (muster_Delivery){.process = words("p1"), .step = step};
+}
+
+/* Expects deliveries of these steps, in this order. */
+static void expect_steps(struct bus_reader *reader, int64_t first, int64_t last)
+{
+    for (int64_t step = first; step <= last; step++) {
+        const void *sample;
+        enum bus_life life;
+        CU_ASSERT_TRUE_FATAL(await(reader, &sample, &life));
+        CU_ASSERT_EQUAL_FATAL(life, BUS_DATA);
+        CU_ASSERT_EQUAL_FATAL(((const muster_Delivery *)sample)->step, step);
+    }
+}
+
+static void expect_nothing(struct bus_reader *reader)
+{
+    enum bus_life life;
+    bus_wait(&bus, 1, 30000000);
+    CU_ASSERT_PTR_NULL(bus_next(reader, &life));
+}
+
+static struct bus_reader to_p1, to_p2;
+static struct bus_writer writer;
+
+static void test_partitions_are_apart(void)
+{
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_DELIVERY, "p1", &to_p1), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_DELIVERY, "p2", &to_p2), MU_OK);
+    CU_ASSERT_EQUAL(bus_reader_matches(&to_p1), 0);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p1", NULL, &writer), MU_OK);
+    CU_ASSERT_EQUAL(bus_writer_matches(&writer), 1);
+    CU_ASSERT_EQUAL(bus_reader_matches(&to_p1), 1);
+    CU_ASSERT_EQUAL(bus_reader_matches(&to_p2), 0);
+    muster_Delivery d = delivery(1);
+    CU_ASSERT_EQUAL(bus_write(&writer, &d), MU_OK);
+    expect_steps(&to_p1, 1, 1);
+    expect_nothing(&to_p2);
+}
+
+static void test_one_writer_into_two_partitions(void)
+{
+    struct bus_writer both;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p1", "p2", &both), MU_OK);
+    CU_ASSERT_EQUAL(bus_writer_matches(&both), 2);
+    muster_Delivery d = delivery(2);
+    CU_ASSERT_EQUAL(bus_write(&both, &d), MU_OK);
+    CU_ASSERT_TRUE(bus_drain(&both, (int64_t)PATIENCE_NS));
+    expect_steps(&to_p1, 2, 2);
+    expect_steps(&to_p2, 2, 2);
+    bus_writer_close(&both);
+    bus_writer_close(&both); /* closed already */
+    CU_ASSERT_EQUAL(bus_reader_matches(&to_p2), 0);
+    const void *sample;
+    enum bus_life life;
+    CU_ASSERT_TRUE(await(&to_p2, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_LOST);
+}
+
+/* More than one batch, all of them kept. */
+static void test_batches_in_order(void)
+{
+    enum { COUNT = 5 * BUS_BATCH + 3 };
+    for (int64_t step = 0; step < COUNT; step++) {
+        muster_Delivery d = delivery(step);
+        CU_ASSERT_EQUAL_FATAL(bus_write(&writer, &d), MU_OK);
+    }
+    expect_steps(&to_p1, 0, COUNT - 1);
+    expect_nothing(&to_p1);
+}
+
+static void test_what_breaks_a_rule_is_dropped_and_counted(void)
+{
+    muster_Receipt receipt = {.agent = words("no name")};
+    muster_Delivery bad = delivery(2);
+    bad.receipts._buffer = &receipt;
+    bad.receipts._length = bad.receipts._maximum = 1;
+    CU_ASSERT_EQUAL(bus.malformed, 0);
+    for (int64_t step = 1; step <= 3; step++) {
+        muster_Delivery d = delivery(step);
+        CU_ASSERT_EQUAL(bus_write(&writer, step == 2 ? &bad : &d), MU_OK);
+    }
+    expect_steps(&to_p1, 1, 1);
+    expect_steps(&to_p1, 3, 3);
+    CU_ASSERT_EQUAL(bus.malformed, 1);
+}
+
+static void test_waiting(void)
+{
+    expect_nothing(&to_p1);
+    expect_nothing(&to_p2);
+    uint64_t began_ns = mu_clock_ns();
+    bus_wait(&bus, 1, -1);
+    bus_wait(&bus, 1, 0);
+    CU_ASSERT(mu_clock_ns() - began_ns < PATIENCE_NS);
+    began_ns = mu_clock_ns();
+    bus_wait(&bus, 1, 20000000);
+    CU_ASSERT(mu_clock_ns() - began_ns >= 20000000);
+    /* Two samples that are there end a wait for two, and not one for three. */
+    for (int64_t step = 1; step <= 2; step++) {
+        muster_Delivery d = delivery(step);
+        CU_ASSERT_EQUAL(bus_write(&writer, &d), MU_OK);
+    }
+    began_ns = mu_clock_ns();
+    bus_wait(&bus, 2, (int64_t)PATIENCE_NS);
+    CU_ASSERT(mu_clock_ns() - began_ns < PATIENCE_NS);
+    began_ns = mu_clock_ns();
+    bus_wait(&bus, 3, 20000000);
+    CU_ASSERT(mu_clock_ns() - began_ns >= 20000000);
+    expect_steps(&to_p1, 1, 2);
+}
+
+static muster_Registration registration(const char *process, uint32_t pid)
+{
+    return (muster_Registration){
+        .name = words("red"), .process = words(process), .host = words("here"), .pid = pid};
+}
+
+/* Late comers get the newest of each instance, and hear of its end. */
+static void test_registrations(void)
+{
+    struct bus_writer one;
+    struct bus_writer other;
+    struct bus_reader reader;
+    const void *sample;
+    enum bus_life life;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_REGISTRATION, NULL, NULL, &one), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_REGISTRATION, NULL, NULL, &other), MU_OK);
+    for (uint32_t pid = 1; pid <= 3; pid++) {
+        muster_Registration r = registration("p1", pid);
+        CU_ASSERT_EQUAL(bus_write(&one, &r), MU_OK);
+    }
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_REGISTRATION, NULL, &reader), MU_OK);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_DATA);
+    CU_ASSERT_EQUAL(((const muster_Registration *)sample)->pid, 3);
+    expect_nothing(&reader);
+
+    muster_Registration second = registration("p2", 9); /* of the same name: another instance */
+    CU_ASSERT_EQUAL(bus_write(&other, &second), MU_OK);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(((const muster_Registration *)sample)->pid, 9);
+
+    muster_Registration key = registration("p1", 0);
+    bus_dispose(&one, &key);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_DISPOSED);
+    CU_ASSERT_STRING_EQUAL(((const muster_Registration *)sample)->name, "red");
+    CU_ASSERT_STRING_EQUAL(((const muster_Registration *)sample)->process, "p1");
+
+    bus_writer_close(&other); /* without a word: as a crash */
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_LOST);
+    CU_ASSERT_STRING_EQUAL(((const muster_Registration *)sample)->process, "p2");
+    bus_writer_close(&one);
+}
+
+/* @return whether every UDP socket of this process stands on 127.0.0.1 (Linux, proc(5)) */
+static bool sockets_are_loopback(unsigned *count)
+{
+    char line[512];
+    bool all = true;
+    FILE *file = fopen("/proc/self/net/udp", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    *count = 0;
+    while (fgets(line, sizeof line, file)) {
+        unsigned address, port;
+        bool read = sscanf(line, " %*d: %8X:%4X", &address, &port) == 2;
+        int first = bus_port(domain(), 0);
+        if (read && (int)port >= first - 10 && (int)port < first + 240) {
+            (*count)++;
+            all = all && address == 0x0100007f;
+        }
+    }
+    fclose(file);
+    return all;
+}
+
+static void test_sockets_stay_on_loopback(void)
+{
+    unsigned count;
+    CU_ASSERT_TRUE(sockets_are_loopback(&count));
+    CU_ASSERT(count >= 2); /* this process's and the broker's */
+}
+
+static void test_closing(void)
+{
+    bus_close(&bus);
+    CU_ASSERT_EQUAL(bus.participant, 0);
+    CU_ASSERT_EQUAL(bus_writer_matches(&writer), 0);
+    CU_ASSERT_EQUAL(bus_reader_matches(&to_p1), 0);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a place is taken once", test_a_place_is_taken_once},
+        {"partitions are apart", test_partitions_are_apart},
+        {"one writer into two partitions", test_one_writer_into_two_partitions},
+        {"batches in order", test_batches_in_order},
+        {"what breaks a rule is dropped and counted",
+         test_what_breaks_a_rule_is_dropped_and_counted},
+        {"waiting", test_waiting},
+        {"registrations", test_registrations},
+        {"sockets stay on loopback", test_sockets_stay_on_loopback},
+        {"closing", test_closing},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"bus/bus", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
