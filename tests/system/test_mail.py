@@ -27,6 +27,7 @@ def test_receiver_killed_again_and_again_misses_nothing_and_gets_nothing_twice()
         record = out / "record"
         broker_start(processes, domain)
         receiver = receiver_start(processes, domain, record)
+        wait_for(lambda: "receiver" in members(domain), 10, "the receiver in the white pages")
         sender = processes.start(program("mail_sender"), domain, "sender", "receiver", MAILS, 120,
                                  stdout=subprocess.PIPE)
         for kill in range(1, KILLS + 1):
