@@ -33,8 +33,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     struct mu_mail answer = {.dst = mail->src,
                              .layer = MU_LAYER_SPEECH,
                              .content = "pong",
-                             .conversation = mail->conversation,
-                             .due_ns = -1};
+                             .conversation = mail->conversation};
     if (strncmp(mail->content, "ping", 4) == 0 && mu_agent_send(a, &answer, NULL) != MU_OK) {
         c->failed++;
     }
@@ -69,8 +68,7 @@ static mu_result say(struct caller *c, const char *content)
     struct mu_mail mail = {.dst = "echo",
                            .layer = MU_LAYER_SPEECH,
                            .content = content,
-                           .conversation = c->conversation,
-                           .due_ns = -1};
+                           .conversation = c->conversation};
     return mu_agent_send(c->agent, &mail, NULL);
 }
 

@@ -43,26 +43,28 @@ const char *mu_kind_text(enum mu_kind kind);
 const char *mu_state_text(enum mu_state state);
 const char *mu_outcome_text(enum mu_outcome outcome);
 
-/* Layers of mail.  A directive is no layer of the chain: the broker's trust policy lets it through
- * or not, and the receiver has no choice. */
-enum mu_layer { MU_DIRECTIVE, MU_LAYER_SYSTEM, MU_LAYER_QUERY, MU_LAYER_SPEECH };
+/* Layers of mail; a designer adds higher ones. */
+enum mu_layer { MU_LAYER_SYSTEM = 1, MU_LAYER_QUERY, MU_LAYER_SPEECH };
 
 /*
  * A mail.  To send one, set dst and content and what else is wanted: NULL strings mean "".
  * In a mail that arrived every string is set.
  */
 struct mu_mail {
-    const char *src;          /* set by the runtime */
-    const char *dst;          /* a name, names joined by commas, or all, robots, special */
-    uint64_t seq;             /* set by the runtime: counts the sender's mails from 1 */
-    uint64_t number;          /* of an arrived mail: its place in this agent's box */
-    uint32_t layer;           /* enum mu_layer, or a higher one */
+    const char *src; /* set by the runtime */
+    const char *dst; /* a name, names joined by commas, or all, robots, special */
+    uint64_t seq;    /* set by the runtime: counts the sender's mails from 1 */
+    uint64_t number; /* of an arrived mail: its place in this agent's box */
+    bool directive;  /* enters no layer: the broker's trust policy lets it through or not, and
+                        the receiver has no choice */
+    uint32_t layer;  /* enum mu_layer, or a higher one; 0: MU_LAYER_SPEECH */
     const char *performative; /* of a directive: start, suspend, resume, do, ... */
     const char *language;     /* "" is clips */
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    int64_t due_ns;  /* not before this time of the run; < 0: at once */
+    bool timed;      /* wait for due_ns; else it goes at once */
+    uint64_t due_ns; /* not before this time of the run */
     uint64_t ttl_ns; /* expires when this old; 0: never */
 };
 

@@ -20,7 +20,7 @@ enum {
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
-    CLIPS_PRINT_MAX = 1 << 20,      /* bytes that one step may print */
+    CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
     CLIPS_FILE_MAX = 1 << 20,       /* bytes of a rule file */
     CLIPS_FILES_DEEP_MAX = 16,      /* files that extend each other */

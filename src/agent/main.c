@@ -12,8 +12,9 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { ANSWER_MAX = MU_CONTENT_MAX / 2 };
+enum { ANSWER_MAX = MU_CONTENT_MAX / 2, PRINT_MAX = 1024 };
 
 static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 
@@ -26,6 +27,7 @@ struct settings {
 };
 
 struct robot {
+    const char *name;
     struct mind *mind;
     mu_process *process;
     mu_agent *agent;
@@ -33,6 +35,8 @@ struct robot {
     bool box_full; /* said once */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
+    char print[PRINT_MAX]; /* a line that rules have begun */
+    size_t print_len;
 };
 
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
@@ -108,7 +112,7 @@ static mu_result port_send(void *self, const struct mind_letter *letter)
 {
     struct robot *r = self;
     struct mu_mail mail = {.dst = letter->dst,
-                           .layer = letter->directive ? MU_DIRECTIVE : MU_LAYER_SPEECH,
+                           .directive = letter->directive,
                            .performative = letter->performative,
                            .language = letter->language,
                            .ontology = letter->ontology,
@@ -116,7 +120,6 @@ static mu_result port_send(void *self, const struct mind_letter *letter)
                            .in_reply_to = letter->in_reply_to,
                            .conversation = letter->conversation,
                            .content = letter->content,
-                           .due_ns = -1,
                            .ttl_ns = letter->ttl_ns};
     return mu_agent_send(r->agent, &mail, NULL);
 }
@@ -151,10 +154,32 @@ static mu_result port_listing(void *self, size_t index, struct mind_member *out)
     return MU_OK;
 }
 
+/* One write, so that the lines of robots that share a terminal do not mix. */
+static void print_flush(struct robot *r)
+{
+    r->print[r->print_len++] = '\n';
+    ssize_t written = write(STDERR_FILENO, r->print, r->print_len);
+    (void)written; /* nobody to tell */
+    r->print_len = 0;
+}
+
+/* Rules print in pieces; whole lines go out, each with the robot's name. */
 static void port_print(void *self, const char *text)
 {
-    (void)self;
-    fputs(text, stderr);
+    struct robot *r = self;
+    for (const char *c = text; *c; c++) {
+        if (*c != '\n' && r->print_len == PRINT_MAX - 1) {
+            print_flush(r);
+        }
+        if (r->print_len == 0) {
+            r->print_len = (size_t)snprintf(r->print, sizeof r->print, "%s: ", r->name);
+        }
+        if (*c == '\n') {
+            print_flush(r);
+        } else {
+            r->print[r->print_len++] = *c;
+        }
+    }
 }
 
 /* --- what happens to the agent ---------------------------------------------------------------- */
@@ -189,8 +214,7 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
                            .performative = "failure",
                            .in_reply_to = refused->reply_with,
                            .conversation = refused->conversation,
-                           .content = "box-full",
-                           .due_ns = -1};
+                           .content = "box-full"};
     if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", refused->src);
     }
@@ -232,8 +256,7 @@ static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
                            .performative = done ? "inform" : "failure",
                            .in_reply_to = asked->reply_with,
                            .conversation = asked->conversation,
-                           .content = r->quoted,
-                           .due_ns = -1};
+                           .content = r->quoted};
     if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
     }
@@ -387,6 +410,7 @@ int main(int argc, char **argv)
     }
     mu_log_open(set.name, set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct robot *r = mu_startup_alloc(sizeof *r);
+    r->name = set.name;
     mu_result ready = mind_make(r, &set);
     ready = ready == MU_OK ? robot_join(r, &set) : ready;
     if (ready == MU_TIMEOUT) {
@@ -400,6 +424,9 @@ int main(int argc, char **argv)
     }
     mu_memory_seal();
     mu_result ran = mu_process_run(r->process);
+    if (r->print_len > 0) {
+        print_flush(r);
+    }
     mu_process_close(r->process);
     return r->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
 }

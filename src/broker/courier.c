@@ -2,6 +2,7 @@
 #include "broker/courier.h"
 
 #include "broker/parts.h"
+#include "broker/presence.h"
 #include "broker/router.h"
 #include "muster/memory.h"
 
@@ -80,6 +81,15 @@ static void verdicts_fill(struct broker *b, struct place *at, muster_Delivery *d
     }
 }
 
+/* In lock step the pages are of its members, and of who was there when it began: who else comes and
+ * goes does so by the wall clock.  Onlookers, who want no broadcasts, are not shown at all. */
+static bool line_is_shown(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    bool from_the_start = a->version <= b->lockstep.start_version && !a->is.no_broadcasts;
+    return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
+}
+
 /* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
 static void members_fill(struct broker *b, const struct place *at, muster_Delivery *d)
 {
@@ -90,7 +100,7 @@ static void members_fill(struct broker *b, const struct place *at, muster_Delive
     }
     for (uint32_t i = 0; i < r->count; i++) {
         uint64_t version = r->agents[r->order[i]].version;
-        if (version > at->version_had && version <= upto) {
+        if (version > at->version_had && version <= upto && line_is_shown(b, r->order[i])) {
             registry_line(r, r->order[i], b->name, &d->members._buffer[d->members._length++]);
         }
     }

@@ -265,7 +265,16 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 }
 
 /* Takes in the processes that a new roster names. */
-static void roster_grow(struct broker *b, const muster_Roster *roster)
+/* The others have not been told of these agents while they were outside. */
+static void lines_tell(struct broker *b, uint32_t place)
+{
+    const struct place *at = &b->places.at[place];
+    for (uint32_t i = 0; i < at->agents_count; i++) {
+        registry_touch(&b->registry, at->agents[i]);
+    }
+}
+
+static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_mid_run)
 {
     struct lockstep *l = &b->lockstep;
     for (uint32_t i = 0; i < roster->processes._length; i++) {
@@ -275,6 +284,9 @@ static void roster_grow(struct broker *b, const muster_Roster *roster)
         } else if (!b->places.at[place].rostered) {
             place_enter(b, place);
             l->roster[l->roster_count++] = place;
+            if (in_mid_run) {
+                lines_tell(b, place);
+            }
         }
     }
 }
@@ -294,6 +306,8 @@ static void lockstep_end(struct broker *b)
     b->places.at[simulator].simulator = false;
     b->places.at[simulator].step_due = false;
     for (uint32_t i = 0; i < count; i++) {
+        b->places.at[l->roster[i]].version_had =
+            0; /* and of those outside, it has missed changes */
         place_leave(b, l->roster[i]);
     }
     places_wake(&b->places, simulator);
@@ -309,10 +323,13 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     l->simulator = simulator;
     b->places.at[simulator].simulator = true;
     b->places.at[simulator].step_had = INT64_MIN;
-    roster_grow(b, roster);
+    roster_grow(b, roster, false);
     runclock_start(&b->clock, true, step_time_ns(l, l->step));
     router_admit_due(b, runclock_run_ns(&b->clock));
-    l->version = b->registry.version;
+    l->version = l->start_version = b->registry.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
+    }
 }
 
 /* A run that goes on with other processes, from this step or the next. */
@@ -320,7 +337,7 @@ static void lockstep_change(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
     roster_shrink(b, roster);
-    roster_grow(b, roster);
+    roster_grow(b, roster, true);
     if (roster->step > l->step || step_is_complete(l)) {
         step_end(b);
     }

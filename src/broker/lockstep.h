@@ -40,8 +40,9 @@ struct lockstep {
     uint32_t roster[MU_PROCESSES_MAX];
     uint32_t roster_count;
     uint32_t answered;
-    uint64_t version;   /* of the white pages, when the last step ended */
-    struct turn *turns; /* one for each agent of the registry */
+    uint64_t start_version; /* of the white pages when it began */
+    uint64_t version;       /* of the white pages, when the last step ended */
+    struct turn *turns;     /* one for each agent of the registry */
     uint32_t outside_waiting;
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[LOCKSTEP_OUTSIDE_MAX];

@@ -82,9 +82,8 @@ static void post_take(struct post *p)
     registrations_take(p);
     const muster_Roster *roster;
     while ((roster = bus_next(&p->rosters, &life))) {
-        if (life == BUS_DATA) {
-            broker_roster(p->broker, roster, post_now(p));
-        }
+        muster_Roster ended = {.simulator = roster->simulator, .lockstep = false};
+        broker_roster(p->broker, life == BUS_DATA ? roster : &ended, post_now(p));
     }
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
@@ -150,7 +149,7 @@ static bool bags_look(struct post *p, bool all)
         if (bag->matched && !all) {
             continue;
         }
-        bool matched = bus_writer_matches(&bag->writer) > 0;
+        bool matched = bus_writer_reaches(&bag->writer, bag->process);
         if (matched != bag->matched) {
             bag->matched = matched;
             broker_matched(p->broker, bag->process, matched, post_now(p));

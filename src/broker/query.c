@@ -91,6 +91,14 @@ static void reply(struct broker *b, const struct mail *question, const char *per
     router_post(b, question->sender, &m);
 }
 
+/* Who asks in lock step is told of its members, and of nothing that another run would have
+ * otherwise. */
+static bool is_shown(const struct broker *b, const struct mail *question, uint32_t agent)
+{
+    return !presence_in_lockstep(b, question->sender) || agent == REGISTRY_BROKER ||
+           presence_in_lockstep(b, agent);
+}
+
 static void answer_lookup(struct broker *b, const struct mail *question)
 {
     char name[MU_FIELD_MAX + 1];
@@ -103,7 +111,7 @@ static void answer_lookup(struct broker *b, const struct mail *question)
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
-    if (agent == MU_NONE) {
+    if (agent == MU_NONE || !is_shown(b, question, agent)) {
         mu_text_add(&t, "unknown-name");
         field_add(&t, name);
         reply(b, question, "failure", b->text);
@@ -115,8 +123,9 @@ static void answer_lookup(struct broker *b, const struct mail *question)
     field_add(&t, registry_kind_word(a->is.kind));
     field_add(&t, registry_state_word(a->is.state));
     field_add(&t, b->name);
-    field_add(&t, a->is.host);
-    mu_text_format(&t, " %lu", (unsigned long)a->is.pid);
+    bool inside = presence_in_lockstep(b, question->sender);
+    field_add(&t, inside ? "nil" : a->is.host);
+    mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
     reply(b, question, "inform", b->text);
 }
 
@@ -127,6 +136,9 @@ static void answer_listing(struct broker *b, const struct mail *question)
     mu_text_add(&t, "members");
     for (uint32_t i = 0; i < b->registry.count; i++) {
         const char *name = b->registry.agents[b->registry.order[i]].name;
+        if (!is_shown(b, question, b->registry.order[i])) {
+            continue;
+        }
         if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
             reply(b, question, "inform", b->text);
             mu_text_clear(&t);

@@ -68,7 +68,7 @@ uint32_t registry_add(struct registry *r, const char *name)
     return index;
 }
 
-static void line_changed(struct registry *r, uint32_t agent)
+void registry_touch(struct registry *r, uint32_t agent)
 {
     struct agent *a = &r->agents[agent];
     a->version = ++r->version;
@@ -101,7 +101,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
     a->gone = false;
-    line_changed(r, agent);
+    registry_touch(r, agent);
 }
 
 void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
@@ -114,7 +114,7 @@ void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
     a->since_wall_ns = wall_ns;
     a->verdict_due = false;
     a->gone = false;
-    line_changed(r, agent);
+    registry_touch(r, agent);
 }
 
 bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
@@ -132,7 +132,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     if (!same_state) {
         a->since_wall_ns = wall_ns;
     }
-    line_changed(r, agent);
+    registry_touch(r, agent);
     return true;
 }
 
@@ -144,7 +144,7 @@ bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, 
     }
     a->is.state = state;
     a->since_wall_ns = wall_ns;
-    line_changed(r, agent);
+    registry_touch(r, agent);
     return true;
 }
 

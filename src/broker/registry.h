@@ -76,6 +76,9 @@ const char *registry_objection(const char *name, muster_Kind kind);
 /** Enters a new name, absent until registry_seat.  @return its index, or MU_NONE when full */
 uint32_t registry_add(struct registry *r, const char *name);
 
+/** A line of the white pages is news to everybody again. */
+void registry_touch(struct registry *r, uint32_t agent);
+
 /** The agent is now in this process. */
 void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
                    const struct presence *presence, uint64_t wall_ns);

@@ -233,7 +233,9 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
         } else if (!post(b, m, agent, held)) {
             all_fit = false;
         } else {
-            stored = stored || router_gate(b, agent) < needs;
+            /* When somebody outside the lock step acknowledges is no business of those inside. */
+            stored = stored || router_gate(b, agent) < needs ||
+                     (presence_in_lockstep(b, m->sender) && !presence_in_lockstep(b, agent));
         }
     }
     if (to->unknown > 0) {

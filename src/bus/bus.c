@@ -7,10 +7,13 @@
 #include "core/clock.h"
 
 #include <arpa/inet.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <time.h>
+#include <unistd.h>
 
 static mu_result dds_fault(const char *what, dds_return_t code)
 {
@@ -51,9 +54,29 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     return domain;
 }
 
+/* @return whether the text is an IPv4 address that no interface of this machine has */
+static bool is_elsewhere(const char *text)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET};
+    if (!text || inet_pton(AF_INET, text, &address.sin_addr) != 1) {
+        return false;
+    }
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    bool elsewhere = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 &&
+                     errno == EADDRNOTAVAIL;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return elsewhere;
+}
+
 /* Never goes on after a failure: the participant would come up on all interfaces. */
 static mu_result domain_open(const struct bus_options *options)
 {
+    if (is_elsewhere(options->interface)) {
+        fprintf(stderr, "%s is not an address of this machine\n", options->interface);
+        return MU_FAULT_DDS;
+    }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
     int first = options->place == BUS_BROKER      ? CONFIG_INDEX_BROKER
                 : options->place == BUS_SIMULATOR ? CONFIG_INDEX_SIMULATOR
@@ -209,6 +232,38 @@ void bus_dispose(const struct bus_writer *writer, const void *sample)
     }
 }
 
+/* @return whether one of the partitions that an endpoint names is this one */
+static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
+{
+    uint32_t count = 0;
+    char **names = NULL;
+    bool found = false;
+    if (endpoint->qos && dds_qget_partition(endpoint->qos, &count, &names)) {
+        for (uint32_t i = 0; i < count; i++) {
+            found = found || strcmp(names[i], partition) == 0;
+            dds_free(names[i]);
+        }
+        dds_free(names);
+    }
+    return found;
+}
+
+bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
+{
+    dds_instance_handle_t readers[64];
+    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, 64);
+    bool found = false;
+    for (dds_return_t i = 0; i < count && i < 64 && !found; i++) {
+        dds_builtintopic_endpoint_t *endpoint =
+            dds_get_matched_subscription_data(writer->writer, readers[i]);
+        if (endpoint) {
+            found = endpoint_names(endpoint, partition);
+            dds_builtintopic_free_endpoint(endpoint);
+        }
+    }
+    return found;
+}
+
 uint32_t bus_writer_matches(const struct bus_writer *writer)
 {
     dds_publication_matched_status_t status;
@@ -300,6 +355,9 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
     pthread_mutex_lock(&bus->lock);
+    if (samples == 0) {
+        samples = bus->arrived - bus->taken + 1;
+    }
     bus->wanted = samples;
     while (bus->arrived - bus->taken < samples && waited == 0) {
         waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);

@@ -115,6 +115,10 @@ MU_MUST_USE mu_result bus_write(const struct bus_writer *writer, const void *sam
 /** Takes an instance back; only the key of the sample is read. */
 void bus_dispose(const struct bus_writer *writer, const void *sample);
 
+/** @return whether a writer has found a reader that names this partition: not one that looks at all
+ */
+bool bus_writer_reaches(const struct bus_writer *writer, const char *partition);
+
 /** @return how many readers a writer has found */
 uint32_t bus_writer_matches(const struct bus_writer *writer);
 
@@ -136,7 +140,7 @@ const void *bus_next(struct bus_reader *reader, enum bus_life *life);
  * Who knows how many samples the next step needs says so, and is woken once instead of once each;
  * waking costs more than anything else in a step.
  *
- * @param samples     how many, in all readers together; at least 1
+ * @param samples     how many, in all readers together; 0: one more than lie there now
  * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0
  */
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);

@@ -47,22 +47,29 @@ static bool has_library(const char *folder)
     return mu_path_join(file, sizeof file, folder, "muster.clp") && access(file, R_OK) == 0;
 }
 
+/* The tree is known by two of its files: three folders above an installed program is a stranger's.
+ */
+static bool is_source_tree(const char *folder)
+{
+    char file[PATH_MAX];
+    return mu_path_join(file, sizeof file, folder, "../../../idl/wire.idl") &&
+           access(file, R_OK) == 0;
+}
+
 bool mu_path_rules(char *path, size_t size)
 {
     const char *chosen = getenv("MUSTER_RULES");
     if (chosen && chosen[0]) {
         return mu_text_copy(path, size, chosen) && has_library(path);
     }
-    /* build/VARIANT/bin in the source tree; bin below the prefix. */
-    static const char *const places[] = {"../../../rules", "../share/muster/rules"};
     char folder[PATH_MAX];
     if (!program_folder(folder, sizeof folder)) {
         return false;
     }
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-        if (mu_path_join(path, size, folder, places[i]) && has_library(path)) {
-            return true;
-        }
+    /* bin below the prefix; build/VARIANT/bin in the source tree. */
+    if (mu_path_join(path, size, folder, "../share/muster/rules") && has_library(path)) {
+        return true;
     }
-    return false;
+    return is_source_tree(folder) && mu_path_join(path, size, folder, "../../../rules") &&
+           has_library(path);
 }

@@ -13,7 +13,7 @@
 bool mu_path_program(char *path, size_t size, const char *program);
 
 /**
- * Finds the folder of the shared rules: $MUSTER_RULES, else the source tree's, else the installed.
+ * Finds the folder of the shared rules: $MUSTER_RULES, else the installed, else the source tree's.
  *
  * @return whether there is one with muster.clp in it
  */

@@ -65,9 +65,18 @@ static int program_become(const struct verb *v, char **argv)
     return MU_EXIT_CRASH;
 }
 
-int main(int argc, char **argv)
+/* An answer that was not written is no answer.  @return the exit code */
+static int output_end(int code)
 {
-    mu_log_open("muster", MU_LOG_WARNING);
+    if (fflush(stdout) == 0 && !ferror(stdout)) {
+        return code;
+    }
+    fprintf(stderr, "muster: cannot write to standard output: %s\n", strerror(errno));
+    return code == MU_EXIT_DONE ? MU_EXIT_WRITE : code;
+}
+
+static int verb_run(int argc, char **argv)
+{
     if (argc < 2) {
         help_print(stderr);
         return MU_EXIT_USAGE;
@@ -88,4 +97,10 @@ int main(int argc, char **argv)
     }
     fprintf(stderr, "muster: there is no verb '%s'; muster --help lists them\n", argv[1]);
     return MU_EXIT_USAGE;
+}
+
+int main(int argc, char **argv)
+{
+    mu_log_open("muster", MU_LOG_WARNING);
+    return output_end(verb_run(argc, argv));
 }

@@ -25,6 +25,7 @@ struct operator
     enum mu_outcome outcome; /* of the last mail sent */
     uint64_t seq;            /* its number */
     bool answered_for;       /* outcome is final */
+    bool asks_group;         /* all, robots or special: not-understood is no answer */
     unsigned answers;        /* mails that came in reply to it */
     unsigned failures;       /* of them, failures */
     char reply_with[32];

@@ -58,22 +58,21 @@ static const struct verb VERB_RESUME = {
     "resume", "TARGETS [OPTION...]", "Lets suspended agents go on.", 1, NULL, true,
     "resume", "muster resume red"};
 
-/* How many answers a directive to these receivers brings. */
+/* How many answers a directive to these receivers brings; of all, robots are sure to answer. */
 static unsigned answers_of(const struct operator* op, const char *to)
 {
     unsigned count = 1;
     for (const char *c = to; *c; c++) {
         count += *c == ',';
     }
-    bool all = strcmp(to, "all") == 0;
     bool special = strcmp(to, "special") == 0;
-    if (!all && !special && strcmp(to, "robots") != 0) {
+    if (!special && strcmp(to, "all") != 0 && strcmp(to, "robots") != 0) {
         return count;
     }
     const struct mu_member *m;
     count = 0;
     for (size_t i = 0; (m = mu_process_member(op->process, i)); i++) {
-        bool wanted = all || m->kind == (special ? MU_KIND_SPECIAL : MU_KIND_ROBOT);
+        bool wanted = m->kind == (special ? MU_KIND_SPECIAL : MU_KIND_ROBOT);
         bool asks = strcmp(m->name, mu_agent_name(op->agent)) == 0;
         count += wanted && !asks && m->state != MU_GONE && strcmp(m->name, "broker") != 0;
     }
@@ -115,10 +114,9 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
         return code;
     }
     struct mu_mail mail = {.dst = v->to ? v->to : o->words[0],
-                           .layer = v->directive ? MU_DIRECTIVE : MU_LAYER_SPEECH,
+                           .directive = v->directive,
                            .performative = v->performative ? v->performative : performative,
-                           .content = content,
-                           .due_ns = -1};
+                           .content = content};
     bool asks = v == &VERB_DO || options->wait_s > 0.0;
     double wait_s = options->wait_s > 0.0 ? options->wait_s : 5.0;
     code = operator_send(&op, &mail, asks ? answers_of(&op, mail.dst) : 0, wait_s);

@@ -61,11 +61,19 @@ struct report_result {
 };
 
 /**
- * Makes a run's folder, and its parents.  An earlier one of that name is moved to .1, .2, ...
+ * Takes a run's folder for the life of this process, and makes it and its parents.  An empty folder
+ * is used as it is; an earlier report of that name is moved to the first free one of .1, .2, ...
  *
- * @return MU_OK, or MU_FAULT_OS with the path and the reason
+ * @param or_beside when a live run has the folder, take the first free one of .1, .2, ... instead
+ * @param taken     filled with the folder that is ours
+ * @return MU_OK, or MU_FAULT_OS with the reason: a live run has the folder, something there is no
+ *         report, or the system refuses
  */
-MU_MUST_USE mu_result report_folder(const char *folder, struct mu_fault *fault);
+MU_MUST_USE mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
+                                    struct mu_fault *fault);
+
+/** Says that the report is complete; the folder may be moved away from now on. */
+void report_folder_release(const char *folder);
 
 /**
  * Reads folder/run.csv and writes the rest beside it, each file under a temporary name first.

@@ -18,6 +18,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,6 +26,10 @@
 static const uint64_t START_PATIENCE_NS = 20000000000u;
 static const int64_t ROUND_NS = 5000000;
 static const int STOP_PATIENCE_MS = 2000;
+/* The simulator says something every second, whatever it waits for. */
+static const uint64_t SILENCE_NS = 6000000000u;
+/* A round that took longer was not ours alone: the machine slept, or somebody stopped us all. */
+static const uint64_t ROUND_COUNTS_NS = 100000000;
 
 volatile sig_atomic_t run_signal;
 
@@ -161,15 +166,14 @@ static mu_result world_prepare(struct run *r, struct mu_fault *fault)
 
 static mu_result folder_prepare(struct run *r, struct mu_fault *fault)
 {
-    struct mu_text t;
-    mu_text_init(&t, r->folder, sizeof r->folder);
     if (r->options.out) {
-        mu_text_add(&t, r->options.out);
-    } else {
-        mu_text_format(&t, "out/%s-%llu", r->experiment->name,
-                       (unsigned long long)r->experiment->seed);
+        return report_folder(r->options.out, false, r->folder, sizeof r->folder, fault);
     }
-    return report_folder(r->folder, fault);
+    char wanted[PATH_MAX];
+    struct mu_text t;
+    mu_text_init(&t, wanted, sizeof wanted);
+    mu_text_format(&t, "out/%s-%llu", r->experiment->name, (unsigned long long)r->experiment->seed);
+    return report_folder(wanted, true, r->folder, sizeof r->folder, fault);
 }
 
 static mu_result files_prepare(struct run *r)
@@ -210,13 +214,24 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
+/* The line of the command that an answer is for; its label is the command's place in the file. */
+static const char *line_of(const struct experiment *e, const char *in_reply_to)
+{
+    char *end;
+    unsigned long index = strtoul(in_reply_to, &end, 10);
+    return in_reply_to[0] && !*end && index < e->observer_count ? e->observer[index].line : "it";
+}
+
 /* Robots answer commands; only what went wrong is worth a line. */
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (strcmp(mail->performative, "failure") == 0 && !r->options.quiet) {
-        fprintf(stderr, "muster run: %s could not do it: %s\n", mail->src, mail->content);
+    if (strcmp(mail->performative, "failure") == 0) {
+        /* A robot's answer is one CLIPS string; its first line says enough. */
+        const char *why = mail->content + (mail->content[0] == '"');
+        fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
+                line_of(r->experiment, mail->in_reply_to), (int)strcspn(why, "\n"), why);
     }
 }
 
@@ -235,14 +250,9 @@ static mu_result network_join(struct run *r)
     return MU_OK;
 }
 
-static mu_result directive_send(struct run *r, const char *to, const char *verb, const char *line,
-                                double at_s)
+static mu_result directive_send(struct run *r, struct mu_mail mail)
 {
-    struct mu_mail mail = {.dst = to,
-                           .layer = MU_DIRECTIVE,
-                           .performative = verb,
-                           .content = line,
-                           .due_ns = (int64_t)llround(at_s * 1e9)};
+    mail.directive = true;
     mu_result sent = mu_agent_send(r->observer, &mail, NULL);
     r->directives_sent += sent == MU_OK;
     return sent;
@@ -252,7 +262,8 @@ static mu_result directive_send(struct run *r, const char *to, const char *verb,
 static mu_result commands_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    mu_result sent = directive_send(r, "robots", "start", NULL, 0.0);
+    mu_result sent = directive_send(
+        r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
         const struct experiment_command *c = &e->observer[i];
         char buffer[MU_DST_MAX + 1];
@@ -261,7 +272,14 @@ static mu_result commands_send(struct run *r)
         for (unsigned t = 0; t < c->targets_count; t++) {
             mu_text_format(&to, "%s%s", t ? "," : "", c->targets[t]);
         }
-        sent = directive_send(r, buffer, "do", c->line, c->at);
+        char label[16];
+        snprintf(label, sizeof label, "%u", i);
+        sent = directive_send(r, (struct mu_mail){.dst = buffer,
+                                                  .performative = "do",
+                                                  .reply_with = label,
+                                                  .content = c->line,
+                                                  .timed = true,
+                                                  .due_ns = (uint64_t)llround(c->at * 1e9)});
     }
     return sent;
 }
@@ -271,6 +289,7 @@ static mu_result commands_send(struct run *r)
 static void status_take(struct run *r, const muster_RunStatus *s)
 {
     mu_text_copy(r->simulator, sizeof r->simulator, s->simulator);
+    r->silent_ns = 0;
     r->state = s->state;
     r->time_ns = s->time_ns;
     r->wall_ns = s->wall_ns;
@@ -331,6 +350,15 @@ static int crash_explain(const struct child *child, bool running)
     return !running && explains_itself ? code : MU_EXIT_CRASH;
 }
 
+static bool simulator_silent(struct run *r)
+{
+    uint64_t now_ns = mu_clock_ns();
+    uint64_t round_ns = now_ns - r->round_wall_ns;
+    r->round_wall_ns = now_ns;
+    r->silent_ns += round_ns < ROUND_COUNTS_NS ? round_ns : ROUND_COUNTS_NS;
+    return r->simulator[0] && r->silent_ns > SILENCE_NS;
+}
+
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -353,6 +381,11 @@ static int round_live(struct run *r)
             }
         }
         return crash_explain(ended, r->state == muster_RUN_RUNNING);
+    }
+    if (simulator_silent(r) && !over) {
+        fprintf(stderr, "muster run: the simulator has been silent for %d s\n",
+                (int)(SILENCE_NS / 1000000000u));
+        return MU_EXIT_CRASH;
     }
     double limit_ns = r->options.limit_s * 1e9;
     if (limit_ns > 0.0 && (double)(mu_clock_ns() - r->began_wall_ns) > limit_ns) {

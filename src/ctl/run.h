@@ -48,7 +48,8 @@ struct run {
     muster_BrokerStatus mail;
     bool registered, name_refused;
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
-    uint64_t began_wall_ns, progress_wall_ns;
+    uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
+    uint64_t silent_ns; /* since the simulator was heard of last */
 };
 
 /** A signal asked the run to end. */

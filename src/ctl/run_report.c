@@ -7,6 +7,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 static struct report_mail mail_of(const struct run *r)
 {
@@ -79,20 +80,35 @@ static void command_write(const struct run *r, char *buffer, size_t size)
     }
 }
 
-/* run.csv has all robots of the world, controlled or not. */
-static struct report_robot *robots_fill(const struct run *r)
+static bool is_in_experiment(const struct run *r, const char *name)
 {
-    struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
-    for (size_t i = 0; i < r->world->robot_count; i++) {
-        robots[i] = (struct report_robot){.name = r->world->robots[i].name,
-                                          .color = r->world->robots[i].color};
-        if (i < r->totals_count) {
-            robots[i].mail_sent = r->totals[i].mails_sent;
-            robots[i].mail_received = r->totals[i].mails_received;
-            robots[i].rule_firings = r->totals[i].firings;
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        if (strcmp(r->experiment->robots[i].name, name) == 0) {
+            return true;
         }
     }
-    return robots;
+    return false;
+}
+
+/* run.csv and the totals have the robots of the experiment, in the order of the world; others that
+ * stand there are obstacles.  @return how many */
+static size_t robots_fill(const struct run *r, struct report_robot *robots)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < r->world->robot_count; i++) {
+        const struct world_robot *robot = &r->world->robots[i];
+        if (!is_in_experiment(r, robot->name)) {
+            continue;
+        }
+        robots[count] = (struct report_robot){.name = robot->name, .color = robot->color};
+        if (count < r->totals_count) {
+            robots[count].mail_sent = r->totals[count].mails_sent;
+            robots[count].mail_received = r->totals[count].mails_received;
+            robots[count].rule_firings = r->totals[count].firings;
+        }
+        count++;
+    }
+    return count;
 }
 
 int run_report(struct run *r)
@@ -100,6 +116,8 @@ int run_report(struct run *r)
     char command[2048];
     command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
+    struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
+    size_t robots_count = robots_fill(r, robots);
     struct report_input input = {.experiment = r->experiment,
                                  .world = r->world,
                                  .seed = r->experiment->seed,
@@ -107,12 +125,13 @@ int run_report(struct run *r)
                                  .sim_time_s = (double)r->time_ns / 1e9,
                                  .wall_time_s = (double)r->wall_ns / 1e9,
                                  .command = command,
-                                 .robots = robots_fill(r),
-                                 .robots_count = r->world->robot_count,
+                                 .robots = robots,
+                                 .robots_count = robots_count,
                                  .mail = mail_of(r)};
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);
     if (written != MU_OK) {
+        report_folder_release(r->folder);
         mu_fault_print(&fault);
         return mu_exit_for(written);
     }
@@ -121,5 +140,6 @@ int run_report(struct run *r)
     } else {
         text_print(r, &input, result);
     }
+    report_folder_release(r->folder);
     return result->all_met ? MU_EXIT_DONE : MU_EXIT_EXPECTATION;
 }

@@ -111,6 +111,7 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
                             .dst = m->dst,
                             .seq = m->seq,
                             .number = parcel->number,
+                            .directive = m->layer == WIRE_DIRECTIVE,
                             .layer = m->layer,
                             .performative = m->performative,
                             .language = m->language,
@@ -119,7 +120,8 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
                             .in_reply_to = m->in_reply_to,
                             .conversation = m->conversation,
                             .content = m->content,
-                            .due_ns = m->due_ns,
+                            .timed = m->due_ns >= 0,
+                            .due_ns = m->due_ns > 0 ? (uint64_t)m->due_ns : 0,
                             .ttl_ns = m->ttl_ns};
 }
 
@@ -132,8 +134,7 @@ static void not_understood(struct mu_agent *a, const struct mu_mail *asked)
                                                      .performative = "not-understood",
                                                      .in_reply_to = asked->reply_with,
                                                      .conversation = asked->conversation,
-                                                     .content = asked->performative,
-                                                     .due_ns = -1},
+                                                     .content = asked->performative},
                                    NULL);
     (void)sent; /* a full outbox: the asker's own time limit is the answer */
 }
@@ -196,9 +197,7 @@ mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
 mu_result mu_agent_broadcast(mu_agent *a, const char *content)
 {
     return mu_agent_send(
-        a,
-        &(struct mu_mail){.dst = "all", .layer = MU_LAYER_SPEECH, .content = content, .due_ns = -1},
-        NULL);
+        a, &(struct mu_mail){.dst = "all", .layer = MU_LAYER_SPEECH, .content = content}, NULL);
 }
 
 mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s)

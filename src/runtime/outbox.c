@@ -64,6 +64,14 @@ static const char *or_empty(const char *s)
     return s ? s : "";
 }
 
+static uint32_t wire_layer(const struct mu_mail *mail)
+{
+    if (mail->directive) {
+        return WIRE_DIRECTIVE;
+    }
+    return mail->layer ? mail->layer : MU_LAYER_SPEECH;
+}
+
 mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail)
 {
     const char *from[OUTBOX_STRINGS] = {src,
@@ -103,14 +111,14 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
         .mail = {.src = copy[0],
                  .seq = box->next_seq,
                  .dst = copy[1],
-                 .layer = mail->layer,
+                 .layer = wire_layer(mail),
                  .performative = copy[2],
                  .language = copy[3],
                  .ontology = copy[4],
                  .reply_with = copy[5],
                  .in_reply_to = copy[6],
                  .conversation = copy[7],
-                 .due_ns = mail->due_ns,
+                 .due_ns = mail->timed ? (int64_t)mail->due_ns : -1,
                  .ttl_ns = mail->ttl_ns,
                  .content = copy[8]},
         .text_end = (size_t)(at - box->text),

@@ -11,6 +11,9 @@
 #include "muster/agent.h"
 #include "wire.h"
 
+/* The layer on the wire of a directive, which is in no layer of the chain. */
+enum { WIRE_DIRECTIVE = 0 };
+
 /* Text of the mails in an outbox, in bytes. */
 enum { OUTBOX_TEXT_MAX = 512 * 1024 };
 

@@ -76,15 +76,24 @@ bool mu_process_has_broker(const mu_process *p)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return p->with_body && bus_writer_matches(&p->up) == 2 &&
-           bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
+    return p->with_body && bus_writer_reaches(&p->up, "broker") &&
+           bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
+           bus_reader_matches(&p->sense) > 0;
 }
 
 static void registrations_keep(mu_process *p)
 {
     uint64_t now_ns = mu_clock_ns();
-    bool ready = p->ready || process_is_ready(p);
-    if (ready == p->ready && now_ns - p->heartbeat_ns < HEARTBEAT_NS) {
+    bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
+    if (due && p->in_lockstep && bus_reader_matches(&p->sense) == 0) {
+        p->in_lockstep = p->lived_in_lockstep =
+            false; /* the simulator is gone: no step will come */
+        p->step = NULL;
+    }
+    /* In lock step nothing that is looked at here changes anything; before, every change counts. */
+    bool look = !p->in_lockstep && (due || !p->ready);
+    bool ready = look ? process_is_ready(p) : p->ready;
+    if (ready == p->ready && !due) {
         return;
     }
     p->ready = ready;
@@ -94,7 +103,7 @@ static void registrations_keep(mu_process *p)
     }
 }
 
-static void next_delivery(mu_process *p)
+void process_next_delivery(mu_process *p)
 {
     enum bus_life life;
     do {
@@ -119,45 +128,53 @@ static void next_step(mu_process *p)
     p->step = sense->last ? NULL : sense;
 }
 
-/* In free running a step takes in all the mail that is there. */
-static void live_freely(mu_process *p)
+/* A robot in free running takes its mail in at the next step, if one is to be expected. */
+static bool mail_is_held(const mu_process *p)
 {
-    while (p->mail) {
-        const muster_Delivery *d = p->mail;
-        step_take_delivery(p, d, NULL);
-        next_delivery(p);
+    return p->with_body && !p->in_lockstep && p->step_wall_ns &&
+           mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+}
+
+/* How many samples are worth waking up for. */
+static uint64_t samples_wanted(const mu_process *p)
+{
+    if (p->mail && mail_is_held(p)) {
+        return 0; /* more mail lies in the reader, and waits, too */
     }
-    step_live(p, p->step, NULL);
-    p->step = NULL;
+    /* A step in lock step needs two: the senses, and the mail of the step before. */
+    return p->in_lockstep && !p->mail && !p->step ? 2 : 1;
 }
 
 /* @return whether something was handled */
 static bool handle_one(mu_process *p)
 {
     if (!p->mail) {
-        next_delivery(p);
+        process_next_delivery(p);
     }
     if (!p->step) {
         next_step(p);
     }
     if (p->step && !p->step->lockstep) {
-        live_freely(p);
+        step_live_freely(p, p->step);
+        p->step = NULL;
         return true;
     }
     if (p->mail && (p->mail->step == muster_STEP_NOW)) {
-        bool hold = p->with_body && !p->in_lockstep && p->step_wall_ns &&
-                    mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
-        if (hold) {
+        if (mail_is_held(p)) {
             return false;
         }
         step_take_delivery(p, p->mail, NULL);
-        next_delivery(p);
+        process_next_delivery(p);
         return true;
     }
     if (p->step && p->mail && p->mail->step == p->step->step - 1) {
         step_live(p, p->step, p->mail);
         p->step = NULL;
         p->mail = NULL;
+        return true;
+    }
+    if (p->step && p->mail) {
+        p->mail = NULL; /* of an earlier lock step, whose simulator is gone */
         return true;
     }
     return false;
@@ -171,9 +188,7 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     if (!p->in_lockstep) {
         step_flush(p);
     }
-    /* A step in lock step needs two samples: the senses, and the mail of the step before. */
-    uint64_t samples = p->in_lockstep && !p->mail && !p->step ? 2 : 1;
-    bus_wait(&p->bus, samples, timeout_ns < most_ns ? timeout_ns : most_ns);
+    bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
     if (!p->in_lockstep) {

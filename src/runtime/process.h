@@ -56,6 +56,7 @@ struct mu_process {
     uint64_t heartbeat_ns;       /* when the last registrations went out */
     bool ready;                  /* all that lock step needs has matched */
     bool in_lockstep;
+    bool lived_in_lockstep;      /* a step of it, at least */
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
@@ -70,6 +71,11 @@ struct mu_process {
     muster_Mail mails[PROCESS_UP_MAILS];
     bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };
+
+/* process.c */
+
+/** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
+void process_next_delivery(mu_process *p);
 
 /* agent.c */
 
@@ -95,6 +101,9 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
 
 /** Lets the agents live through one control step and answers the simulator. */
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d);
+
+/** The same without lock step: all the mail that is there belongs to the step. */
+void step_live_freely(mu_process *p, const muster_Sense *sense);
 
 /** Sends the mails and acknowledgements that wait, outside of lock step. */
 void step_flush(mu_process *p);

@@ -48,7 +48,7 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
         struct mu_agent *a = agent_find(p, parcel->box);
-        if (!p->fresh[i] || a->gone || (parcel->letter.layer == MU_DIRECTIVE) != directives) {
+        if (!p->fresh[i] || a->gone || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
         if (directives) {
@@ -234,17 +234,33 @@ bool step_retry(mu_process *p)
     return true;
 }
 
-void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
+static void step_answer(mu_process *p, const muster_Sense *sense)
 {
-    if (d) {
-        step_take_delivery(p, d, sense);
-    } else {
-        percepts_take(p, sense);
-    }
-    agents_act(p, sense);
     (void)up_fill(p, sense->step);
     p->out_pending = true;
     (void)step_retry(p);
+}
+
+void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
+{
+    if (!p->lived_in_lockstep) {
+        members_clear(&p->members); /* the first mail of a lock step has the whole pages */
+        p->lived_in_lockstep = true;
+    }
+    step_take_delivery(p, d, sense);
+    agents_act(p, sense);
+    step_answer(p, sense);
+}
+
+void step_live_freely(mu_process *p, const muster_Sense *sense)
+{
+    percepts_take(p, sense);
+    while (p->mail) {
+        step_take_delivery(p, p->mail, NULL);
+        process_next_delivery(p);
+    }
+    agents_act(p, sense);
+    step_answer(p, sense);
 }
 
 static void unanswered_again(mu_process *p)

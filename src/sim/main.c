@@ -192,7 +192,7 @@ static int session_live(struct session *s)
 {
     mu_result gathered = session_gather(s, &signal_came);
     if (gathered == MU_DONE) {
-        return MU_EXIT_DONE;
+        return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
     }
     if (gathered != MU_OK) {
         fprintf(stderr, "muster sim: no broker answers; start one with: muster broker NAME\n");
@@ -234,9 +234,10 @@ int main(int argc, char **argv)
                               .interface = set.network.interface,
                               .hub = set.network.peer};
     mu_result opened = bus_open(&s->bus, &bus);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster sim: domain %d has a simulator already\n", bus.domain);
+    }
     if (opened != MU_OK) {
-        fprintf(stderr, "muster sim: domain %d has a simulator already, or no network\n",
-                bus.domain);
         return MU_EXIT_DDS;
     }
     struct session_options options = {.step_ns = step_ns,

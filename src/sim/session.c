@@ -88,19 +88,45 @@ static int32_t process_add(struct session *s, const char *name)
     return (int32_t)s->process_count++;
 }
 
+/* Lays the percepts out so that each process's robots stand together. */
+static void samples_lay_out(struct session *s)
+{
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        p->sample = (muster_Sense){.process = p->name, .lockstep = !s->options.free};
+        p->sample.robots._buffer = &s->percepts[next];
+        for (size_t r = 0; r < s->robot_count; r++) {
+            if (s->robots[r].process == (int32_t)i) {
+                s->percepts[next++].robot = s->world->robots[r].name;
+                p->sample.robots._length++;
+            }
+        }
+        p->sample.robots._maximum = p->sample.robots._length;
+    }
+}
+
 static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     struct session_robot *robot = robot_find(s, r->name);
     if (!robot || !robot->controlled || (life == BUS_DATA && r->kind != muster_KIND_ROBOT)) {
         return;
     }
+    int32_t before = robot->process;
+    bool holds = before >= 0 && strcmp(s->processes[before].name, r->process) == 0;
+    if (life == BUS_DATA && before >= 0 && !holds) {
+        return; /* the body has a controller: another one must wait until that has gone */
+    }
     if (life == BUS_DATA) {
         robot->process = process_add(s, r->process);
         if (robot->process >= 0) {
             s->processes[robot->process].ready = r->ready;
         }
-    } else if (robot->process >= 0 && strcmp(s->processes[robot->process].name, r->process) == 0) {
+    } else if (holds) {
         robot->process = -1;
+    }
+    if (s->step >= 0 && robot->process != before) {
+        samples_lay_out(s); /* free running: the others keep their own robots' percepts */
     }
 }
 
@@ -138,28 +164,32 @@ static bool everybody_is_ready(struct session *s)
             continue;
         }
         if (process < 0 || !s->processes[process].ready ||
-            bus_writer_matches(&s->processes[process].sense) == 0) {
+            !bus_writer_reaches(&s->processes[process].sense, s->processes[process].name)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
         }
     }
     return missing.len == 0;
 }
 
-void session_tell(struct session *s, muster_RunState state, bool always)
+bool session_tell(struct session *s, muster_RunState state, bool always)
 {
     uint64_t now_ns = mu_clock_ns();
     if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
-        return;
+        return true;
     }
     s->status_wall_ns = now_ns;
     bool done = state == muster_RUN_DONE;
+    uint32_t totals = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         const struct session_robot *r = &s->robots[i];
-        s->totals[i] = (muster_RobotTotals){.robot = s->world->robots[i].name,
-                                            .firings = r->firings,
-                                            .mails_sent = r->mails_sent,
-                                            .mails_received = r->mails_received,
-                                            .mails_duplicated = r->mails_duplicated};
+        if (!r->controlled) {
+            continue;
+        }
+        s->totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,
+                                                   .firings = r->firings,
+                                                   .mails_sent = r->mails_sent,
+                                                   .mails_received = r->mails_received,
+                                                   .mails_duplicated = r->mails_duplicated};
     }
     static char none[] = "none";
     int64_t steps = s->step > 0 ? s->step : 0;
@@ -173,15 +203,14 @@ void session_tell(struct session *s, muster_RunState state, bool always)
                                .hash = done && !s->options.free ? s->hash_text : none,
                                .waits_for = s->waits_for};
     status.robots._buffer = s->totals;
-    status.robots._length = status.robots._maximum = done ? (uint32_t)s->robot_count : 0;
-    mu_result written = bus_write(&s->status, &status);
-    (void)written; /* the next one says more */
+    status.robots._length = status.robots._maximum = done ? totals : 0;
+    return bus_write(&s->status, &status) == MU_OK;
 }
 
 /* --- the beginning ---------------------------------------------------------------------------- */
 
 /* Tells the broker which processes make the lock step. */
-static mu_result roster_write(struct session *s, bool lockstep)
+mu_result session_tell_roster(struct session *s, bool lockstep)
 {
     static char *names[MU_PROCESSES_MAX];
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -217,24 +246,6 @@ static void processes_prune(struct session *s)
     s->process_count = kept;
 }
 
-/* Lays the percepts out so that each process's robots stand together. */
-static void samples_lay_out(struct session *s)
-{
-    uint32_t next = 0;
-    for (uint32_t i = 0; i < s->process_count; i++) {
-        struct session_process *p = &s->processes[i];
-        p->sample = (muster_Sense){.process = p->name, .lockstep = !s->options.free};
-        p->sample.robots._buffer = &s->percepts[next];
-        for (size_t r = 0; r < s->robot_count; r++) {
-            if (s->robots[r].process == (int32_t)i) {
-                s->percepts[next++].robot = s->world->robots[r].name;
-                p->sample.robots._length++;
-            }
-        }
-        p->sample.robots._maximum = p->sample.robots._length;
-    }
-}
-
 static bool is_over(const struct session *s, const volatile sig_atomic_t *signal_came)
 {
     return s->end || *signal_came;
@@ -255,7 +266,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
         }
         bool was_ready = ready;
         ready = everybody_is_ready(s);
-        session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
+        (void)session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
         bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
     processes_prune(s);
@@ -264,7 +275,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
     s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
     mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
            s->process_count, !s->options.free);
-    mu_result told = roster_write(s, !s->options.free);
+    mu_result told = session_tell_roster(s, !s->options.free);
     return told < 0 ? told : MU_OK;
 }
 
@@ -300,7 +311,7 @@ static void up_take(struct session *s, const muster_Up *up)
     struct session_process *p = &s->processes[process];
     p->answered = up->step;
     p->answered_wall_ns = mu_clock_ns();
-    if (s->answers_missing > 0) {
+    if (s->answers_missing > 0 && up->step == s->step) {
         s->answers_missing--;
     }
     for (uint32_t i = 0; i < up->acts._length; i++) {
@@ -322,7 +333,7 @@ static void delivery_take(struct session *s, const muster_Delivery *d)
         return;
     }
     s->mail_step = d->step;
-    runhash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside);
+    runhash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
 }
 
 void session_take(struct session *s)

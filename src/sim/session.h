@@ -68,8 +68,10 @@ struct session {
     muster_Percept *percepts; /* one for each robot, in order of process */
     muster_RobotTotals *totals;
     int64_t step;
-    int64_t mail_step;                    /* the last step whose Delivery is in */
-    unsigned char outside[RUNHASH_BYTES]; /* digest of that step's mails from outside */
+    int64_t mail_step; /* the last step whose Delivery is in */
+    /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
+     */
+    unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
@@ -103,7 +105,10 @@ MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t
 /** Takes what has come on every topic. */
 void session_take(struct session *s);
 
-/** Says how the run goes; at most every 50 ms unless always. */
-void session_tell(struct session *s, muster_RunState state, bool always);
+/** Tells the broker which processes make the lock step, or that there is none any more. */
+MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
+
+/** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
+bool session_tell(struct session *s, muster_RunState state, bool always);
 
 #endif

@@ -9,7 +9,8 @@
 static const int64_t WAIT_NS = 50000000;
 static const int64_t RETRY_NS = 1000000;
 
-/* In free running a controller that has not answered for this long has let go of its robot. */
+/* In free running a controller that has not answered for this long, or for three steps if they are
+ * longer, has let go of its robot. */
 static const uint64_t DEADMAN_NS = 300000000;
 
 /* --- senses out ------------------------------------------------------------------------------- */
@@ -78,7 +79,7 @@ static void world_record(struct session *s)
         double state[ENGINE_STATE_DOUBLES];
         engine_state(s->engine, r, state);
         runhash_fold(s->hash, state, sizeof state);
-        if (s->recorder) {
+        if (s->recorder && s->robots[r].controlled) {
             recorder_add(s->recorder, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
                          &s->robots[r].percept);
         }
@@ -91,7 +92,9 @@ static bool robot_is_held(const struct session *s, const struct session_robot *r
     if (r->process < 0 || r->quiet_steps >= SESSION_QUIET_STEPS) {
         return false;
     }
-    return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < DEADMAN_NS;
+    uint64_t steps_ns = 3 * s->options.step_ns;
+    uint64_t patience_ns = steps_ns > DEADMAN_NS ? steps_ns : DEADMAN_NS;
+    return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < patience_ns;
 }
 
 static void commands_apply(struct session *s)
@@ -110,9 +113,15 @@ static void commands_apply(struct session *s)
     }
 }
 
+/* The mails from outside that the step before this one took in. */
+static void outside_fold(struct session *s)
+{
+    runhash_fold(s->hash, s->outside[(s->step - 1) & 1], RUNHASH_BYTES);
+}
+
 static void step_finish(struct session *s)
 {
-    runhash_fold(s->hash, s->outside, sizeof s->outside);
+    outside_fold(s);
     commands_apply(s);
     engine_step(s->engine);
     s->step++;
@@ -164,23 +173,8 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
             return silence_report(s);
         }
         bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);
+        (void)session_tell(s, muster_RUN_RUNNING, false);
     }
-}
-
-/* Paces the run: the step may begin when its time has come on the clock of the rate. */
-static void pace(struct session *s)
-{
-    if (s->options.rate <= 0.0) {
-        return;
-    }
-    double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
-    int64_t wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
-    while (wait_ns > 0 && !s->end) {
-        bus_wait(&s->bus, 1, wait_ns);
-        session_take(s);
-        wait_ns = (int64_t)(s->first_step_wall_ns + (uint64_t)due_ns - mu_clock_ns());
-    }
-    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
 static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal_came)
@@ -190,11 +184,34 @@ static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal
     return in_time && !s->end && !*signal_came;
 }
 
+/* Waits until its time has come on the monotonic clock, taking in what comes meanwhile. */
+static void wait_until(struct session *s, uint64_t due_ns, const volatile sig_atomic_t *signal_came)
+{
+    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end && !*signal_came;
+         now_ns = mu_clock_ns()) {
+        int64_t wait_ns = (int64_t)(due_ns - now_ns);
+        bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
+        session_take(s);
+        (void)session_tell(s, muster_RUN_RUNNING, false);
+    }
+}
+
+/* Paces the run: a step may begin when its time has come on the clock of the rate. */
+static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    if (s->options.rate <= 0.0) {
+        return;
+    }
+    double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
+    wait_until(s, s->first_step_wall_ns + (uint64_t)due_ns, signal_came);
+    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
+}
+
 static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     mu_result waited = MU_OK;
     while (goes_on(s, signal_came) && waited == MU_OK) {
-        pace(s);
+        pace(s, signal_came);
         percepts_read(s);
         /* The very first step waits for the broker: it must know the roster. */
         if (s->step > 0) {
@@ -210,7 +227,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
         waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
         if (waited == MU_OK) {
             step_finish(s);
-            session_tell(s, muster_RUN_RUNNING, false);
+            (void)session_tell(s, muster_RUN_RUNNING, false);
         }
     }
     if (waited == MU_OK && !s->end && !*signal_came) {
@@ -231,14 +248,24 @@ static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal
         senses_send(s, false);
         world_record(s);
         due_ns += s->options.step_ns;
-        for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end; now_ns = mu_clock_ns()) {
-            bus_wait(&s->bus, 1, (int64_t)(due_ns - now_ns));
-            session_take(s);
-        }
+        wait_until(s, due_ns, signal_came);
         step_finish(s);
-        session_tell(s, muster_RUN_RUNNING, false);
+        (void)session_tell(s, muster_RUN_RUNNING, false);
     }
     return MU_OK;
+}
+
+/* What must not be lost: how the run ended, and that nobody waits for its steps any more. */
+static void last_words(struct session *s, muster_RunState state)
+{
+    bool told = false;
+    bool released = false;
+    for (int i = 0; i < 1000 && !(told && released); i++) {
+        told = told || session_tell(s, state, true);
+        released = released || session_tell_roster(s, false) == MU_OK;
+        bus_wait(&s->bus, 1, told && released ? 0 : RETRY_NS);
+    }
+    (void)bus_drain(&s->roster, 200000000);
 }
 
 mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came)
@@ -248,11 +275,11 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     if (ran == MU_OK) {
         s->waits_for[0] = '\0';
         world_record(s);
-        runhash_fold(s->hash, s->outside, sizeof s->outside);
+        outside_fold(s);
     }
     senses_send(s, true);
     runhash_end(s->hash, s->hash_text);
-    session_tell(s, ran == MU_OK ? muster_RUN_DONE : muster_RUN_FAULT, true);
+    last_words(s, ran == MU_OK ? muster_RUN_DONE : muster_RUN_FAULT);
     for (uint32_t i = 0; i < s->process_count; i++) {
         (void)bus_drain(&s->processes[i].sense, 200000000);
     }

@@ -45,8 +45,7 @@ int main(int argc, char **argv)
     uint64_t sent = 0;
     while (delivered + other < count && time(NULL) < until) {
         char content[64];
-        struct mu_mail mail = {
-            .dst = argv[3], .layer = MU_LAYER_SPEECH, .content = content, .due_ns = -1};
+        struct mu_mail mail = {.dst = argv[3], .layer = MU_LAYER_SPEECH, .content = content};
         for (mu_result r = MU_OK; sent < count && r == MU_OK; sent += r == MU_OK) {
             snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);
             r = mu_agent_send(a, &mail, NULL);

@@ -60,6 +60,65 @@ def test_a_changed_rule_changes_the_hash():
         check(driven not in (first, changed, mailed), "another wheel command, the same hash")
 
 
+def test_looking_at_a_run_does_not_change_it():
+    """A robot whose speed depends on the white pages, and a person who reads them meanwhile."""
+    with folder() as out, Processes() as processes:
+        rules = out / "rules.clp"
+        rules.write_text((ROOT / "rules/follower.clp").read_text() +
+                         "\n(defrule by-the-pages (declare (salience 100)) (position $?) =>"
+                         " (setSpeed (* 20 (length$ (listing))) 5) (update-sensors))\n")
+        words = ("--duration", "30", "--set", f"robots.red.rules={rules}")
+        alone = hash_of(out / "a", *words)
+        run, _, domain = run_start(processes, out / "b", *words, rate=20)
+        while run.poll() is None:
+            muster("ps", "--domain", domain)
+        summary = json.loads((out / "b/summary.json").read_text())
+        check_equal(summary["hash"], alone, "the hash of the run that was looked at")
+
+
+def test_a_broker_outlives_a_run():
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        processes.start(MUSTER, "broker", "main", "--domain", domain)
+        for life in ("first", "second"):
+            robot = processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp",
+                                    "--domain", domain)
+            simulator = processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots",
+                                        "red", "--duration", "5", "--domain", domain)
+            check_equal(simulator.wait(30), 0, f"the simulator of the {life} run")
+            check_equal(robot.wait(10), 0, f"the robot of the {life} run")
+            done = muster("send", "red", "later", "--domain", domain)
+            check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "mail afterwards")
+
+
+def test_free_running_survives_a_robot():
+    """The others keep their own bodies when one controller dies and another takes its place."""
+    with Processes() as processes:
+        domain = new_domain()
+        processes.start(MUSTER, "broker", "main", "--domain", domain)
+
+        def robot(name):
+            return processes.start(MUSTER, "robot", name, "--rules",
+                                   ROOT / "rules/follower.clp", "--domain", domain)
+
+        red = robot("red")
+        robot("blue")
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red", "--robots", "blue",
+                        "--free", "--domain", domain)
+
+        def place_of(name):
+            done = muster("do", name, "(position)", "--domain", domain)
+            fields = done.stdout.replace("(", " ").replace(")", " ").split()
+            return fields[2] if len(fields) > 3 else None
+
+        wait_for(lambda: place_of("blue") == "-3500.0", 20, "blue in its own body")
+        red.kill()
+        red.wait()
+        robot("red")
+        wait_for(lambda: place_of("red") == "-2500.0", 20, "the new red in red's body")
+        check_equal(place_of("blue"), "-3500.0", "blue's body")
+
+
 def parts_of_a_run(domain, out, processes, order):
     """Starts the processes of the follow experiment by hand, in any order, without muster run."""
     robots = ("red", "blue", "green", "yellow")
@@ -185,10 +244,10 @@ def test_bad_files_are_refused_with_their_place():
         check_equal(muster("nonsense").returncode, 2, "an unknown verb")
 
 
-def run_start(processes, out, *words):
+def run_start(processes, out, *words, rate=1):
     """A slow run in the background whose robots run, and the pids of all its processes."""
     domain = new_domain()
-    run = processes.start(MUSTER, "run", FOLLOW, "--rate", "1", "--out", out, "--domain", domain,
+    run = processes.start(MUSTER, "run", FOLLOW, "--rate", rate, "--out", out, "--domain", domain,
                           *words, stderr=subprocess.PIPE)
     children = wait_for(lambda: len(children_of(run.pid)) == 6 and children_of(run.pid), 10,
                         "six children")

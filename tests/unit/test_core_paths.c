@@ -91,6 +91,54 @@ static void test_rules_of_the_source_tree(void)
     }
 }
 
+/* Runs a copy of this program and takes what it finds, without the folder of the test. */
+static const char *rules_of_copy(void)
+{
+    static char found[PATH_MAX];
+    char command[128];
+    snprintf(command, sizeof command, "%s/usr/local/bin/copy --rules", folder);
+    FILE *answer = popen(command, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(answer);
+    char *line = fgets(found, sizeof found, answer);
+    pclose(answer);
+    found[line ? strcspn(found, "\n") : 0] = '\0';
+    return strncmp(found, folder, strlen(folder)) == 0 ? found + strlen(folder) : found;
+}
+
+static void shell(const char *words)
+{
+    char command[512];
+    snprintf(command, sizeof command, "cd %s && %s", folder, words);
+    CU_ASSERT_EQUAL_FATAL(system(command), 0);
+}
+
+static void test_an_installed_program_takes_no_strangers_rules(void)
+{
+    char self[PATH_MAX];
+    char copy[PATH_MAX + 64];
+    ssize_t len = readlink("/proc/self/exe", self, sizeof self - 1);
+    CU_ASSERT_FATAL(len > 0 && len < 400);
+    self[len] = '\0';
+    unsetenv("MUSTER_RULES");
+    snprintf(copy, sizeof copy, "mkdir -p usr/local/bin rules && cp %.400s usr/local/bin/copy",
+             self);
+    shell(copy);
+    shell("touch rules/muster.clp");
+    CU_ASSERT_STRING_EQUAL(rules_of_copy(), "none");
+    shell("mkdir idl && touch idl/wire.idl");
+    CU_ASSERT_STRING_EQUAL(rules_of_copy(), "/usr/local/bin/../../../rules");
+    shell("mkdir -p usr/local/share/muster/rules && touch usr/local/share/muster/rules/muster.clp");
+    CU_ASSERT_STRING_EQUAL(rules_of_copy(), "/usr/local/bin/../share/muster/rules");
+    shell("rm -r usr rules idl");
+}
+
+static int rules_print(void)
+{
+    char path[PATH_MAX];
+    puts(mu_path_rules(path, sizeof path) ? path : "none");
+    return EXIT_SUCCESS;
+}
+
 static int folder_make(void)
 {
     if (!mkdtemp(folder)) {
@@ -105,14 +153,19 @@ static int folder_remove(void)
     return rmdir(folder);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    if (argc == 2 && strcmp(argv[1], "--rules") == 0) {
+        return rules_print();
+    }
     CU_TestInfo tests[] = {
         {"join", test_join},
         {"limit: what does not fit", test_limit_join},
         {"programs beside the running one", test_programs_stand_beside_the_running_one},
         {"chosen rules must have the library", test_chosen_rules_must_have_the_library},
         {"rules of the source tree", test_rules_of_the_source_tree},
+        {"an installed program takes no stranger's rules",
+         test_an_installed_program_takes_no_strangers_rules},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"core/paths", folder_make, folder_remove, NULL, NULL, tests},

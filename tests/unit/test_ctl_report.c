@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define HEADER "time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled\n"
@@ -288,28 +289,167 @@ static void test_explored_floor_ends_at_walls(void)
     world.shape_count = 4;
 }
 
+/* Takes a folder in the test's own and lets it go at once, as a run that is over. */
+static mu_result folder_use(const char *file)
+{
+    char path[96], taken[128], lock[160];
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    mu_result done = report_folder(path, false, taken, sizeof taken, &fault);
+    if (done == MU_OK) {
+        CU_ASSERT_EQUAL(strncmp(taken, path, strlen(taken)), 0);
+        snprintf(lock, sizeof lock, "%s/.running", taken);
+        CU_ASSERT_EQUAL(access(lock, F_OK), 0);
+        report_folder_release(taken);
+        CU_ASSERT_EQUAL(access(lock, F_OK), -1);
+    }
+    return done;
+}
+
+static void file_make(const char *file)
+{
+    FILE *made = fopen(file_path(file), "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(made);
+    fclose(made);
+}
+
 static void test_folders(void)
 {
-    char path[96], file[128];
-    snprintf(path, sizeof path, "%s/out/deep/run-1/", folder);
-    CU_ASSERT_EQUAL(report_folder(path, &fault), MU_OK);
-    path[strlen(path) - 1] = '\0';
-    snprintf(file, sizeof file, "%s/mark", path);
-    CU_ASSERT_EQUAL(mkdir(file, 0700), 0);
-    CU_ASSERT_EQUAL(report_folder(path, &fault), MU_OK);
-    CU_ASSERT_EQUAL(report_folder(path, &fault), MU_OK);
-    snprintf(file, sizeof file, "%s.1/mark", path);
-    CU_ASSERT_EQUAL(rmdir(file), 0); /* the first one is .1 */
-    static const char *const made[] = {"out/deep/run-1", "out/deep/run-1.1", "out/deep/run-1.2",
-                                       "out/deep", "out"};
+    static const char *const signs[] = {"run.csv", "summary.json", ".running"};
+    char file[64];
+    CU_ASSERT_EQUAL(folder_use("out/deep/run-1/"), MU_OK);
+    for (size_t i = 0; i < 3; i++) {
+        CU_ASSERT_EQUAL(folder_use("out/deep/run-1"), MU_OK); /* empty: used as it is */
+        snprintf(file, sizeof file, "out/deep/run-1/%s", signs[i]);
+        file_make(file);
+        CU_ASSERT_EQUAL(folder_use("out/deep/run-1"), MU_OK);
+        snprintf(file, sizeof file, "out/deep/run-1.%zu/%s", i + 1, signs[i]);
+        CU_ASSERT_EQUAL(unlink(file_path(file)), 0); /* the first one is .1 */
+    }
+    static const char *const made[] = {"out/deep/run-1",   "out/deep/run-1.1", "out/deep/run-1.2",
+                                       "out/deep/run-1.3", "out/deep",         "out"};
     for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
         CU_ASSERT_EQUAL(rmdir(file_path(made[i])), 0);
     }
     write_csv(HEADER);
-    snprintf(path, sizeof path, "%s/run.csv/run", folder);
-    CU_ASSERT_EQUAL(report_folder(path, &fault), MU_FAULT_OS);
+    CU_ASSERT_EQUAL(folder_use("run.csv/run"), MU_FAULT_OS);
     CU_ASSERT(strstr(fault.text, "Not a directory") != NULL || strstr(fault.text, "File exists"));
-    CU_ASSERT_EQUAL(report_folder("", &fault), MU_FAULT_OS);
+    char taken[8];
+    CU_ASSERT_EQUAL(report_folder("", false, taken, sizeof taken, &fault), MU_FAULT_OS);
+}
+
+static void test_folders_of_others_stay(void)
+{
+    static const char words[] = "is there and is not a report of muster; choose another --out";
+    file_make("plain");
+    CU_ASSERT_EQUAL(mkdir(file_path("theirs"), 0700), 0);
+    file_make("theirs/thesis.tex");
+    CU_ASSERT_EQUAL(symlink("theirs", file_path("link")), 0);
+    CU_ASSERT_EQUAL(symlink("nowhere", file_path("dangling")), 0);
+    static const char *const there[] = {"plain", "theirs", "link", "dangling"};
+    for (size_t i = 0; i < sizeof there / sizeof there[0]; i++) {
+        CU_ASSERT_EQUAL(folder_use(there[i]), MU_FAULT_OS);
+        CU_ASSERT(strstr(fault.text, words) && strstr(fault.text, there[i]));
+    }
+    CU_ASSERT_EQUAL(access(file_path("nowhere"), F_OK), -1);
+    static const char *const made[] = {"dangling", "link", "plain", "theirs/thesis.tex"};
+    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
+        CU_ASSERT_EQUAL(unlink(file_path(made[i])), 0);
+    }
+    CU_ASSERT_EQUAL(rmdir(file_path("theirs")), 0);
+}
+
+/* Another process that takes the folder and lives until its pipe is closed. */
+static pid_t holder_start(const char *path, int *leave)
+{
+    int gate[2], word[2];
+    char c = 0;
+    CU_ASSERT_EQUAL_FATAL(pipe(gate) | pipe(word), 0);
+    pid_t holder = fork();
+    if (holder == 0) {
+        char taken[128];
+        close(gate[1]);
+        mu_result done = report_folder(path, false, taken, sizeof taken, &fault);
+        ssize_t told = write(word[1], done == MU_OK ? "y" : "n", 1);
+        ssize_t ended = read(gate[0], &c, 1);
+        _exit(told == 1 && ended == 0 ? 0 : 1);
+    }
+    CU_ASSERT_EQUAL(read(word[0], &c, 1), 1);
+    CU_ASSERT_EQUAL(c, 'y');
+    close(gate[0]);
+    close(word[0]);
+    close(word[1]);
+    *leave = gate[1];
+    return holder;
+}
+
+static void test_two_runs_never_share_a_folder(void)
+{
+    char path[96], taken[128];
+    int leave, status;
+    snprintf(path, sizeof path, "%s/live", folder);
+    pid_t holder = holder_start(path, &leave);
+    CU_ASSERT_EQUAL(report_folder(path, false, taken, sizeof taken, &fault), MU_FAULT_OS);
+    CU_ASSERT(strstr(fault.text, "another run is writing there") != NULL);
+    CU_ASSERT_EQUAL(report_folder(path, true, taken, sizeof taken, &fault), MU_OK);
+    CU_ASSERT_STRING_EQUAL(taken, file_path("live.1"));
+    CU_ASSERT_EQUAL(report_folder(path, true, taken, sizeof taken, &fault), MU_OK);
+    CU_ASSERT_STRING_EQUAL(taken, file_path("live.2"));
+    CU_ASSERT_EQUAL(report_folder(path, true, taken, strlen(path) + 2, &fault), MU_FAULT_OS);
+    close(leave);
+    CU_ASSERT_EQUAL(waitpid(holder, &status, 0), holder);
+    CU_ASSERT_EQUAL(status, 0);
+    /* Who was killed has left a lock file that nobody holds. */
+    CU_ASSERT_EQUAL(report_folder(path, true, taken, sizeof taken, &fault), MU_OK);
+    CU_ASSERT_STRING_EQUAL(taken, path);
+    static const char *const made[] = {"live", "live.1", "live.2", "live.3"};
+    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
+        snprintf(taken, sizeof taken, "%s/%s", folder, made[i]);
+        CU_ASSERT_EQUAL(access(taken, F_OK), 0);
+        report_folder_release(taken);
+        CU_ASSERT_EQUAL(rmdir(taken), 0);
+    }
+}
+
+/* Many at once: each gets a folder of its own. */
+static void test_races_for_a_folder(void)
+{
+    enum { RUNNERS = 12 };
+    char path[96], taken[128];
+    pid_t runners[RUNNERS];
+    int gate[2], status;
+    snprintf(path, sizeof path, "%s/race", folder);
+    CU_ASSERT_EQUAL(mkdir(path, 0777), 0);
+    file_make("race/run.csv");
+    CU_ASSERT_EQUAL_FATAL(pipe(gate), 0);
+    for (size_t i = 0; i < RUNNERS; i++) {
+        runners[i] = fork();
+        if (runners[i] == 0) {
+            char c;
+            close(gate[1]);
+            mu_result done = report_folder(path, true, taken, sizeof taken, &fault);
+            ssize_t ended = read(gate[0], &c, 1); /* all live until all have one */
+            _exit(done == MU_OK && ended == 0 ? 0 : 1);
+        }
+    }
+    usleep(300000);
+    close(gate[1]);
+    close(gate[0]);
+    for (size_t i = 0; i < RUNNERS; i++) {
+        CU_ASSERT_EQUAL(waitpid(runners[i], &status, 0), runners[i]);
+        CU_ASSERT_EQUAL(status, 0);
+    }
+    unsigned earlier = 0, taken_count = 0;
+    for (size_t i = 0; i <= RUNNERS; i++) {
+        char file[64];
+        snprintf(file, sizeof file, i ? "race.%zu/run.csv" : "race/run.csv", i);
+        earlier += unlink(file_path(file)) == 0;
+        snprintf(file, sizeof file, i ? "race.%zu/.running" : "race/.running", i);
+        taken_count += unlink(file_path(file)) == 0;
+        snprintf(file, sizeof file, i ? "race.%zu" : "race", i);
+        CU_ASSERT_EQUAL(rmdir(file_path(file)), 0);
+    }
+    CU_ASSERT_EQUAL(earlier, 1);
+    CU_ASSERT_EQUAL(taken_count, RUNNERS);
 }
 
 static void test_limit_samples_and_robots(void)
@@ -375,7 +515,8 @@ static void test_ticks(void)
     svg_tick_label(label, -0.0);
     CU_ASSERT_STRING_EQUAL(label, "0");
     svg_tick_label(label, -2.5);
-    CU_ASSERT_STRING_EQUAL(label, "\xe2\x88\x92" "2.5");
+    CU_ASSERT_STRING_EQUAL(label, "\xe2\x88\x92"
+                                  "2.5");
 }
 
 static int make_folder(void)
@@ -407,6 +548,9 @@ int main(void)
         {"a full disk", test_full_disk},
         {"explored floor ends at walls", test_explored_floor_ends_at_walls},
         {"folders", test_folders},
+        {"folders of others stay", test_folders_of_others_stay},
+        {"two runs never share a folder", test_two_runs_never_share_a_folder},
+        {"races for a folder", test_races_for_a_folder},
         {"limit: samples and robots", test_limit_samples_and_robots},
         {"limit: expectations", test_limit_expectations},
         {"colours", test_colors},

@@ -63,7 +63,6 @@ static void test_a_mail_is_copied_whole(void)
                                  .in_reply_to = "q1",
                                  .conversation = "c1",
                                  .content = content,
-                                 .due_ns = -1,
                                  .ttl_ns = 9};
     CU_ASSERT_EQUAL(outbox_put(&box, "red", &mail), MU_OK);
     memset(content, 'x', sizeof content - 1);

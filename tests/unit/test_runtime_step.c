@@ -123,7 +123,7 @@ static void parcel(const char *box, uint64_t number, const char *performative, c
                         .letter = {.src = words("blue"),
                                    .seq = number,
                                    .dst = words(box),
-                                   .layer = performative[0] ? MU_DIRECTIVE : MU_LAYER_SPEECH,
+                                   .layer = performative[0] ? WIRE_DIRECTIVE : MU_LAYER_SPEECH,
                                    .performative = words(performative),
                                    .language = words(""),
                                    .ontology = words(""),
@@ -163,7 +163,8 @@ static void expect_numbers(uint64_t first, uint64_t last, const char *want)
 static const muster_Up *answer(const muster_Delivery *d)
 {
     capture_begin();
-    step_live(&process, &sense, d);
+    static const muster_Delivery nothing; /* of a step without mail */
+    step_live(&process, &sense, d ? d : &nothing);
     capture_end();
     CU_ASSERT_TRUE(process.out_pending);
     CU_ASSERT_EQUAL_FATAL(process.out.acts._length, process.agent_count);
