@@ -85,7 +85,7 @@ static void env_print(struct mind *m, const char *text)
     }
     m->printed += len;
     if (m->printed > CLIPS_PRINT_MAX) {
-        text = "\n[MUSTER3] more than 1 MiB printed in one step: the rest is left out\n";
+        text = "\n[MUSTER3] more than 64 KiB printed in one step: the rest is left out\n";
     }
     m->options.ports.print(m->options.ports.self, text);
 }

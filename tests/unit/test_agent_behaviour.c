@@ -41,8 +41,8 @@ struct box {
 };
 
 /* 14 x 12 m, as the follow experiment has it: a few boxes, a few pillars. */
-static const struct box boxes[] = {{-4.5, 2.5, -3.0, 3.3}, {2.5, -3.6, 3.2, -1.8},
-                                   {3.0, 2.6, 4.6, 3.2},   {-3.6, -3.4, -2.8, -2.6}};
+static const struct box boxes[] = {
+    {-4.5, 2.5, -3.0, 3.3}, {2.5, -3.6, 3.2, -1.8}, {3.0, 2.6, 4.6, 3.2}, {-3.6, -3.4, -2.8, -2.6}};
 static const struct disc pillars[] = {{0.3, 3.4, 0.3}, {0.2, -3.9, 0.35}, {5.3, 0.0, 0.3}};
 static const double half_x_m = 7;
 static const double half_y_m = 6;
@@ -114,16 +114,21 @@ static void complain(void *self, const char *text)
 
 static void sense(struct body *b, uint64_t time_ns)
 {
-    static const double looks[SONARS] = {90,  50,   30,   10,   -10,  -30, -50, -90,
+    static const double looks[SONARS] = {90,  50,   30,   10,   -10, -30, -50, -90,
                                          -90, -130, -150, -170, 170, 150, 130, 90};
     float sonar[SONARS];
     for (size_t i = 0; i < SONARS; i++) {
         sonar[i] = cast(b, looks[i] / 180 * pi);
     }
-    struct mind_percept p = {.time_ns = time_ns, .x_m = b->x, .y_m = b->y,
-                             .heading_rad = b->heading, .forward_m_s = b->forward,
-                             .turn_rad_s = b->turn, .stalled = b->stalled,
-                             .sonar_count = SONARS, .sonar_m = sonar};
+    struct mind_percept p = {.time_ns = time_ns,
+                             .x_m = b->x,
+                             .y_m = b->y,
+                             .heading_rad = b->heading,
+                             .forward_m_s = b->forward,
+                             .turn_rad_s = b->turn,
+                             .stalled = b->stalled,
+                             .sonar_count = SONARS,
+                             .sonar_m = sonar};
     mind_percept(b->mind, &p);
 }
 
@@ -193,8 +198,11 @@ static void start(uint64_t seed)
         struct mu_fault fault;
         struct body *b = &bodies[i];
         *b = (struct body){.x = 1.0 - 1.2 * (double)i, .index = i};
-        struct mind_options options = {.name = names[i], .seed = seed, .rules_folder = "rules",
-                                       .forward_max_m_s = 0.5, .turn_max_rad_s = pi / 2,
+        struct mind_options options = {.name = names[i],
+                                       .seed = seed,
+                                       .rules_folder = "rules",
+                                       .forward_max_m_s = 0.5,
+                                       .turn_max_rad_s = pi / 2,
                                        .ports = {.self = b, .send = post, .print = complain}};
         mu_result r = mind_open(&b->mind, &options, &fault);
         if (r == MU_OK) {

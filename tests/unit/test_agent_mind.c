@@ -39,8 +39,11 @@ static struct mind *open_mind(const char *rules_folder)
 {
     struct mu_fault fault;
     struct mind *m = NULL;
-    struct mind_options options = {.name = "blue", .seed = 1, .rules_folder = rules_folder,
-                                   .forward_max_m_s = 0.5, .turn_max_rad_s = 1.6,
+    struct mind_options options = {.name = "blue",
+                                   .seed = 1,
+                                   .rules_folder = rules_folder,
+                                   .forward_max_m_s = 0.5,
+                                   .turn_max_rad_s = 1.6,
                                    .ports = {.send = post, .print = print}};
     mu_result r = mind_open(&m, &options, &fault);
     if (r != MU_OK) {
@@ -78,8 +81,11 @@ static mu_result answers(struct mind *m, const char *line, const char *want)
 
 static void sense(struct mind *m)
 {
-    struct mind_percept p = {.time_ns = steps++ * MU_STEP_NS, .x_m = 1, .y_m = 2,
-                             .sonar_count = SONARS, .sonar_m = sonar_m};
+    struct mind_percept p = {.time_ns = steps++ * MU_STEP_NS,
+                             .x_m = 1,
+                             .y_m = 2,
+                             .sonar_count = SONARS,
+                             .sonar_m = sonar_m};
     mind_percept(m, &p);
 }
 
@@ -273,8 +279,11 @@ static void test_limit_mails(void)
 {
     char answer[64];
     struct mind *m = open_mind(NULL);
-    CU_ASSERT_EQUAL(say(m, "(defrule one (go) ?m <- (mail (content word500 x)) (mail (from red))"
-                           " => (retract ?m))", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m,
+                        "(defrule one (go) ?m <- (mail (content word500 x)) (mail (from red))"
+                        " => (retract ?m))",
+                        answer, sizeof answer),
+                    MU_OK);
     sense(m);
     take_many(m, 0, 1024);
     CU_ASSERT_EQUAL(take_mail(m, 1024, "one too many"), MU_FULL);
@@ -314,8 +323,11 @@ static void test_limit_content(void)
     memset(content, 'x', MU_CONTENT_MAX);
     take(m, 1, content);
     CU_ASSERT_EQUAL(answers(m, "(str-length (nth$ 2 (getmsg)))", "16384\n"), MU_OK);
-    CU_ASSERT_EQUAL(say(m, "(bind ?s \"x\") (loop-for-count (?i 1 14) do (bind ?s (str-cat ?s ?s)))"
-                           " (send red (sub-string 3 16384 ?s))", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m,
+                        "(bind ?s \"x\") (loop-for-count (?i 1 14) do (bind ?s (str-cat ?s ?s)))"
+                        " (send red (sub-string 3 16384 ?s))",
+                        answer, sizeof answer),
+                    MU_OK);
     CU_ASSERT_EQUAL(strlen(posted), strlen("red: ") + 16384);
     CU_ASSERT_EQUAL(say(m, "(send red (sub-string 2 16384 ?s))", answer, sizeof answer),
                     MU_MALFORMED);
@@ -327,8 +339,11 @@ static void test_limit_print(void)
 {
     char answer[256];
     struct mind *m = open_mind(NULL);
-    CU_ASSERT_EQUAL(say(m, "(defrule talk (talk) => (loop-for-count (?i 1 200000) do"
-                           " (printout t \"ten bytes.\")))", answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m,
+                        "(defrule talk (talk) => (loop-for-count (?i 1 200000) do"
+                        " (printout t \"ten bytes.\")))",
+                        answer, sizeof answer),
+                    MU_OK);
     CU_ASSERT_EQUAL(say(m, "(assert (talk))", answer, sizeof answer), MU_OK);
     struct mind_act act = step(m);
     CU_ASSERT_EQUAL(act.firings, 1);
@@ -340,9 +355,11 @@ static void test_limit_fired_names(void)
 {
     char answer[256];
     struct mind *m = open_mind(NULL);
-    CU_ASSERT_EQUAL(say(m, "(defrule a-name-that-is-long-enough-to-fill-8-KiB-with-200-of-it "
-                           "?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))",
-                        answer, sizeof answer), MU_OK);
+    CU_ASSERT_EQUAL(say(m,
+                        "(defrule a-name-that-is-long-enough-to-fill-8-KiB-with-200-of-it "
+                        "?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))",
+                        answer, sizeof answer),
+                    MU_OK);
     CU_ASSERT_EQUAL(say(m, "(assert (n 1))", answer, sizeof answer), MU_OK);
     struct mind_act act = step(m);
     CU_ASSERT_EQUAL(act.firings, MU_FIRINGS_PER_STEP);

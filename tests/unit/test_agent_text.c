@@ -53,9 +53,12 @@ static void test_forms(void)
         enum clips_form_kind kind;
         const char *text;
         int line;
-    } want[] = {{CLIPS_FORM_LIST, "(a \")\" ; )\n)", 2}, {CLIPS_FORM_ATOM, "word", 4},
-                {CLIPS_FORM_ATOM, "\"str\"", 4},          {CLIPS_FORM_LIST, "(b)", 4},
-                {CLIPS_FORM_BAD, ")", 4},                 {CLIPS_FORM_BAD, "(c", 4}};
+    } want[] = {{CLIPS_FORM_LIST, "(a \")\" ; )\n)", 2},
+                {CLIPS_FORM_ATOM, "word", 4},
+                {CLIPS_FORM_ATOM, "\"str\"", 4},
+                {CLIPS_FORM_LIST, "(b)", 4},
+                {CLIPS_FORM_BAD, ")", 4},
+                {CLIPS_FORM_BAD, "(c", 4}};
     int line = 1;
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
         struct clips_form f = clips_text_form(&at, &line);
@@ -71,9 +74,9 @@ static void test_fields(void)
     const char *at = "mate-pos \"a \\\"b\\\"\" -12 1.5 1e3 9223372036854775808 + 1-2 [name] "
                      "1e999 ?x";
     static const enum clips_field_kind want[] = {
-        CLIPS_FIELD_SYMBOL, CLIPS_FIELD_STRING, CLIPS_FIELD_INTEGER,  CLIPS_FIELD_FLOAT,
-        CLIPS_FIELD_FLOAT,  CLIPS_FIELD_FLOAT,  CLIPS_FIELD_SYMBOL,   CLIPS_FIELD_SYMBOL,
-        CLIPS_FIELD_INSTANCE, CLIPS_FIELD_SYMBOL, CLIPS_FIELD_SYMBOL, CLIPS_FIELD_END};
+        CLIPS_FIELD_SYMBOL,   CLIPS_FIELD_STRING, CLIPS_FIELD_INTEGER, CLIPS_FIELD_FLOAT,
+        CLIPS_FIELD_FLOAT,    CLIPS_FIELD_FLOAT,  CLIPS_FIELD_SYMBOL,  CLIPS_FIELD_SYMBOL,
+        CLIPS_FIELD_INSTANCE, CLIPS_FIELD_SYMBOL, CLIPS_FIELD_SYMBOL,  CLIPS_FIELD_END};
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
         CU_ASSERT_EQUAL(clips_text_field(&at).kind, want[i]);
     }

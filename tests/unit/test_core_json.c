@@ -50,8 +50,7 @@ static void test_indented(void)
     mu_json_list(&json, "none");
     mu_json_end(&json);
     mu_json_end(&json);
-    CU_ASSERT_STRING_EQUAL(buffer,
-                           "{\n  \"a\": [\n    1,\n    2\n  ],\n  \"none\": []\n}\n");
+    CU_ASSERT_STRING_EQUAL(buffer, "{\n  \"a\": [\n    1,\n    2\n  ],\n  \"none\": []\n}\n");
 }
 
 static void test_strings_are_escaped(void)
@@ -87,8 +86,9 @@ static void test_keys_are_escaped(void)
 
 static void test_numbers_read_back_the_same(void)
 {
-    static const double values[] = {0.0,  1.0,     -1.5,        0.1,    1.0 / 3.0, 100.0 * 1.1,
-                                    1e22, DBL_MAX, DBL_TRUE_MIN, -1e-7, 123456789.123456789};
+    static const double values[] = {
+        0.0,  1.0,     -1.5,         0.1,   1.0 / 3.0,          100.0 * 1.1,
+        1e22, DBL_MAX, DBL_TRUE_MIN, -1e-7, 123456789.123456789};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         char number[MU_JSON_NUMBER_MAX];
         mu_json_number(number, values[i]);

@@ -9,10 +9,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#define BASE                       \
-    "world: a.world\n"             \
-    "duration: 120\n"              \
-    "robots:\n"                    \
+#define BASE                          \
+    "world: a.world\n"                \
+    "duration: 120\n"                 \
+    "robots:\n"                       \
     "  - {name: red, rules: a.clp}\n" \
     "  - {name: blue, rules: a.clp, body: pioneer, color: '#00f', pose: [1, -2.5, 90]}\n"
 
@@ -153,8 +153,8 @@ static void test_schema_faults(void)
         {"world: a.world\nduration: 1\nrobots: [{name: a}]\n", 3, 10, "expected a key 'rules'"},
         {"world: a.world\nduration: 1\nrobots: [{name: a, rules: a.clp, pose: [1, 2]}]\n", 3, 40,
          "expected 3 in this list, not 2"},
-        {"world: a.world\nduration: 1\nrobots: [{name: a, rules: a.clp, pose: [1, x, 2]}]\n", 3,
-         44, "expected a number, not 'x'"},
+        {"world: a.world\nduration: 1\nrobots: [{name: a, rules: a.clp, pose: [1, x, 2]}]\n", 3, 44,
+         "expected a number, not 'x'"},
     };
     CHECK_BAD(cases);
 }
@@ -287,8 +287,8 @@ static char *repeat(const char *key, const char *item, size_t count)
     static char text[EXPERIMENT_BYTES_MAX + 16];
     struct mu_text out;
     mu_text_init(&out, text, sizeof text);
-    mu_text_format(&out, "%s%s:\n", strcmp(key, "robots") == 0 ? "world: a.world\nduration: 9\n"
-                                                               : BASE, key);
+    mu_text_format(&out, "%s%s:\n",
+                   strcmp(key, "robots") == 0 ? "world: a.world\nduration: 9\n" : BASE, key);
     for (size_t i = 0; i < count; i++) {
         const char *number = strchr(item, '#');
         mu_text_format(&out, "%.*s%zu%s", (int)(number - item), item, i, number + 1);
@@ -383,8 +383,8 @@ int main(void)
         {"limits: bytes and overrides", test_limit_bytes_and_overrides},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {
-        {"ctl/experiment", make_folder, remove_folder, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"ctl/experiment", make_folder, remove_folder, NULL, NULL, tests},
+                             CU_SUITE_INFO_NULL};
     CU_initialize_registry();
     CU_register_suites(suites);
     CU_basic_set_mode(CU_BRM_NORMAL);

@@ -189,7 +189,7 @@ static void test_stall_comes_after_the_held_time(void)
 static void test_nothing_tunnels(void)
 {
     clear();
-    add_wall(0, 0, 0.005, 8); /* a centimetre thick */
+    add_wall(0, 0, 0.005, 8);     /* a centimetre thick */
     for (int i = 0; i < 6; i++) { /* so that at full speed some would step right over it */
         struct world_robot *r = add_robot(-97 - 0.11 * i, 2 * i - 5, 0);
         r->forward_max_m_s = 100;
@@ -251,18 +251,18 @@ static void test_pushing(void)
 static void test_sonar_geometry(void)
 {
     clear();
-    add_wall(2.1, 0, 0.1, 4);      /* its face at x = 2 */
-    add_wall(0, -20, 1, 0.1);      /* out of range */
-    shapes[world.shape_count++] = (struct world_shape){
-        .kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5};
+    add_wall(2.1, 0, 0.1, 4); /* its face at x = 2 */
+    add_wall(0, -20, 1, 0.1); /* out of range */
+    shapes[world.shape_count++] =
+        (struct world_shape){.kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5};
     struct world_robot *r = add_robot(0, 0, 0);
     add_sonar(r, 0.1, 0, 0);
     add_sonar(r, 0, 0.1, 90);
     add_sonar(r, 0, 0, -90);
     add_sonar(r, 0.1, 0, 45);
     add_sonar(r, -0.25, 0, 180);
-    add_robot(-1.25, 0, 0);        /* its front at x = -1.03 */
-    add_robot(2 - 0.205, 1.2, 0);  /* near the wall: a reading below the least */
+    add_robot(-1.25, 0, 0);       /* its front at x = -1.03 */
+    add_robot(2 - 0.205, 1.2, 0); /* near the wall: a reading below the least */
     add_sonar(&robots[2], 0.2, 0, 0);
     struct engine *e = start(1);
     struct engine_percept p = run(e, 0, 0);

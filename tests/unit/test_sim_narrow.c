@@ -3,9 +3,9 @@
 #include "core/random.h"
 #include "sim/narrow.h"
 
-#include <CUnit/Basic.h>
 #include <ccd/ccd.h>
 #include <ccd/vec3.h>
+#include <CUnit/Basic.h>
 #include <math.h>
 #include <stdlib.h>
 

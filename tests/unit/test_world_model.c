@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
-#include "world/worldfile.h"
 #include "world/world.h"
+#include "world/worldfile.h"
 
 #include <CUnit/Basic.h>
 #include <fcntl.h>
@@ -190,7 +190,10 @@ static struct world *load_bitmap(const char *bytes, size_t len)
     return w;
 }
 
-#define PICTURE(bytes) {bytes, sizeof(bytes) - 1}
+#define PICTURE(bytes)           \
+    {                            \
+        bytes, sizeof(bytes) - 1 \
+    }
 
 static void test_bitmaps(void)
 {
@@ -217,12 +220,11 @@ static void test_bitmaps(void)
         NEAR(w->shapes[1].pose.y_m, -0.5);
     }
     static const unsigned char png[] = {
-        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d,
-        0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01,
-        0x08, 0x00, 0x00, 0x00, 0x00, 0xd1, 0x49, 0x20, 0x56, 0x00, 0x00, 0x00,
-        0x0b, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0xf8, 0x0f, 0x00,
-        0x01, 0x02, 0x01, 0x00, 0x42, 0xbe, 0xbc, 0x68, 0x00, 0x00, 0x00, 0x00,
-        0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+        0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00,
+        0x00, 0xd1, 0x49, 0x20, 0x56, 0x00, 0x00, 0x00, 0x0b, 0x49, 0x44, 0x41, 0x54, 0x78,
+        0x9c, 0x63, 0x60, 0xf8, 0x0f, 0x00, 0x01, 0x02, 0x01, 0x00, 0x42, 0xbe, 0xbc, 0x68,
+        0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
     };
     struct world *w = load_bitmap((const char *)png, sizeof png); /* black, white */
     CU_ASSERT_PTR_NOT_NULL_FATAL(w);
@@ -231,8 +233,8 @@ static void test_bitmaps(void)
     NEAR(w->shapes[0].half_y_m, 1);
     CU_ASSERT_PTR_NULL(load_bitmap((const char *)png, sizeof png - 20));
     static const char *const bad[] = {
-        "", "P", "P9 1 1\n", "P1 0 1\n", "P1 2 2 1", "P1 99999 2\n1", "P1 -1 2\n", "P2 2 2 0\n1",
-        "P5 2 2 70000\n1", "P4 9 1\n1", "GIF89a", "\x89PNG\r\n\x1a\n",
+        "",          "P",           "P9 1 1\n",        "P1 0 1\n",  "P1 2 2 1", "P1 99999 2\n1",
+        "P1 -1 2\n", "P2 2 2 0\n1", "P5 2 2 70000\n1", "P4 9 1\n1", "GIF89a",   "\x89PNG\r\n\x1a\n",
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         CU_ASSERT_PTR_NULL(load_bitmap(bad[i], strlen(bad[i])));
@@ -375,7 +377,8 @@ static void test_limits(void)
     for (int i = 1; i <= 17; i++) {
         len += (size_t)snprintf(text + len, sizeof text - len,
                                 "define m%d model ( m%d ( ) m%d ( ) obstacle_return 0 "
-                                "ranger_return 0 )\n", i, i - 1, i - 1);
+                                "ranger_return 0 )\n",
+                                i, i - 1, i - 1);
     }
     snprintf(text + len, sizeof text - len, "m17 ( )");
     CU_ASSERT_PTR_NULL(load(text));
