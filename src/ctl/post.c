@@ -65,16 +65,16 @@ static unsigned answers_of(const struct operator* op, const char *to)
     for (const char *c = to; *c; c++) {
         count += *c == ',';
     }
-    bool special = strcmp(to, "special") == 0;
-    if (!special && strcmp(to, "all") != 0 && strcmp(to, "robots") != 0) {
+    if (strcmp(to, "special") == 0) {
+        return 0; /* none of them need know CLIPS */
+    }
+    if (strcmp(to, "all") != 0 && strcmp(to, "robots") != 0) {
         return count;
     }
     const struct mu_member *m;
     count = 0;
     for (size_t i = 0; (m = mu_process_member(op->process, i)); i++) {
-        bool wanted = m->kind == (special ? MU_KIND_SPECIAL : MU_KIND_ROBOT);
-        bool asks = strcmp(m->name, mu_agent_name(op->agent)) == 0;
-        count += wanted && !asks && m->state != MU_GONE && strcmp(m->name, "broker") != 0;
+        count += m->kind == MU_KIND_ROBOT && m->state != MU_GONE;
     }
     return count;
 }
