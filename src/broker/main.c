@@ -34,6 +34,7 @@ struct post {
     struct bus_writer members, status;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
+    char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
     muster_BrokerStatus told; /* the counters that were told last */
 };
@@ -84,6 +85,7 @@ static void post_take(struct post *p)
     while ((roster = bus_next(&p->rosters, &life))) {
         muster_Roster ended = {.simulator = roster->simulator, .lockstep = false};
         broker_roster(p->broker, life == BUS_DATA ? roster : &ended, post_now(p));
+        mu_text_copy(p->simulator, sizeof p->simulator, roster->simulator);
     }
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
@@ -140,6 +142,14 @@ static void bags_follow(struct post *p)
     p->bag_count = kept;
 }
 
+/* Both directions must stand before a registration is confirmed; the simulator sends no mail. */
+static bool bag_stands(const struct post *p, const struct mailbag *bag)
+{
+    bool mute = bag->matched || strcmp(bag->process, p->simulator) == 0;
+    return mute ? bus_writer_reaches(&bag->writer, bag->process)
+                : bus_reader_hears(&p->ups, &bag->writer, bag->process);
+}
+
 /* Tells the broker which processes have matched.  @return whether any has not */
 static bool bags_look(struct post *p, bool all)
 {
@@ -149,7 +159,7 @@ static bool bags_look(struct post *p, bool all)
         if (bag->matched && !all) {
             continue;
         }
-        bool matched = bus_writer_reaches(&bag->writer, bag->process);
+        bool matched = bag_stands(p, bag);
         if (matched != bag->matched) {
             bag->matched = matched;
             broker_matched(p->broker, bag->process, matched, post_now(p));

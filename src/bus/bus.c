@@ -248,7 +248,8 @@ static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const ch
     return found;
 }
 
-bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
+/* Finds the process that reads a partition by its name.  @return whether there is one */
+static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
 {
     dds_instance_handle_t readers[64];
     dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, 64);
@@ -258,6 +259,35 @@ bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
             dds_get_matched_subscription_data(writer->writer, readers[i]);
         if (endpoint) {
             found = endpoint_names(endpoint, partition);
+            *process = endpoint->participant_key;
+            dds_builtintopic_free_endpoint(endpoint);
+        }
+    }
+    return found;
+}
+
+bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
+{
+    dds_guid_t process;
+    return reader_find(writer, partition, &process);
+}
+
+bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *writer,
+                      const char *partition)
+{
+    enum { WRITERS_MAX = 1024 };
+    dds_guid_t process;
+    if (!reader_find(writer, partition, &process)) {
+        return false;
+    }
+    dds_instance_handle_t writers[WRITERS_MAX];
+    dds_return_t count = dds_get_matched_publications(reader->reader, writers, WRITERS_MAX);
+    bool found = false;
+    for (dds_return_t i = 0; i < count && i < WRITERS_MAX && !found; i++) {
+        dds_builtintopic_endpoint_t *endpoint =
+            dds_get_matched_publication_data(reader->reader, writers[i]);
+        if (endpoint) {
+            found = memcmp(&endpoint->participant_key, &process, sizeof process) == 0;
             dds_builtintopic_free_endpoint(endpoint);
         }
     }

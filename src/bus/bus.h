@@ -119,6 +119,15 @@ void bus_dispose(const struct bus_writer *writer, const void *sample);
  */
 bool bus_writer_reaches(const struct bus_writer *writer, const char *partition);
 
+/**
+ * Says whether both directions to a process stand.
+ *
+ * @return whether the process that the writer reaches in its partition has a writer that this
+ * reader has found; what such a writer sends before that comes a tenth of a second late
+ */
+bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *writer,
+                      const char *partition);
+
 /** @return how many readers a writer has found */
 uint32_t bus_writer_matches(const struct bus_writer *writer);
 

@@ -76,7 +76,7 @@ bool mu_process_has_broker(const mu_process *p)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return p->with_body && bus_writer_reaches(&p->up, "broker") &&
+    return p->with_body && p->broker_incarnation != 0 && bus_writer_reaches(&p->up, "broker") &&
            bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
            bus_reader_matches(&p->sense) > 0;
 }

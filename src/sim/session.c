@@ -164,7 +164,7 @@ static bool everybody_is_ready(struct session *s)
             continue;
         }
         if (process < 0 || !s->processes[process].ready ||
-            !bus_writer_reaches(&s->processes[process].sense, s->processes[process].name)) {
+            !bus_reader_hears(&s->ups, &s->processes[process].sense, s->processes[process].name)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
         }
     }
@@ -223,16 +223,21 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     return bus_write(&s->roster, &roster);
 }
 
+static bool process_is_used(const struct session *s, uint32_t process)
+{
+    bool used = false;
+    for (size_t r = 0; r < s->robot_count; r++) {
+        used = used || s->robots[r].process == (int32_t)process;
+    }
+    return used;
+}
+
 /* Drops processes that control nothing: they came and went before the first step. */
 static void processes_prune(struct session *s)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        bool used = false;
-        for (size_t r = 0; r < s->robot_count; r++) {
-            used = used || s->robots[r].process == (int32_t)i;
-        }
-        if (!used) {
+        if (!process_is_used(s, i)) {
             bus_writer_close(&s->processes[i].sense);
             continue;
         }
