@@ -96,6 +96,9 @@ static void registrations_keep(mu_process *p)
     if (ready == p->ready && !due) {
         return;
     }
+    if (ready && !p->ready) {
+        step_hello(p);
+    }
     p->ready = ready;
     p->heartbeat_ns = now_ns;
     for (uint32_t i = 0; i < p->agent_count; i++) {

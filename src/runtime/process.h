@@ -105,6 +105,10 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
 /** The same without lock step: all the mail that is there belongs to the step. */
 void step_live_freely(mu_process *p, const muster_Sense *sense);
 
+/** Sends an Up with nothing in it: the first sample of a writer can be late, so it is not a step's.
+ */
+void step_hello(mu_process *p);
+
 /** Sends the mails and acknowledgements that wait, outside of lock step. */
 void step_flush(mu_process *p);
 

@@ -263,6 +263,15 @@ void step_live_freely(mu_process *p, const muster_Sense *sense)
     step_answer(p, sense);
 }
 
+void step_hello(mu_process *p)
+{
+    if (step_retry(p)) {
+        (void)up_fill(p, muster_STEP_NOW);
+        p->out_pending = true;
+        (void)step_retry(p);
+    }
+}
+
 static void unanswered_again(mu_process *p)
 {
     uint64_t now_ns = mu_clock_ns();

@@ -163,7 +163,7 @@ static bool everybody_is_ready(struct session *s)
         if (!s->robots[i].controlled) {
             continue;
         }
-        if (process < 0 || !s->processes[process].ready ||
+        if (process < 0 || !s->processes[process].ready || !s->processes[process].heard ||
             !bus_reader_hears(&s->ups, &s->processes[process].sense, s->processes[process].name)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
         }
@@ -309,6 +309,9 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
 static void up_take(struct session *s, const muster_Up *up)
 {
     int32_t process = process_find(s, up->process);
+    if (process >= 0) {
+        s->processes[process].heard = true;
+    }
     bool is_answer = up->step == s->step || (s->options.free && up->step >= 0);
     if (process < 0 || !is_answer || s->processes[process].answered >= up->step) {
         return;

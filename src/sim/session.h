@@ -36,6 +36,7 @@ struct session_process {
     char name[MU_PROCESS_MAX + 1];
     struct bus_writer sense;
     bool ready;       /* it has matched all that it needs */
+    bool heard;       /* a sample of it has come */
     int64_t answered; /* the last step that it has answered */
     uint64_t answered_wall_ns;
     muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
