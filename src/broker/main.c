@@ -25,6 +25,7 @@ struct mailbag {
     char process[MU_PROCESS_MAX + 1];
     struct bus_writer writer;
     bool matched;
+    bool heard; /* an Up of it has come */
 };
 
 struct post {
@@ -34,6 +35,7 @@ struct post {
     struct bus_writer members, status;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
+    const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
     muster_BrokerStatus told; /* the counters that were told last */
@@ -77,26 +79,6 @@ static void registrations_take(struct post *p)
     }
 }
 
-static void post_take(struct post *p)
-{
-    enum bus_life life;
-    registrations_take(p);
-    const muster_Roster *roster;
-    while ((roster = bus_next(&p->rosters, &life))) {
-        muster_Roster ended = {.simulator = roster->simulator, .lockstep = false};
-        broker_roster(p->broker, life == BUS_DATA ? roster : &ended, post_now(p));
-        mu_text_copy(p->simulator, sizeof p->simulator, roster->simulator);
-    }
-    const muster_Up *up;
-    while ((up = bus_next(&p->ups, &life))) {
-        if (life == BUS_DATA) {
-            broker_up(p->broker, up, post_now(p));
-        }
-    }
-}
-
-/* --- out -------------------------------------------------------------------------------------- */
-
 static struct mailbag *bag_find(struct post *p, const char *process)
 {
     for (uint32_t i = 0; i < p->bag_count; i++) {
@@ -106,6 +88,57 @@ static struct mailbag *bag_find(struct post *p, const char *process)
     }
     return NULL;
 }
+
+/* @return whether an Up of every process of a roster has come: the first one can be late, and would
+ * delay the first step */
+static bool roster_is_heard(struct post *p, const muster_Roster *roster)
+{
+    for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
+        const struct mailbag *bag = bag_find(p, roster->processes._buffer[i]);
+        if (!bag || !bag->heard) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void rosters_take(struct post *p)
+{
+    enum bus_life life = BUS_DATA;
+    while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
+        if (life == BUS_DATA && !roster_is_heard(p, p->roster)) {
+            return;
+        }
+        muster_Roster ended = {.simulator = p->roster->simulator, .lockstep = false};
+        broker_roster(p->broker, life == BUS_DATA ? p->roster : &ended, post_now(p));
+        mu_text_copy(p->simulator, sizeof p->simulator, p->roster->simulator);
+        p->roster = NULL;
+    }
+}
+
+static void up_take(struct post *p, const muster_Up *up)
+{
+    struct mailbag *bag = bag_find(p, up->process);
+    if (bag) {
+        bag->heard = true;
+    }
+    broker_up(p->broker, up, post_now(p));
+}
+
+static void post_take(struct post *p)
+{
+    enum bus_life life;
+    registrations_take(p);
+    const muster_Up *up;
+    while ((up = bus_next(&p->ups, &life))) {
+        if (life == BUS_DATA) {
+            up_take(p, up);
+        }
+    }
+    rosters_take(p);
+}
+
+/* --- out -------------------------------------------------------------------------------------- */
 
 static void bag_add(struct post *p, const char *process)
 {

@@ -76,9 +76,9 @@ bool mu_process_has_broker(const mu_process *p)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return p->with_body && p->broker_incarnation != 0 && bus_writer_reaches(&p->up, "broker") &&
-           bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
-           bus_reader_matches(&p->sense) > 0;
+    return p->with_body && p->greeted && p->broker_incarnation != 0 &&
+           bus_writer_reaches(&p->up, "broker") && bus_writer_reaches(&p->up, "simulator") &&
+           bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
 }
 
 static void registrations_keep(mu_process *p)
@@ -86,7 +86,7 @@ static void registrations_keep(mu_process *p)
     uint64_t now_ns = mu_clock_ns();
     bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
     if (due && p->in_lockstep && bus_reader_matches(&p->sense) == 0) {
-        p->in_lockstep = p->lived_in_lockstep =
+        p->in_lockstep = p->lived_in_lockstep = p->greeted =
             false; /* the simulator is gone: no step will come */
         p->step = NULL;
     }
@@ -123,6 +123,10 @@ static void next_step(mu_process *p)
         sense = p->with_body ? bus_next(&p->sense, &life) : NULL;
     } while (sense && life != BUS_DATA);
     if (!sense) {
+        return;
+    }
+    if (sense->step < 0) {
+        p->greeted = true;
         return;
     }
     p->step_wall_ns = mu_clock_ns();

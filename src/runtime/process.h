@@ -54,6 +54,7 @@ struct mu_process {
     struct members members;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
+    bool greeted;                /* the simulator's first Sense has come, which is no step */
     bool ready;                  /* all that lock step needs has matched */
     bool in_lockstep;
     bool lived_in_lockstep;      /* a step of it, at least */

@@ -154,10 +154,22 @@ static void commands_take(struct session *s)
     }
 }
 
+/* The first sample of a writer can come a tenth of a second late, so it is not a step's. */
+static void process_greet(struct session_process *p)
+{
+    if (!p->greeted && bus_writer_reaches(&p->sense, p->name)) {
+        muster_Sense hello = {.process = p->name, .step = muster_STEP_NOW};
+        p->greeted = bus_write(&p->sense, &hello) == MU_OK;
+    }
+}
+
 static bool everybody_is_ready(struct session *s)
 {
     struct mu_text missing;
     mu_text_init(&missing, s->waits_for, sizeof s->waits_for);
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        process_greet(&s->processes[i]);
+    }
     for (size_t i = 0; i < s->robot_count; i++) {
         int32_t process = s->robots[i].process;
         if (!s->robots[i].controlled) {

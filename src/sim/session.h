@@ -37,6 +37,7 @@ struct session_process {
     struct bus_writer sense;
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
+    bool greeted;     /* a Sense with nothing in it has gone to it */
     int64_t answered; /* the last step that it has answered */
     uint64_t answered_wall_ns;
     muster_Sense sample; /* what it is sent; its robots lie in the session's pool */

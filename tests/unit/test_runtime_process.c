@@ -323,6 +323,9 @@ static void test_a_body_is_ready_when_all_have_matched(void)
     CU_ASSERT_FALSE(seen.ready); /* the broker has not said yes */
     deliver_verdict(&body, "robot");
     CU_ASSERT_EQUAL(mu_process_await_broker(body.process, PATIENCE_NS), MU_OK);
+    spin_for(&body, 50000000);
+    CU_ASSERT_FALSE(seen.ready); /* the simulator has not greeted it */
+    sense(&body, muster_STEP_NOW, false, false);
     SPIN_UNTIL(&body, seen.ready);
     mu_agent_set_state(a, MU_RUNNING);
     SPIN_UNTIL(&body, seen.state == muster_STATE_RUNNING);
