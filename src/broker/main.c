@@ -89,13 +89,14 @@ static struct mailbag *bag_find(struct post *p, const char *process)
     return NULL;
 }
 
-/* @return whether an Up of every process of a roster has come: the first one can be late, and would
- * delay the first step */
+/* Whatever comes late on a path delays all that comes after it, and the first samples of a DDS
+ * writer can be late.  @return whether an Up of every process of a roster has come, and every
+ * Delivery to it has arrived */
 static bool roster_is_heard(struct post *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
         const struct mailbag *bag = bag_find(p, roster->processes._buffer[i]);
-        if (!bag || !bag->heard) {
+        if (!bag || !bag->heard || !bus_drain(&bag->writer, 0)) {
             return false;
         }
     }
