@@ -20,6 +20,10 @@
 static const uint64_t LOOK_NS = 100000000;
 static const int64_t IMPATIENT_NS = 2000000;
 
+/* How long a lock step waits for its paths to be warm: busy mail must not keep it from beginning.
+ */
+static const uint64_t ROSTER_PATIENCE_NS = 500000000;
+
 /* The writer into one process's partition. */
 struct mailbag {
     char process[MU_PROCESS_MAX + 1];
@@ -36,6 +40,7 @@ struct post {
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
+    uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
     muster_BrokerStatus told; /* the counters that were told last */
@@ -107,9 +112,12 @@ static void rosters_take(struct post *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
-        if (life == BUS_DATA && !roster_is_heard(p, p->roster)) {
+        p->roster_ns = p->roster_ns ? p->roster_ns : mu_clock_ns();
+        bool may_wait = life == BUS_DATA && mu_clock_ns() - p->roster_ns < ROSTER_PATIENCE_NS;
+        if (may_wait && !roster_is_heard(p, p->roster)) {
             return;
         }
+        p->roster_ns = 0;
         muster_Roster ended = {.simulator = p->roster->simulator, .lockstep = false};
         broker_roster(p->broker, life == BUS_DATA ? p->roster : &ended, post_now(p));
         mu_text_copy(p->simulator, sizeof p->simulator, p->roster->simulator);

@@ -421,17 +421,25 @@ static void test_races_for_a_folder(void)
     CU_ASSERT_EQUAL(mkdir(path, 0777), 0);
     file_make("race/run.csv");
     CU_ASSERT_EQUAL_FATAL(pipe(gate), 0);
+    int ready[2];
+    CU_ASSERT_EQUAL_FATAL(pipe(ready), 0);
     for (size_t i = 0; i < RUNNERS; i++) {
         runners[i] = fork();
         if (runners[i] == 0) {
             char c;
             close(gate[1]);
             mu_result done = report_folder(path, true, taken, sizeof taken, &fault);
+            ssize_t said = write(ready[1], "", 1);
             ssize_t ended = read(gate[0], &c, 1); /* all live until all have one */
-            _exit(done == MU_OK && ended == 0 ? 0 : 1);
+            _exit(done == MU_OK && said == 1 && ended == 0 ? 0 : 1);
         }
     }
-    usleep(300000);
+    close(ready[1]);
+    for (size_t i = 0; i < RUNNERS; i++) {
+        char c;
+        CU_ASSERT_EQUAL(read(ready[0], &c, 1), 1); /* one that has its folder */
+    }
+    close(ready[0]);
     close(gate[1]);
     close(gate[0]);
     for (size_t i = 0; i < RUNNERS; i++) {
