@@ -36,7 +36,22 @@ enum mu_outcome {
     MU_MAIL_UNKNOWN_NAME,
     MU_MAIL_DUPLICATE,
     MU_MAIL_REFUSED,
+    MU_MAIL_DROPPED,  /* it was in the box, and had to make room for another */
+    MU_MAIL_NO_STORE, /* its level needs a disk that the broker has not, or cannot write to */
 };
+
+/* What a mail that waits at the broker survives. */
+enum mu_level {
+    MU_LEVEL_RAM,    /* nothing */
+    MU_LEVEL_LOGGED, /* the death of the broker */
+    MU_LEVEL_SYNCED, /* the loss of power, too */
+};
+
+/* A higher one overtakes in the receiver's box; within one, mail keeps its order. */
+enum mu_priority { MU_PRIORITY_LOW = -1, MU_PRIORITY_NORMAL, MU_PRIORITY_HIGH };
+
+/* What happens to mail for a box that is full. */
+enum mu_box_policy { MU_BOX_REFUSE_NEW, MU_BOX_DROP_OLDEST, MU_BOX_DROP_LOWEST };
 
 /** @return the word for it, as people and rules see it; never NULL */
 const char *mu_kind_text(enum mu_kind kind);
@@ -52,7 +67,8 @@ enum mu_layer { MU_LAYER_SYSTEM = 1, MU_LAYER_QUERY, MU_LAYER_SPEECH };
  */
 struct mu_mail {
     const char *src; /* set by the runtime */
-    const char *dst; /* a name, names joined by commas, or all, robots, special */
+    const char *dst; /* a name, names joined by commas; all, robots, special; group:G, or another
+                        address that somebody resolves: role:R, task:T, near:2.5 */
     uint64_t seq;    /* set by the runtime: counts the sender's mails from 1 */
     uint64_t number; /* of an arrived mail: its place in this agent's box */
     bool directive;  /* enters no layer: the broker's trust policy lets it through or not, and
@@ -63,6 +79,9 @@ struct mu_mail {
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
+    uint64_t reply_by_ns;      /* an answer after this time of the run is not wanted; 0: any time */
+    enum mu_priority priority;
+    enum mu_level level;
     bool timed;      /* wait for due_ns; else it goes at once */
     uint64_t due_ns; /* not before this time of the run */
     uint64_t ttl_ns; /* expires when this old; 0: never */
@@ -90,6 +109,8 @@ struct mu_member {
     uint64_t since_wall_ns;
 };
 
+struct mu_service; /* directory.h */
+
 /* What an agent wants to hear about; any may be NULL. */
 struct mu_handlers {
     void *self;
@@ -108,6 +129,10 @@ struct mu_handlers {
     /** What became of the mails first_seq to last_seq. */
     void (*on_receipt)(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
                        enum mu_outcome outcome);
+    /** The broker has refused a change of groups or services (directory.h): which, and why. */
+    void (*on_refusal)(void *self, mu_agent *a, const char *change, const char *reason);
+    /** Somebody offers (came) or no longer offers what mu_agent_watch_service asked for. */
+    void (*on_service)(void *self, mu_agent *a, const struct mu_service *service, bool came);
 };
 
 struct mu_process_options {

@@ -26,6 +26,24 @@
 /** Longest list of receivers that a mail can name, in bytes. */
 #define MU_DST_MAX 1023
 
+/** Longest attributes of a service, in bytes. */
+#define MU_ATTRIBUTES_MAX 255
+
+/** Groups that a network of brokers can know. */
+#ifndef MU_GROUPS_MAX
+#define MU_GROUPS_MAX 1024
+#endif
+
+/** Lines of all groups together: a group takes one, and each of its members. */
+#ifndef MU_MEMBERSHIPS_MAX
+#define MU_MEMBERSHIPS_MAX 16384
+#endif
+
+/** Lines of the yellow pages. */
+#ifndef MU_SERVICES_MAX
+#define MU_SERVICES_MAX 4096
+#endif
+
 /** Agents that one broker can know. */
 #ifndef MU_AGENTS_MAX
 #define MU_AGENTS_MAX 1024

@@ -42,7 +42,8 @@ static bool mail_ok(const muster_Mail *m)
         }
     }
     return is_name(m->src) && is_count(m->seq) && text_fits(m->dst, MU_DST_MAX) &&
-           m->dst[0] != '\0' && text_fits(m->content, MU_CONTENT_MAX);
+           m->dst[0] != '\0' && m->priority >= -1 && m->priority <= 1 &&
+           (unsigned)m->level <= muster_LEVEL_SYNCED && text_fits(m->content, MU_CONTENT_MAX);
 }
 
 static bool mails_ok(const muster_Mail *mails, uint32_t count)

@@ -123,7 +123,9 @@ static int outcome_exit(enum mu_outcome outcome)
     case MU_MAIL_DUPLICATE: return MU_EXIT_DONE;
     case MU_MAIL_UNKNOWN_NAME: return MU_EXIT_NO_AGENT;
     case MU_MAIL_REFUSED: return MU_EXIT_REFUSED;
+    case MU_MAIL_NO_STORE: return MU_EXIT_WRITE;
     case MU_MAIL_EXPIRED:
+    case MU_MAIL_DROPPED:
     case MU_MAIL_BOX_FULL: return MU_EXIT_UNDELIVERED;
     }
     return MU_EXIT_UNDELIVERED;

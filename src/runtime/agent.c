@@ -12,7 +12,8 @@
 /* The public enumerations are those of the wire, so that they can be cast. */
 _Static_assert((int)MU_KIND_SPECIAL == (int)muster_KIND_SPECIAL, "kinds");
 _Static_assert((int)MU_GONE == (int)muster_STATE_ABSENT, "states");
-_Static_assert((int)MU_MAIL_REFUSED == (int)muster_OUTCOME_REFUSED, "outcomes");
+_Static_assert((int)MU_MAIL_NO_STORE == (int)muster_OUTCOME_NO_STORE, "outcomes");
+_Static_assert((int)MU_LEVEL_SYNCED == (int)muster_LEVEL_SYNCED, "levels");
 
 const char *mu_kind_text(enum mu_kind kind)
 {
@@ -29,7 +30,8 @@ const char *mu_state_text(enum mu_state state)
 const char *mu_outcome_text(enum mu_outcome outcome)
 {
     static const char *const texts[] = {"delivered",    "stored",    "expired", "box-full",
-                                        "unknown-name", "duplicate", "refused"};
+                                        "unknown-name", "duplicate", "refused", "dropped",
+                                        "no-store"};
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file directory.h
+ * Groups, and the yellow pages.
+ *
+ * Every process keeps a copy of both, as of the white pages: the broker pushes each change, so that
+ * a question costs no round trip.  In lock step the copy changes only between steps.
+ *
+ * Changes are mails to the broker: they return at once, take effect when the broker has them, and
+ * what it refuses comes back to mu_handlers.on_refusal.
+ *
+ * Names of groups and services are those of agents: [A-Za-z_][A-Za-z0-9_.-]{0,30}.
+ */
+#ifndef MUSTER_DIRECTORY_H
+#define MUSTER_DIRECTORY_H
+
+#include "muster/agent.h"
+
+/** Results of all changes: as mu_agent_send; MU_MALFORMED also for what is not a name. */
+
+/** Makes a group without members.  The broker refuses it when the group is there. */
+MU_MUST_USE mu_result mu_agent_group_create(mu_agent *a, const char *group);
+
+/** Enters a group, and makes it if it is not there. */
+MU_MUST_USE mu_result mu_agent_group_join(mu_agent *a, const char *group);
+
+/** Leaves a group; a group that its last member leaves is gone. */
+MU_MUST_USE mu_result mu_agent_group_leave(mu_agent *a, const char *group);
+
+/** Sends content to all members but the sender; who is absent gets it on coming back. */
+MU_MUST_USE mu_result mu_agent_group_send(mu_agent *a, const char *group, const char *content);
+
+/** @return the index-th group in order of name, valid until the next spin; NULL past the last */
+const char *mu_process_group(const mu_process *p, size_t index);
+
+/** @return the index-th member of a group in order of name, likewise */
+const char *mu_process_group_member(const mu_process *p, const char *group, size_t index);
+
+/** @return whether the agent is a member of the group */
+bool mu_process_in_group(const mu_process *p, const char *group, const char *agent);
+
+/* A line of the yellow pages. */
+struct mu_service {
+    char service[MU_NAME_MAX + 1];
+    char agent[MU_NAME_MAX + 1];
+    char attributes[MU_ATTRIBUTES_MAX + 1]; /* key=value, separated by spaces */
+};
+
+/**
+ * Offers a service; offering it again replaces the attributes and renews the lease.
+ *
+ * @param attributes  key=value, separated by spaces: "role=scout battery=0.8"; NULL: none
+ * @param lease_ns    how long it is offered unless it is renewed; 0: until withdrawn.  In lock step
+ *                    by simulated time.
+ */
+MU_MUST_USE mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attributes,
+                                         uint64_t lease_ns);
+
+MU_MUST_USE mu_result mu_agent_withdraw(mu_agent *a, const char *service);
+
+/**
+ * A standing query: from now on mu_handlers.on_service tells who comes and who goes.
+ *
+ * @param query  a service, then constraints: "mapper role=scout battery>=0.5"; "*" is any service
+ */
+MU_MUST_USE mu_result mu_agent_watch_service(mu_agent *a, const char *query);
+
+/** @return the index-th line that fits, in order of service and agent, valid until the next spin;
+ *          only agents that are not absent are found; NULL past the last, or the query is no query */
+const struct mu_service *mu_process_find_service(const mu_process *p, const char *query,
+                                                 size_t index);
+
+#endif
