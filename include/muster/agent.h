@@ -21,6 +21,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#pragma GCC visibility push(default)
+
 typedef struct mu_process mu_process;
 typedef struct mu_agent mu_agent;
 
@@ -79,7 +81,7 @@ struct mu_mail {
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    uint64_t reply_by_ns;      /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
     enum mu_priority priority;
     enum mu_level level;
     bool timed;      /* wait for due_ns; else it goes at once */
@@ -156,6 +158,15 @@ void mu_process_close(mu_process *p);
  */
 MU_MUST_USE mu_result mu_process_spin(mu_process *p, int64_t timeout_ns);
 
+/**
+ * For a program with a poll loop of its own: call mu_process_spin(p, 0) when the descriptor is
+ * readable, and at least every 100 ms, because heartbeats are sent from there.
+ *
+ * @return a file descriptor that is readable when something has arrived; it stays the process's,
+ *         until mu_process_close; -1: the system has none left
+ */
+int mu_process_wake_fd(mu_process *p);
+
 /** Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives. */
 MU_MUST_USE mu_result mu_process_run(mu_process *p);
 
@@ -214,5 +225,7 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 
 /** @return the index-th line in order of name, valid until the next spin; NULL past the last */
 const struct mu_member *mu_process_member(const mu_process *p, size_t index);
+
+#pragma GCC visibility pop
 
 #endif
