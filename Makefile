@@ -106,6 +106,9 @@ $(O)/programs/%: $(O)/tests/programs/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
 
+# It counts what the static library allocates.
+$(O)/programs/memory_counter: LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+
 # What a test or benchmark needs beside its module comes from tests/support.
 SUPPORT := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/*.c))
 test_module = $(word 2,$(subst _, ,$(1)))

@@ -145,10 +145,10 @@ struct mu_process_options {
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
 };
 
-/** Connects to the bus.  @return MU_OK or MU_FAULT_DDS */
+/** Connects to the bus.  @return MU_OK; MU_FAULT_DDS; MU_FAULT_USAGE: no address, or no host */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
-/** Lets every agent leave and disconnects. */
+/** Lets every agent leave and disconnects; NULL: nothing to do. */
 void mu_process_close(mu_process *p);
 
 /**
@@ -167,7 +167,11 @@ MU_MUST_USE mu_result mu_process_spin(mu_process *p, int64_t timeout_ns);
  */
 int mu_process_wake_fd(mu_process *p);
 
-/** Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives. */
+/**
+ * Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives.
+ *
+ * @return MU_OK: it has ended, for whatever reason; MU_FAULT_DDS
+ */
 MU_MUST_USE mu_result mu_process_run(mu_process *p);
 
 /** Ends mu_process_run; may be called from handlers and signal handlers. */
@@ -214,7 +218,10 @@ MU_MUST_USE mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double tur
 /** Says which rules fired in this step, for the run's hash; names separated by spaces, copied. */
 void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
 
+/** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);
+
+/** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);
 
 /** Changes the state, as a directive would; the white pages follow. */

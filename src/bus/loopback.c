@@ -30,9 +30,12 @@ static int is_udp(int fd)
     return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &len) == 0 && type == SOCK_DGRAM;
 }
 
-/* Takes the place of the C library's bind in every program that links this file, or the shared
- * library: so it is seen from outside, and libmuster.map gives it no version. */
-__attribute__((visibility("default"))) int bind(int fd, const struct sockaddr *address, socklen_t len)
+/* Seen from outside a shared library, too; libmuster.map gives it no version. */
+__attribute__((visibility("default"))) int bind(int fd, const struct sockaddr *address,
+                                                socklen_t len);
+
+/* Takes the place of the C library's bind in every program that links this file. */
+int bind(int fd, const struct sockaddr *address, socklen_t len)
 {
     if (loopback_address && address->sa_family == AF_INET && len >= sizeof(struct sockaddr_in)) {
         struct sockaddr_in inet = *(const struct sockaddr_in *)(const void *)address;

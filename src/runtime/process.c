@@ -74,6 +74,9 @@ static void agents_leave(mu_process *p)
 
 void mu_process_close(mu_process *p)
 {
+    if (!p) {
+        return;
+    }
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
