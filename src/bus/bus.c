@@ -137,9 +137,9 @@ void bus_close(struct bus *bus)
 {
     dds_delete(bus->participant);
     bus->participant = 0;
-    if (bus->wake_fd > 0) {
+    if (bus->wakes) {
         close(bus->wake_fd);
-        bus->wake_fd = 0;
+        bus->wakes = false;
     }
 }
 
@@ -169,7 +169,7 @@ static void on_arrival(dds_entity_t reader, void *self)
     if (bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted) {
         pthread_cond_signal(&bus->arrival);
     }
-    if (bus->wake_fd > 0) {
+    if (bus->wakes) {
         (void)eventfd_write(bus->wake_fd, 1); /* full is readable, too */
     }
     pthread_mutex_unlock(&bus->lock);
@@ -389,8 +389,9 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
 int bus_wake_fd(struct bus *bus)
 {
     pthread_mutex_lock(&bus->lock);
-    if (bus->wake_fd == 0) {
+    if (!bus->wakes) {
         bus->wake_fd = eventfd(bus->arrived != bus->taken, EFD_NONBLOCK | EFD_CLOEXEC);
+        bus->wakes = bus->wake_fd >= 0;
     }
     int fd = bus->wake_fd;
     pthread_mutex_unlock(&bus->lock);
@@ -404,7 +405,7 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
     pthread_mutex_lock(&bus->lock);
-    if (bus->wake_fd > 0) {
+    if (bus->wakes) {
         eventfd_t count;
         (void)eventfd_read(bus->wake_fd, &count); /* what comes from now on is news */
     }

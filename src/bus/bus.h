@@ -58,7 +58,8 @@ struct bus {
     uint64_t arrived; /* samples, ever */
     uint64_t taken;   /* of them, no longer in a reader */
     uint64_t wanted;  /* bus_wait wakes when so many are there; 0: nobody waits */
-    int wake_fd;      /* an eventfd that each arrival is written to; 0: nobody asked for one */
+    bool wakes; /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
+    int wake_fd;
 };
 
 struct bus_writer {

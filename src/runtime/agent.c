@@ -54,6 +54,14 @@ void agent_register(struct mu_agent *a)
     (void)written; /* the next heartbeat says it again */
 }
 
+void agent_leave(struct mu_agent *a)
+{
+    muster_Registration r = {
+        .name = a->name, .process = a->process->name, .host = a->process->host};
+    bus_dispose(&a->process->registration, &r);
+    a->leaving = false;
+}
+
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
                         uint64_t last_number, const struct mu_handlers *handlers)
 {
@@ -148,14 +156,6 @@ void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
 {
     struct mu_mail mail = mail_of(parcel);
     kind_mail(a, &mail);
-}
-
-void agent_leave(struct mu_agent *a)
-{
-    muster_Registration r = {
-        .name = a->name, .process = a->process->name, .host = a->process->host};
-    bus_dispose(&a->process->registration, &r);
-    a->leaving = false;
 }
 
 void mu_agent_set_state(mu_agent *a, enum mu_state state)

@@ -297,6 +297,49 @@ static void test_a_reply_goes_where_the_mail_came_from(void)
     CU_ASSERT_EQUAL(a->ttl_ns, 0);
 }
 
+static enum mu_take take_whole(void *self, mu_agent *a, const struct mu_mail *m)
+{
+    (void)self;
+    (void)a;
+    CU_ASSERT_STRING_EQUAL(m->performative, "ask-one");
+    CU_ASSERT_STRING_EQUAL(m->language, "json");
+    CU_ASSERT_STRING_EQUAL(m->ontology, "map");
+    CU_ASSERT_STRING_EQUAL(m->reply_with, "q");
+    CU_ASSERT_STRING_EQUAL(m->in_reply_to, "p");
+    CU_ASSERT_STRING_EQUAL(m->conversation, "c");
+    CU_ASSERT_STRING_EQUAL(m->content, "[2]");
+    CU_ASSERT_EQUAL(m->reply_by_ns, 7000);
+    CU_ASSERT_EQUAL(m->priority, MU_PRIORITY_HIGH);
+    CU_ASSERT_EQUAL(m->level, MU_LEVEL_SYNCED);
+    hear("whole", m);
+    return MU_TAKEN;
+}
+
+/* From mu_agent_send over the wire's form to the handler. */
+static void test_every_field_goes_out_and_comes_in(void)
+{
+    static const struct mu_layer_handler handlers[] = {{8, NULL, take_whole}, {0}};
+    static const struct mu_agent_kind whole = {.name = "whole", .handlers = handlers};
+    set_up(MU_KIND_AGENT, &whole, false);
+    struct mu_mail m = {.dst = "red",
+                        .layer = 8,
+                        .performative = "ask-one",
+                        .language = "json",
+                        .ontology = "map",
+                        .reply_with = "q",
+                        .in_reply_to = "p",
+                        .conversation = "c",
+                        .content = "[2]",
+                        .reply_by_ns = 7000,
+                        .priority = MU_PRIORITY_HIGH,
+                        .level = MU_LEVEL_SYNCED};
+    CU_ASSERT_EQUAL(mu_agent_send(red, &m, NULL), MU_OK);
+    const muster_Mail *out = answer();
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    agent_mail(red, &(muster_Parcel){.box = red->name, .number = 1, .letter = *out});
+    expect_heard("whole ask-one; ");
+}
+
 /* Two agents that answer whatever they get end after one answer. */
 static void test_answers_do_not_ping_pong(void)
 {
@@ -470,6 +513,7 @@ int main(void)
         {"no answer to an answer or to many", test_no_answer_to_an_answer_or_to_many},
         {"declining answers refuse", test_declining_answers_refuse},
         {"a reply goes where the mail came from", test_a_reply_goes_where_the_mail_came_from},
+        {"every field goes out and comes in", test_every_field_goes_out_and_comes_in},
         {"answers do not ping-pong", test_answers_do_not_ping_pong},
         {"an answer that comes too late", test_an_answer_that_comes_too_late},
         {"parents outside of handlers", test_parents_outside_of_handlers},
