@@ -89,6 +89,16 @@
 #define MU_OUTBOX_MAX 1024
 #endif
 
+/** Lines of a trust policy. */
+#ifndef MU_TRUST_LINES_MAX
+#define MU_TRUST_LINES_MAX 1024
+#endif
+
+/** Audit records that wait to be written. */
+#ifndef MU_AUDIT_MAX
+#define MU_AUDIT_MAX 4096
+#endif
+
 /** Robots in one world. */
 #ifndef MU_ROBOTS_MAX
 #define MU_ROBOTS_MAX 1024
