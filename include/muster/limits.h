@@ -49,6 +49,9 @@
 #define MU_AGENTS_MAX 1024
 #endif
 
+/** Lines of the white pages beside them: the broker and its parts. */
+#define MU_BROKER_LINES 9
+
 /** Processes that one broker or simulator can serve. */
 #ifndef MU_PROCESSES_MAX
 #define MU_PROCESSES_MAX 512

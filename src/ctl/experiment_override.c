@@ -18,6 +18,7 @@ struct override_key {
 static const struct override_key override_keys[] = {
     {"name", OVERRIDE_TEXT, offsetof(struct experiment, name)},
     {"world", OVERRIDE_TEXT, offsetof(struct experiment, world)},
+    {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
     {"seed", OVERRIDE_UINT, offsetof(struct experiment, seed)},
     {"duration", OVERRIDE_REAL, offsetof(struct experiment, duration)},
     {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},

@@ -61,6 +61,7 @@ static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
     TEXT("world", NEEDED, struct experiment, world),
+    TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_UINT("seed", CYAML_FLAG_OPTIONAL, struct experiment, seed),
     CYAML_FIELD_FLOAT("duration", CYAML_FLAG_STRICT, struct experiment, duration),
     CYAML_FIELD_FLOAT("step_ms", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
