@@ -85,7 +85,7 @@ struct experiment {
  * Loads and checks an experiment.  Lives as long as the process.
  *
  * @param set        overrides as "key=value", e.g. "duration=30" or "robots.red.rules=x.clp"; what
- *                   may be set: name world policy seed duration step_ms on-crash, and of each robot
+ *                   may be set: name world seed duration step_ms on-crash policy, and of each robot
  * NAME robots.NAME.body, .color, .rules and .globals.G; paths as in the file
  * @return MU_OK; MU_FAULT_FILE with file, line, column and what was expected; MU_FAULT_USAGE when
  *         an override is wrong (fault->file is "--set key=value")

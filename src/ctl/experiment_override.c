@@ -18,11 +18,11 @@ struct override_key {
 static const struct override_key override_keys[] = {
     {"name", OVERRIDE_TEXT, offsetof(struct experiment, name)},
     {"world", OVERRIDE_TEXT, offsetof(struct experiment, world)},
-    {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
     {"seed", OVERRIDE_UINT, offsetof(struct experiment, seed)},
     {"duration", OVERRIDE_REAL, offsetof(struct experiment, duration)},
     {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},
     {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment, on_crash)},
+    {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
 };
 
 static const struct override_key override_robot_keys[] = {

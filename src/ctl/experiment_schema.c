@@ -61,7 +61,6 @@ static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
     TEXT("world", NEEDED, struct experiment, world),
-    TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_UINT("seed", CYAML_FLAG_OPTIONAL, struct experiment, seed),
     CYAML_FIELD_FLOAT("duration", CYAML_FLAG_STRICT, struct experiment, duration),
     CYAML_FIELD_FLOAT("step_ms", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
@@ -69,6 +68,7 @@ static const cyaml_schema_field_t schema_fields[] = {
     CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
                      on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
     CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0, 1),
+    TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),
     CYAML_FIELD_SEQUENCE("observer", MAY, struct experiment, observer, &schema_command, 0,

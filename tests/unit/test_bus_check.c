@@ -77,7 +77,8 @@ static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
 static muster_Member member = A_MEMBER;
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
-static muster_Counter counters[] = {{.name = W("sent"), .value = 7}};
+static muster_Counter counters[FEW] = {
+    {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
 static muster_PartStatus part_status = {
     .broker = W("b1"), .part = W("broker.postmaster"), .counters = LIST(counters)};
 
