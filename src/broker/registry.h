@@ -16,7 +16,11 @@
 #include <stdint.h>
 
 /** The broker itself stands first in the white pages, its parts after it (counters.h). */
-enum { REGISTRY_BROKER = 0, REGISTRY_OWN = MU_BROKER_LINES, REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN };
+enum {
+    REGISTRY_BROKER = 0,
+    REGISTRY_OWN = MU_BROKER_LINES,
+    REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN
+};
 
 /* What a registration says of an agent. */
 struct presence {
