@@ -67,24 +67,24 @@ static int counters_ask(struct operator* op, const struct mu_member *m, struct c
     return operator_send(op, &question, 1, ANSWER_PATIENCE_S);
 }
 
-static void counters_print(struct counters *c, struct mu_json *j)
+static void counters_print(struct counters *c)
 {
     char name[MU_FIELD_MAX + 1];
     uint64_t value;
-    if (j && c->at) {
-        mu_json_object(j, "counters");
-    }
-    bool within = j && c->at;
     while (counter_next(c, name, &value)) {
-        if (j) {
-            mu_json_uint(j, name, value);
-        } else {
-            printf("  %-28s %" PRIu64 "\n", name, value);
-        }
+        printf("  %-28s %" PRIu64 "\n", name, value);
     }
-    if (within) {
-        mu_json_end(j);
+}
+
+static void counters_print_json(struct counters *c, struct mu_json *j)
+{
+    char name[MU_FIELD_MAX + 1];
+    uint64_t value;
+    mu_json_object(j, "counters");
+    while (counter_next(c, name, &value)) {
+        mu_json_uint(j, name, value);
     }
+    mu_json_end(j);
 }
 
 /* counters: of a part of the broker; NULL: none are wanted */
@@ -96,7 +96,7 @@ static void member_print(const struct mu_member *m, bool json, struct counters *
         printf("%-20s %-8s %-10s %-10s %-16s %8u  %s\n", m->name, mu_kind_text(m->kind),
                mu_state_text(m->state), m->broker, m->host, m->pid, since);
         if (counters) {
-            counters_print(counters, NULL);
+            counters_print(counters);
         }
         return;
     }
@@ -110,8 +110,8 @@ static void member_print(const struct mu_member *m, bool json, struct counters *
     mu_json_string(&j, "host", m->host);
     mu_json_uint(&j, "pid", m->pid);
     mu_json_string(&j, "since", since);
-    if (counters) {
-        counters_print(counters, &j);
+    if (counters && counters->at) {
+        counters_print_json(counters, &j);
     }
     mu_json_end(&j);
 }
