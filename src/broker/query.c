@@ -67,13 +67,13 @@ static bool field_read(const char *content, struct mu_text *out)
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-static void reply(struct broker *b, const struct mail *question, const char *performative,
-                  char *content)
+void query_reply(struct broker *b, uint32_t own, const struct mail *question,
+                 const char *performative, char *content)
 {
     static char words[][16] = {"inform", "failure", "not-understood"};
     static char nothing[1];
     bool inside = presence_in_lockstep(b, question->sender);
-    muster_Mail m = {.src = b->registry.agents[REGISTRY_BROKER].name,
+    muster_Mail m = {.src = b->registry.agents[own].name,
                      .dst = b->registry.agents[question->sender].name,
                      .layer = 2,
                      .performative = words[0],
@@ -89,6 +89,12 @@ static void reply(struct broker *b, const struct mail *question, const char *per
     }
     m.seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
     router_post(b, question->sender, &m);
+}
+
+static void reply(struct broker *b, const struct mail *question, const char *performative,
+                  char *content)
+{
+    query_reply(b, REGISTRY_BROKER, question, performative, content);
 }
 
 /* Who asks in lock step is told of its members, and of nothing that another run would have
@@ -149,13 +155,13 @@ static void answer_listing(struct broker *b, const struct mail *question)
     reply(b, question, "inform", b->text);
 }
 
-static void answer_otherwise(struct broker *b, const struct mail *question)
+void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
     mu_text_init(&t, b->text, sizeof b->text);
     mu_text_add(&t, "performative");
     field_add(&t, question->letter.performative);
-    reply(b, question, "not-understood", b->text);
+    query_reply(b, own, question, "not-understood", b->text);
 }
 
 void query_answer(struct broker *b, const struct mail *question)
@@ -174,5 +180,5 @@ void query_answer(struct broker *b, const struct mail *question)
             return;
         }
     }
-    answer_otherwise(b, question);
+    query_refuse(b, REGISTRY_BROKER, question);
 }

@@ -17,4 +17,11 @@ struct broker;
 
 void query_answer(struct broker *b, const struct mail *question);
 
+/** Answers that this is not understood. */
+void query_refuse(struct broker *b, uint32_t own, const struct mail *question);
+
+/** Answers a mail; own is who was asked, performative is inform, failure or not-understood. */
+void query_reply(struct broker *b, uint32_t own, const struct mail *question,
+                 const char *performative, char *content);
+
 #endif
