@@ -36,7 +36,7 @@ struct post {
     struct bus bus;
     struct broker *broker;
     struct bus_reader registrations, ups, rosters;
-    struct bus_writer members, status;
+    struct bus_writer members, status, events;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
@@ -66,6 +66,7 @@ static mu_result post_open(struct post *p)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_STATUS, NULL, NULL, &p->status));
+    MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
     return MU_OK;
 }
 
@@ -236,6 +237,17 @@ static void members_tell(struct post *p)
     }
 }
 
+static void events_tell(struct post *p)
+{
+    muster_BrokerEvent event;
+    while (broker_event_next(p->broker, &event)) {
+        mu_result written = bus_write(&p->events, &event);
+        (void)written; /* the counters, which are told again and again, have it too */
+        mu_log(MU_LOG_INFO, event.kind, "agent=%s sender=%s count=%llu", event.agent, event.sender,
+               (unsigned long long)event.count);
+    }
+}
+
 static void status_tell(struct post *p)
 {
     muster_BrokerStatus status = {0};
@@ -272,6 +284,7 @@ static void post_round(struct post *p)
     broker_tick(p->broker, post_now(p));
     impatient = !deliveries_write(p) || impatient;
     members_tell(p);
+    events_tell(p);
     if (look) {
         p->looked_ns = mu_clock_ns();
         status_tell(p);
@@ -279,12 +292,65 @@ static void post_round(struct post *p)
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
+/* What boxes hold, as it is typed. */
+struct box_choice {
+    int64_t mails, bytes;
+    const char *policy;
+};
+
+#define BOX_OPTIONS(choice)                                                                        \
+    {.name = "box-mails",                                                                          \
+     .kind = MU_OPTION_INTEGER,                                                                    \
+     .unit = "N",                                                                                  \
+     .fallback = "32768",                                                                          \
+     .environment = "MUSTER_BOX_MAILS",                                                            \
+     .help = "mails that wait in one box",                                                         \
+     .target = &(choice).mails,                                                                    \
+     .min = 1,                                                                                     \
+     .max = MU_BOX_MAX},                                                                           \
+        {.name = "box-bytes",                                                                      \
+         .kind = MU_OPTION_INTEGER,                                                                \
+         .unit = "BYTES",                                                                          \
+         .fallback = "33554432",                                                                   \
+         .environment = "MUSTER_BOX_BYTES",                                                        \
+         .help = "memory that they take",                                                          \
+         .target = &(choice).bytes,                                                                \
+         .min = 1024,                                                                              \
+         .max = MU_BOX_BYTES_MAX},                                                                 \
+    {                                                                                              \
+        .name = "box-policy", .kind = MU_OPTION_STRING, .unit = "POLICY", .fallback = "refuse",    \
+        .environment = "MUSTER_BOX_POLICY",                                                        \
+        .help = "when a box is full: refuse, drop-oldest, drop-lowest", .target = &(choice).policy \
+    }
+
+/* @return false, said so: there is no such policy */
+static bool policy_read(const char *word, muster_BoxPolicy *policy)
+{
+    static const struct {
+        const char *word;
+        muster_BoxPolicy policy;
+    } policies[] = {{"refuse", muster_BOX_REFUSE_NEW},
+                    {"drop-oldest", muster_BOX_DROP_OLDEST},
+                    {"drop-lowest", muster_BOX_DROP_LOWEST}};
+    for (size_t i = 0; i < sizeof policies / sizeof policies[0]; i++) {
+        if (strcmp(word, policies[i].word) == 0) {
+            *policy = policies[i].policy;
+            return true;
+        }
+    }
+    fprintf(stderr, "muster broker: --box-policy %s: use refuse, drop-oldest or drop-lowest\n",
+            word);
+    return false;
+}
+
 int main(int argc, char **argv)
 {
     struct mu_network network = {0};
+    struct box_choice boxes = {0};
     bool verbose = false;
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(network),
+        BOX_OPTIONS(boxes),
         {.name = "verbose",
          .letter = 'v',
          .kind = MU_OPTION_FLAG,
@@ -301,6 +367,10 @@ int main(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
+    muster_BoxPolicy policy;
+    if (!policy_read(boxes.policy, &policy)) {
+        return MU_EXIT_USAGE;
+    }
     if (options.words_count != 1 || !mu_name_valid(options.words[0])) {
         fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
         return MU_EXIT_USAGE;
@@ -315,7 +385,10 @@ int main(int argc, char **argv)
                                     .incarnation = mu_clock_wall_ns(),
                                     .host = host,
                                     .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns()};
+                                    .wall_ns = mu_clock_wall_ns(),
+                                    .box_policy = policy,
+                                    .box_mails = (uint32_t)boxes.mails,
+                                    .box_bytes = (uint32_t)boxes.bytes};
     p->broker = broker_open(&broker);
     struct bus_options bus = {.domain = (int)network.domain,
                               .place = BUS_BROKER,

@@ -4,7 +4,8 @@
  * How the parts of the broker hang together.
  *
  *   presence   registrations: names come, are claimed, and go     registry, places
- *   router     a mail's way into boxes, and what becomes of it     policy, query, store, mailbox
+ *   router     a mail's way into boxes, and what becomes of it     policy, query, store, share,
+ *                                                                    mailbox, boxroom, events
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
  */
@@ -13,6 +14,7 @@
 
 #include "broker/broker.h"
 #include "broker/courier.h"
+#include "broker/events.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/places.h"
@@ -20,11 +22,12 @@
 #include "broker/registry.h"
 #include "broker/runclock.h"
 #include "broker/schedule.h"
+#include "broker/share.h"
 #include "broker/store.h"
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed;
+    uint64_t duplicates_dropped, resent, malformed, dropped, over_share;
 };
 
 struct broker {
@@ -37,12 +40,14 @@ struct broker {
     struct registry registry;
     struct places places;
     struct store store;
+    struct share_accounts shares; /* of the store */
     struct schedule due, expiry;
     struct mailbox mailbox;
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
     struct broker_counters counters;
+    struct events events;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
     char text[MU_CONTENT_MAX + 1]; /* in which an answer is put together */

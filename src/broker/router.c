@@ -3,6 +3,7 @@
 
 #include "broker/address.h"
 #include "broker/border.h"
+#include "broker/boxroom.h"
 #include "broker/parts.h"
 #include "broker/policy.h"
 #include "broker/presence.h"
@@ -90,6 +91,33 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
 
 /* --- what becomes of a mail ------------------------------------------------------------------- */
 
+static void event_note(struct broker *b, enum event_kind kind, uint32_t agent, uint32_t sender)
+{
+    struct event event = {
+        .agent = agent, .sender = sender, .count = 1, .at_ns = b->clock.now_ns, .kind = kind};
+    events_note(&b->events, &event);
+}
+
+/* Counts receivers that a mail does not reach; agent is whose box, or the broker itself. */
+static void refusal_note(struct broker *b, const struct mail *m, uint32_t agent,
+                         enum share_answer why, uint64_t receivers)
+{
+    bool over = why == SHARE_OVER;
+    *(over ? &b->counters.over_share : &b->counters.box_full) += receivers;
+    event_note(b, over ? EVENT_OVER_SHARE : EVENT_BOX_FULL, agent, m->sender);
+}
+
+/* Takes posts off the account that the mail is booked on, and with the last one the mail. */
+static void posts_unbook(struct broker *b, const struct mail *m, uint32_t posts)
+{
+    struct share_use less = {.posts = posts};
+    if (m->unsettled == 0) {
+        less.mails = 1;
+        less.bytes = store_bytes(m);
+    }
+    share_unbook(&b->shares, (enum share_side)m->side, m->payer, &less);
+}
+
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
 {
     uint32_t place = b->registry.agents[sender].process;
@@ -113,10 +141,15 @@ static void settle(struct broker *b, struct mail *m)
 {
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
-    if (--m->unsettled == 0) {
+    m->unsettled--;
+    posts_unbook(b, m, 1);
+    if (m->unsettled == 0) {
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
-        answer(b, m, m->expired ? muster_OUTCOME_EXPIRED : muster_OUTCOME_DELIVERED);
+        answer(b, m,
+               m->dropped   ? muster_OUTCOME_DROPPED
+               : m->expired ? muster_OUTCOME_EXPIRED
+                            : muster_OUTCOME_DELIVERED);
         store_release(&b->store, m);
     }
 }
@@ -194,11 +227,27 @@ static bool mail_must_wait(const struct broker *b, const struct mail *m)
            (!b->clock.runs || (uint64_t)m->letter.due_ns > runclock_run_ns(&b->clock));
 }
 
-/* Puts it into one box.  @return false when that is full */
+/* A mail goes out of a box to make room. */
+static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
+{
+    struct mail *m = b->mailbox.posts[victim].mail;
+    mailbox_withdraw(&b->mailbox, victim);
+    b->counters.dropped++;
+    event_note(b, EVENT_DROPPED, agent, m->sender);
+    m->dropped = true;
+    settle(b, m);
+}
+
+/* Puts it into one box.  @return false when that has no room for it */
 static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
 {
-    if (mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
-        b->counters.box_full++;
+    uint32_t victim = MU_NONE;
+    enum boxroom room = boxroom_ask(&b->mailbox, agent, m, &victim);
+    for (; room == BOXROOM_DROP; room = boxroom_ask(&b->mailbox, agent, m, &victim)) {
+        post_drop(b, victim, agent);
+    }
+    if (room != BOXROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
+        refusal_note(b, m, agent, room == BOXROOM_OVER_SHARE ? SHARE_OVER : SHARE_FULL, 1);
         return false;
     }
     b->counters.waiting++;
@@ -223,25 +272,30 @@ static void put_on_schedules(struct broker *b, struct mail *m, bool held)
 /* Puts it into every box.  @return whether all is well; the sender is told if not */
 static void post_to_all(struct broker *b, struct mail *m, const struct audience *to)
 {
-    bool held = mail_must_wait(b, m), all_fit = true, stored = held;
+    bool held = mail_must_wait(b, m), all_fit = true, stored = held, veiled = false;
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
+        /* What becomes of it outside the lock step, and when, is no business of those inside. */
+        bool unseen = agent != REGISTRY_BROKER && presence_in_lockstep(b, m->sender) &&
+                      !presence_in_lockstep(b, agent);
+        veiled = veiled || unseen;
         if (agent == REGISTRY_BROKER) {
             b->counters.delivered++;
             query_answer(b, m);
         } else if (!post(b, m, agent, held)) {
-            all_fit = false;
+            all_fit = all_fit && unseen;
         } else {
-            /* When somebody outside the lock step acknowledges is no business of those inside. */
-            stored = stored || router_gate(b, agent) < needs ||
-                     (presence_in_lockstep(b, m->sender) && !presence_in_lockstep(b, agent));
+            stored = stored || router_gate(b, agent) < needs;
         }
     }
+    posts_unbook(b, m, to->count - m->unsettled);
     if (to->unknown > 0) {
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
         answer(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (veiled) {
+        answer(b, m, muster_OUTCOME_STORED);
     } else if (m->unsettled == 0) {
         answer(b, m, muster_OUTCOME_DELIVERED);
     } else if (stored && !m->answered) {
@@ -254,6 +308,22 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
     }
 }
 
+/* Books it on its sender's account with the store.  @return false: refused, counted, told */
+static bool mail_book(struct broker *b, struct mail *m, const struct audience *to)
+{
+    struct share_use want = {.mails = 1, .bytes = store_bytes(m), .posts = to->count};
+    m->side = presence_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    enum share_answer why = share_book(&b->shares, (enum share_side)m->side, m->payer, &want,
+                                       b->lockstep.on, m->letter.layer == 0);
+    if (why == SHARE_FITS) {
+        return true;
+    }
+    refusal_note(b, m, REGISTRY_BROKER, why, to->count);
+    answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
+    store_release(&b->store, m);
+    return false;
+}
+
 bool router_route(struct broker *b, struct mail *m)
 {
     struct audience to;
@@ -263,14 +333,28 @@ bool router_route(struct broker *b, struct mail *m)
         uint32_t count = to.count + to.unknown ? to.count + to.unknown : 1;
         b->counters.sent += count;
         b->counters.refused += count;
+        event_note(b, EVENT_REFUSED, REGISTRY_BROKER, m->sender);
         answer(b, m, muster_OUTCOME_REFUSED);
         store_release(&b->store, m);
         return false;
     }
     b->counters.sent += to.count + to.unknown;
     b->counters.unknown_name += to.unknown;
-    post_to_all(b, m, &to);
+    if (mail_book(b, m, &to)) {
+        post_to_all(b, m, &to);
+    }
     return true;
+}
+
+void router_turn_away(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    audience_of(b, &m->letter, m->sender, &to);
+    b->counters.sent += to.count + to.unknown;
+    b->counters.unknown_name += to.unknown;
+    refusal_note(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
+    answer(b, m, to.unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
+    store_release(&b->store, m);
 }
 
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
@@ -281,11 +365,15 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     b->counters.sent++;
     if (!m) {
         b->counters.box_full++;
+        event_note(b, EVENT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
         return;
     }
     m->sender = REGISTRY_BROKER;
+    m->payer = receiver; /* who asks much must not use up what answers to others need */
     m->order = ++b->orders;
-    post_to_all(b, m, &to);
+    if (mail_book(b, m, &to)) {
+        post_to_all(b, m, &to);
+    }
 }
 
 struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *letter)
@@ -312,9 +400,10 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
         audience_of(b, letter, sender, &to);
         b->counters.sent += to.count + to.unknown;
         b->counters.box_full += to.count + to.unknown;
+        event_note(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
         tell_sender(b, sender, letter->seq, muster_OUTCOME_BOX_FULL);
         return NULL;
     }
-    m->sender = sender;
+    m->sender = m->payer = sender;
     return m;
 }

@@ -35,6 +35,7 @@ enum bus_topic {
     BUS_RUN_STATUS,
     BUS_MEMBER,
     BUS_BROKER_STATUS,
+    BUS_BROKER_EVENT,
     BUS_TOPICS, /* how many */
 };
 

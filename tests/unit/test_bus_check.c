@@ -77,6 +77,8 @@ static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
 static muster_Member member = A_MEMBER;
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
+static muster_BrokerEvent broker_event = {
+    .broker = W("b1"), .kind = W("dropped"), .agent = W("red"), .sender = W("blue")};
 
 enum field_kind {
     A_NAME,   /* of an agent */
@@ -188,6 +190,14 @@ static const struct field {
     MEMBER("member", check_member, &member, member),
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
+    {"broker event.broker", check_broker_event, &broker_event, &broker_event.broker, A_WORD,
+     MU_PROCESS_MAX},
+    {"broker event.kind", check_broker_event, &broker_event, &broker_event.kind, A_TEXT,
+     MU_FIELD_MAX},
+    {"broker event.agent", check_broker_event, &broker_event, &broker_event.agent, A_NAME,
+     MU_NAME_MAX},
+    {"broker event.sender", check_broker_event, &broker_event, &broker_event.sender, A_NAME,
+     MU_NAME_MAX},
 };
 
 static unsigned wrong;
@@ -352,6 +362,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_RUN_STATUS] = check_run_status,
         [BUS_MEMBER] = check_member,
         [BUS_BROKER_STATUS] = check_broker_status,
+        [BUS_BROKER_EVENT] = check_broker_event,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);
