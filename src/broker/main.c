@@ -302,18 +302,16 @@ struct box_choice {
     {.name = "box-mails",                                                                          \
      .kind = MU_OPTION_INTEGER,                                                                    \
      .unit = "N",                                                                                  \
-     .fallback = "32768",                                                                          \
      .environment = "MUSTER_BOX_MAILS",                                                            \
-     .help = "mails that wait in one box",                                                         \
+     .help = "mails that one box holds; as many as there is room for",                             \
      .target = &(choice).mails,                                                                    \
      .min = 1,                                                                                     \
      .max = MU_BOX_MAX},                                                                           \
         {.name = "box-bytes",                                                                      \
          .kind = MU_OPTION_INTEGER,                                                                \
          .unit = "BYTES",                                                                          \
-         .fallback = "33554432",                                                                   \
          .environment = "MUSTER_BOX_BYTES",                                                        \
-         .help = "memory that they take",                                                          \
+         .help = "memory that they take; likewise",                                                \
          .target = &(choice).bytes,                                                                \
          .min = 1024,                                                                              \
          .max = MU_BOX_BYTES_MAX},                                                                 \
@@ -346,7 +344,7 @@ static bool policy_read(const char *word, muster_BoxPolicy *policy)
 int main(int argc, char **argv)
 {
     struct mu_network network = {0};
-    struct box_choice boxes = {0};
+    struct box_choice boxes = {.mails = MU_BOX_MAX, .bytes = MU_BOX_BYTES_MAX};
     bool verbose = false;
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(network),
