@@ -41,6 +41,7 @@ struct broker *broker_open(const struct broker_options *options)
     mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
     share_init(&b->shares, REGISTRY_MAX);
     events_init(&b->events, REGISTRY_MAX);
+    pacer_init(&b->pacer, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
@@ -245,6 +246,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     broker_enter(b, now_ns);
     presence_tick(b);
     resend_tick(b);
+    router_tick(b);
     courier_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
@@ -255,7 +257,8 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX};
+    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX,
+                         pacer_deadline_ns(&b->pacer)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {

@@ -5,9 +5,9 @@
  *
  *   presence   registrations: names come, are claimed, and go     registry, places
  *   router     a mail's way into boxes, and what becomes of it     policy, query, store, share,
- *                                                                    mailbox, boxroom, events
- *   lockstep   collects a step's mail and lets it take effect      router, presence
- *   courier    what is ready for a process, as one Delivery        mailbox, receipts
+ *                                                                    mailbox, boxroom, events,
+ * pacer lockstep   collects a step's mail and lets it take effect      router, presence courier
+ * what is ready for a process, as one Delivery        mailbox, receipts
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
@@ -17,6 +17,7 @@
 #include "broker/events.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
+#include "broker/pacer.h"
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
@@ -48,6 +49,7 @@ struct broker {
     struct courier courier;
     struct broker_counters counters;
     struct events events;
+    struct pacer pacer;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
     char text[MU_CONTENT_MAX + 1]; /* in which an answer is put together */

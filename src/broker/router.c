@@ -2,6 +2,7 @@
 #include "broker/router.h"
 
 #include "broker/address.h"
+#include "broker/booking.h"
 #include "broker/border.h"
 #include "broker/boxroom.h"
 #include "broker/parts.h"
@@ -10,6 +11,9 @@
 #include "broker/query.h"
 
 #include <string.h>
+
+/* Whose mail in the store is so much is told of more that waits at a measured pace. */
+enum { MAILS_THAT_PRESS = 64 };
 
 /* Whom a mail is for, each once. */
 struct audience {
@@ -91,39 +95,36 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
 
 /* --- what becomes of a mail ------------------------------------------------------------------- */
 
-static void event_note(struct broker *b, enum event_kind kind, uint32_t agent, uint32_t sender)
+/* @return whether the news can wait: its sender sends more than gets through */
+static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
-    struct event event = {
-        .agent = agent, .sender = sender, .count = 1, .at_ns = b->clock.now_ns, .kind = kind};
-    events_note(&b->events, &event);
-}
-
-/* Counts receivers that a mail does not reach; agent is whose box, or the broker itself. */
-static void refusal_note(struct broker *b, const struct mail *m, uint32_t agent,
-                         enum share_answer why, uint64_t receivers)
-{
-    bool over = why == SHARE_OVER;
-    *(over ? &b->counters.over_share : &b->counters.box_full) += receivers;
-    event_note(b, over ? EVENT_OVER_SHARE : EVENT_BOX_FULL, agent, m->sender);
-}
-
-/* Takes posts off the account that the mail is booked on, and with the last one the mail. */
-static void posts_unbook(struct broker *b, const struct mail *m, uint32_t posts)
-{
-    struct share_use less = {.posts = posts};
-    if (m->unsettled == 0) {
-        less.mails = 1;
-        less.bytes = store_bytes(m);
+    bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
+    if (presence_in_lockstep(b, sender) || (!bad && result != muster_OUTCOME_STORED)) {
+        return false;
     }
-    share_unbook(&b->shares, (enum share_side)m->side, m->payer, &less);
+    bool much = b->shares.senders[SHARE_OUTSIDE][sender].mails > MAILS_THAT_PRESS;
+    return pacer_holds(&b->pacer, sender, b->clock.now_ns, bad || much);
 }
 
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
 {
     uint32_t place = b->registry.agents[sender].process;
-    if (place != MU_NONE) { /* the absent are told nothing, the broker neither */
-        receipts_add(&b->receipts, sender, seq, result);
+    if (place == MU_NONE) { /* the absent are told nothing, the broker neither */
+        return;
+    }
+    receipts_add(&b->receipts, sender, seq, result);
+    if (!news_can_wait(b, sender, result)) {
         places_wake(&b->places, place);
+    }
+}
+
+void router_tick(struct broker *b)
+{
+    uint32_t agent;
+    while ((agent = pacer_next(&b->pacer, b->clock.now_ns)) != MU_NONE) {
+        if (b->registry.agents[agent].process != MU_NONE) {
+            places_wake(&b->places, b->registry.agents[agent].process);
+        }
     }
 }
 
@@ -142,7 +143,7 @@ static void settle(struct broker *b, struct mail *m)
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
     m->unsettled--;
-    posts_unbook(b, m, 1);
+    booking_give_back(b, m, 1);
     if (m->unsettled == 0) {
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
@@ -233,7 +234,7 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
     struct mail *m = b->mailbox.posts[victim].mail;
     mailbox_withdraw(&b->mailbox, victim);
     b->counters.dropped++;
-    event_note(b, EVENT_DROPPED, agent, m->sender);
+    booking_event(b, EVENT_DROPPED, agent, m->sender);
     m->dropped = true;
     settle(b, m);
 }
@@ -247,7 +248,7 @@ static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
         post_drop(b, victim, agent);
     }
     if (room != BOXROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
-        refusal_note(b, m, agent, room == BOXROOM_OVER_SHARE ? SHARE_OVER : SHARE_FULL, 1);
+        booking_refused(b, m, agent, room == BOXROOM_OVER_SHARE ? SHARE_OVER : SHARE_FULL, 1);
         return false;
     }
     b->counters.waiting++;
@@ -289,7 +290,7 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
             stored = stored || router_gate(b, agent) < needs;
         }
     }
-    posts_unbook(b, m, to->count - m->unsettled);
+    booking_give_back(b, m, to->count - m->unsettled);
     if (to->unknown > 0) {
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
@@ -311,14 +312,9 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
 /* Books it on its sender's account with the store.  @return false: refused, counted, told */
 static bool mail_book(struct broker *b, struct mail *m, const struct audience *to)
 {
-    struct share_use want = {.mails = 1, .bytes = store_bytes(m), .posts = to->count};
-    m->side = presence_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
-    enum share_answer why = share_book(&b->shares, (enum share_side)m->side, m->payer, &want,
-                                       b->lockstep.on, m->letter.layer == 0);
-    if (why == SHARE_FITS) {
+    if (booking_take(b, m, to->count)) {
         return true;
     }
-    refusal_note(b, m, REGISTRY_BROKER, why, to->count);
     answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
     store_release(&b->store, m);
     return false;
@@ -333,7 +329,7 @@ bool router_route(struct broker *b, struct mail *m)
         uint32_t count = to.count + to.unknown ? to.count + to.unknown : 1;
         b->counters.sent += count;
         b->counters.refused += count;
-        event_note(b, EVENT_REFUSED, REGISTRY_BROKER, m->sender);
+        booking_event(b, EVENT_REFUSED, REGISTRY_BROKER, m->sender);
         answer(b, m, muster_OUTCOME_REFUSED);
         store_release(&b->store, m);
         return false;
@@ -352,7 +348,7 @@ void router_turn_away(struct broker *b, struct mail *m)
     audience_of(b, &m->letter, m->sender, &to);
     b->counters.sent += to.count + to.unknown;
     b->counters.unknown_name += to.unknown;
-    refusal_note(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
+    booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
     answer(b, m, to.unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
     store_release(&b->store, m);
 }
@@ -365,7 +361,7 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     b->counters.sent++;
     if (!m) {
         b->counters.box_full++;
-        event_note(b, EVENT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
         return;
     }
     m->sender = REGISTRY_BROKER;
@@ -400,7 +396,7 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
         audience_of(b, letter, sender, &to);
         b->counters.sent += to.count + to.unknown;
         b->counters.box_full += to.count + to.unknown;
-        event_note(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
         tell_sender(b, sender, letter->seq, muster_OUTCOME_BOX_FULL);
         return NULL;
     }

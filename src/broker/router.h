@@ -38,6 +38,9 @@ void router_admit_due(struct broker *b, uint64_t run_ns);
 /** Ends the wait of mail whose time to live is over. */
 void router_expire(struct broker *b, uint64_t mail_ns);
 
+/** Tells senders that pressed what became of their mail, when it is time. */
+void router_tick(struct broker *b);
+
 /** @return what may be handed to the agent just now */
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent);
 

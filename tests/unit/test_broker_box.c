@@ -238,6 +238,9 @@ static void test_a_flood_leaves_room_for_others(void)
     }
     EXPECT("red 1-500 stored; red 501-2000 box-full; blue 1-250 stored");
     say("blue", "over", 0);
+    EXPECT(""); /* it presses: it is told a little later */
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 100 * MS);
+    story_tick(100 * MS);
     EXPECT("blue 251-251 box-full");
     for (int i = 0; i < 125; i++) { /* two thirds are taken: it gets what is left over */
         say("operator", "third", 0);
@@ -245,6 +248,37 @@ static void test_a_flood_leaves_room_for_others(void)
     EXPECT("operator 1-125 stored");
     CU_ASSERT_EQUAL(story_status().over_share, 1501);
     CU_ASSERT_EQUAL(story_status().box_full, 0);
+}
+
+/* Bad news comes at once, then at a measured pace; good news is never late. */
+static void test_who_presses_is_slowed_down(void)
+{
+    team();
+    limit("green", muster_BOX_REFUSE_NEW, 2, 0);
+    say("red", "one", 0);
+    say("red", "over", 0);
+    EXPECT("red 1-1 stored; red 2-2 box-full");
+    story_tick(10 * MS);
+    say("red", "again", 0);
+    say("red", "and again", 0);
+    EXPECT("");
+    say("blue", "somebody else", 0);
+    EXPECT("blue 1-1 stored");
+    story_tick(90 * MS);
+    EXPECT("red 3-4 box-full");
+    say("red", "still", 0);
+    EXPECT("");
+    story_send("red", ++seqs['r' - 'a'], "red", "hello"); /* what there is to tell goes with it */
+    EXPECT("red #1 red/6 hello; red 5-5 box-full");
+    story_tick(100 * MS);
+    EXPECT("");
+    say("red", "after a while", 0);
+    EXPECT("");
+    story_tick(100 * MS);
+    EXPECT("red 7-7 box-full");
+    story_tick(100 * MS);
+    say("red", "quiet again", 0);
+    EXPECT("red 8-8 box-full");
 }
 
 /* Who asks the broker much uses up its own share, not the broker's. */
@@ -395,6 +429,7 @@ int main(void)
         {"the broker's defaults", test_the_brokers_defaults},
         {"limit: directives in a full box", test_limit_directives_in_a_full_box},
         {"a flood leaves room for others", test_a_flood_leaves_room_for_others},
+        {"who presses is slowed down", test_who_presses_is_slowed_down},
         {"answers are paid for by who asks", test_answers_are_paid_for_by_who_asks},
         {"receivers that differ", test_receivers_that_differ},
         {"broadcasts have priorities", test_broadcasts_have_priorities},

@@ -73,6 +73,7 @@ static void test_limit_one_box(void)
     }
     EXPECT("red 1-16384 stored"); /* one sender alone: its share is one half */
     story_send("red", MU_BOX_MAX / 2 + 1, "green", "one too many");
+    story_tick(100 * MS);
     EXPECT("red 16385-16385 box-full");
     CU_ASSERT_EQUAL(story_status().over_share, 1);
     CU_ASSERT_EQUAL(crowd_send(600, green, 1, "m"), MU_BOX_MAX / 2);
