@@ -303,7 +303,7 @@ struct box_choice {
      .kind = MU_OPTION_INTEGER,                                                                    \
      .unit = "N",                                                                                  \
      .environment = "MUSTER_BOX_MAILS",                                                            \
-     .help = "mails that one box holds; as many as there is room for",                             \
+     .help = "mails that one box holds; else the most, MU_BOX_MAX",                                \
      .target = &(choice).mails,                                                                    \
      .min = 1,                                                                                     \
      .max = MU_BOX_MAX},                                                                           \
@@ -311,7 +311,7 @@ struct box_choice {
          .kind = MU_OPTION_INTEGER,                                                                \
          .unit = "BYTES",                                                                          \
          .environment = "MUSTER_BOX_BYTES",                                                        \
-         .help = "memory that they take; likewise",                                                \
+         .help = "memory that they take; else MU_BOX_BYTES_MAX",                                   \
          .target = &(choice).bytes,                                                                \
          .min = 1024,                                                                              \
          .max = MU_BOX_BYTES_MAX},                                                                 \
