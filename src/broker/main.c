@@ -212,20 +212,22 @@ static bool bags_look(struct post *p, bool all)
     return some_missing;
 }
 
-/* @return whether the network took all that was ready */
+/* One that the network does not take holds up no other.  @return whether it took all */
 static bool deliveries_write(struct post *p)
 {
     const char *process;
     muster_Delivery delivery;
+    bool all = true;
     while (broker_next(p->broker, &process, &delivery)) {
         const struct mailbag *bag = bag_find(p, process);
         if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
-            return false;
+            all = false;
+        } else {
+            broker_delivered(p->broker, post_now(p));
         }
-        broker_delivered(p->broker, post_now(p));
     }
-    return true;
+    return all;
 }
 
 static void members_tell(struct post *p)
