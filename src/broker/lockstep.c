@@ -166,7 +166,7 @@ static void step_end(struct broker *b)
     step_apply(b);
     l->step++;
     l->answered = 0;
-    l->version = b->registry.version;
+    l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].answered = false;
         delivery_owe(b, l->roster[i]);
@@ -203,8 +203,9 @@ static void place_enter(struct broker *b, uint32_t place)
     at->answered = false;
     at->step_due = false;
     at->step_had = INT64_MIN;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_unwatch(&b->mailbox, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_unwatch(&b->mailbox, agent);
     }
 }
 
@@ -215,8 +216,10 @@ static void place_leave(struct broker *b, uint32_t place)
     at->rostered = false;
     at->answered = false;
     at->step_due = false;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_watch(&b->mailbox, at->agents[i], b->clock.now_ns);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+        tenants_wake(&b->registry, &b->places, agent);
     }
     presence_settle(b, place);
     places_wake(&b->places, place);
@@ -226,9 +229,9 @@ static void place_leave(struct broker *b, uint32_t place)
 /* None of what an expelled process has done in this step exists. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        struct turn *turn = &b->lockstep.turns[at->agents[i]];
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
             store_release(&b->store, m);
@@ -268,9 +271,9 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
-    const struct place *at = &b->places.at[place];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        registry_touch(&b->registry, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        registry_touch(&b->registry, agent);
     }
 }
 
@@ -326,7 +329,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     roster_grow(b, roster, false);
     runclock_start(&b->clock, true, step_time_ns(l, l->step));
     router_admit_due(b, runclock_run_ns(&b->clock));
-    l->version = l->start_version = b->registry.version;
+    l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
     }

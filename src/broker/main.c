@@ -79,7 +79,7 @@ static void registrations_take(struct post *p)
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
         } else {
-            broker_gone(p->broker, r->name, r->process, life == BUS_LOST, post_now(p));
+            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
 }

@@ -3,7 +3,8 @@
  * @file parts.h
  * How the parts of the broker hang together.
  *
- *   presence   registrations: names come, are claimed, and go     registry, places
+ *   presence   registrations: names come, are claimed, and go     registry, places,
+ *                                                                  tenants, claims
  *   router     a mail's way into boxes, and what becomes of it     policy, query, store, mailbox
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
@@ -12,6 +13,7 @@
 #define MUSTER_BROKER_PARTS_H
 
 #include "broker/broker.h"
+#include "broker/claims.h"
 #include "broker/courier.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
@@ -21,6 +23,7 @@
 #include "broker/runclock.h"
 #include "broker/schedule.h"
 #include "broker/store.h"
+#include "broker/tenants.h"
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
@@ -36,6 +39,7 @@ struct broker {
     struct runclock clock;
     struct registry registry;
     struct places places;
+    struct claims claims;
     struct store store;
     struct schedule due, expiry;
     struct mailbox mailbox;
