@@ -96,6 +96,12 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
     return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
 }
 
+static int member_compare(const void *x, const void *y)
+{
+    const muster_Member *one = x, *other = y;
+    return strcmp(one->name, other->name);
+}
+
 /* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
 static void members_fill(struct broker *b, const struct place *at, muster_Delivery *d)
 {
@@ -223,6 +229,9 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     parts_fill(b, d);
     refusals_fill(b, at, d);
     members_fill(b, at, d);
+    if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
+        qsort(c->members, d->members._length, sizeof c->members[0], member_compare);
+    }
     if (at->simulator) {
         outside_fill(b, d);
     }

@@ -140,8 +140,8 @@ uint64_t presence_deadline_ns(const struct broker *b)
 void presence_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
     if (registry_set_state(&b->registry, agent, state, presence_wall_ns(b))) {
-        tenants_wake(&b->registry, &b->places, agent);
         presence_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
     }
 }
 
@@ -170,8 +170,8 @@ static void reregister(struct broker *b, uint32_t agent, uint32_t slot, struct p
         tenants_wake(&b->registry, &b->places, agent);
     }
     if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
-        tenants_wake(&b->registry, &b->places, agent);
         presence_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
     }
 }
 

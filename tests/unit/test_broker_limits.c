@@ -64,7 +64,7 @@ static void test_limit_bytes_come_back(void)
     enum { FIT = 3 * (MU_MAIL_BYTES_MAX / (64 * 1024)) };
     memset(largest, 'x', MU_CONTENT_MAX);
     crowd(1);
-    story_gone("r0", "p0");
+    story_leave("r0", "p0");
     uint64_t seq = 0, full = 0;
     for (int round = 0; round < 3; round++) {
         for (int i = 0; i < FIT; i++) {

@@ -15,7 +15,6 @@
 enum { PARCELS_MAX = PROCESS_PARCELS + 1 };
 
 static mu_process process;
-static struct mu_agent agents[MU_LOCAL_AGENTS_MAX];
 static muster_Parcel parcels[PARCELS_MAX];
 static muster_Percept percepts[2];
 static float sonar_m[2] = {0.5f, 4.0f};
@@ -97,11 +96,10 @@ static struct mu_agent *join(const char *name, enum mu_kind kind, uint64_t last_
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    memset(agents, 0, sizeof agents);
     memset(&delivery, 0, sizeof delivery);
     memset(&sense, 0, sizeof sense);
-    process.agents = agents;
-    members_init(&process.members);
+    process.with_body = true;
+    process_take_memory(&process, 0, 0);
     mu_text_copy(process.name, sizeof process.name, "p1");
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     delivery.process = sense.process = words("p1");
@@ -467,8 +465,8 @@ static void test_a_percept_is_passed_on_whole(void)
                                    .stalled = true};
     percepts[0].sonar_m._buffer = sonar_m;
     percepts[0].sonar_m._length = 2;
-    agents[0].handlers.self = &got;
-    agents[0].handlers.on_step = on_step_keep;
+    process.agents[0].handlers.self = &got;
+    process.agents[0].handlers.on_step = on_step_keep;
     (void)answer(NULL);
     CU_ASSERT(got.step == 7 && got.time_ns == 700 && got.stalled);
     CU_ASSERT_DOUBLE_EQUAL(got.x_m, 1, 0);
@@ -587,12 +585,12 @@ static void test_limit_agents(void)
     char name[16];
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "9", MU_KIND_AGENT, 0, &handlers), MU_MALFORMED);
     CU_ASSERT_EQUAL(process.agent_count, 0);
-    for (int i = 0; i < MU_LOCAL_AGENTS_MAX; i++) {
+    for (int i = 0; i < MU_LOCAL_AGENTS; i++) {
         snprintf(name, sizeof name, "a%d", i);
         CU_ASSERT_STRING_EQUAL(mu_agent_name(join(name, MU_KIND_AGENT, 0)), name);
     }
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "more", MU_KIND_AGENT, 0, &handlers), MU_FULL);
-    CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS_MAX);
+    CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS);
 }
 
 int main(void)
