@@ -323,13 +323,21 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
     return true;
 }
 
-bool broker_member_news(struct broker *b, muster_Member *out)
+bool broker_page_news(struct broker *b, muster_Page *out)
 {
-    uint32_t agent = registry_next_news(&b->registry);
-    if (agent == MU_NONE) {
+    uint32_t part = registry_next_page(&b->registry);
+    if (part == MU_NONE) {
         return false;
     }
-    registry_line(&b->registry, agent, b->name, out);
+    uint32_t first = part * REGISTRY_PAGE;
+    uint32_t count = b->registry.count - first;
+    count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
+    for (uint32_t i = 0; i < count; i++) {
+        registry_line(&b->registry, first + i, b->name, &b->page[i]);
+    }
+    *out = (muster_Page){.broker = b->name, .part = part};
+    out->lines._buffer = b->page;
+    out->lines._length = out->lines._maximum = count;
     return true;
 }
 

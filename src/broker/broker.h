@@ -85,11 +85,12 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status);
 bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
 
 /**
- * Gives the next line of the white pages that has changed since it was last given.
+ * Gives the next page of the white pages in which a line has changed since it was last given.
  *
+ * @param out  filled with pointers into the broker, valid until the next call into it
  * @return false when there is none
  */
-bool broker_member_news(struct broker *b, muster_Member *out);
+bool broker_page_news(struct broker *b, muster_Page *out);
 
 /** @return how many samples the broker needs before it can do much: in lock step, the answers that
  *          are missing; else 1 */

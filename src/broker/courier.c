@@ -23,6 +23,9 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return true;
+    }
     struct box *box = mailbox_box(&b->mailbox, agent);
     mailbox_hand_out(&b->mailbox, agent, router_gate(b, agent));
     uint64_t number = box->acked + box->written;
@@ -261,16 +264,19 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 
 static void part_delivered(struct broker *b, const struct courier_part *part)
 {
+    receipts_drop(&b->receipts, part->agent, part->receipts);
+    if (part->verdict) {
+        b->registry.agents[part->agent].verdict_due = false;
+    }
+    if (!mailbox_is_begun(&b->mailbox, part->agent)) {
+        return;
+    }
     uint32_t again = mailbox_mark_written(&b->mailbox, part->agent, part->parcels);
     b->counters.resent += again;
     mailbox_take_back(&b->mailbox, part->agent);
     bool watched = mailbox_box(&b->mailbox, part->agent)->watched;
     if (!b->courier.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
         mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
-    }
-    receipts_drop(&b->receipts, part->agent, part->receipts);
-    if (part->verdict) {
-        b->registry.agents[part->agent].verdict_due = false;
     }
 }
 

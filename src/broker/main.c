@@ -36,7 +36,7 @@ struct post {
     struct bus bus;
     struct broker *broker;
     struct bus_reader registrations, ups, rosters;
-    struct bus_writer members, status;
+    struct bus_writer pages, status;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
@@ -64,7 +64,7 @@ static mu_result post_open(struct post *p)
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
     MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
-    MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
+    MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_STATUS, NULL, NULL, &p->status));
     return MU_OK;
 }
@@ -227,12 +227,12 @@ static bool deliveries_write(struct post *p)
     return true;
 }
 
-static void members_tell(struct post *p)
+static void pages_tell(struct post *p)
 {
-    muster_Member member;
-    while (broker_member_news(p->broker, &member)) {
-        mu_result written = bus_write(&p->members, &member);
-        (void)written; /* reliable, and the last state of a line is what counts */
+    muster_Page page;
+    while (broker_page_news(p->broker, &page)) {
+        mu_result written = bus_write(&p->pages, &page);
+        (void)written; /* reliable, and the last state of a page is what counts */
     }
 }
 
@@ -271,7 +271,7 @@ static void post_round(struct post *p)
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
     impatient = !deliveries_write(p) || impatient;
-    members_tell(p);
+    pages_tell(p);
     if (look) {
         p->looked_ns = mu_clock_ns();
         status_tell(p);

@@ -12,7 +12,6 @@ void registry_init(struct registry *r)
     *r = (struct registry){0};
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
-    r->news = mu_startup_array(REGISTRY_MAX, sizeof *r->news);
     changes_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
 }
@@ -70,24 +69,24 @@ uint32_t registry_add(struct registry *r, const char *name)
 
 void registry_touch(struct registry *r, uint32_t agent)
 {
-    struct agent *a = &r->agents[agent];
+    uint32_t page = agent / REGISTRY_PAGE;
     changes_touch(&r->changes, agent);
-    if (!a->in_news) {
-        a->in_news = true;
-        r->news[(r->news_head + r->news_count++) % REGISTRY_MAX] = agent;
+    if (!r->pages_due[page]) {
+        r->pages_due[page] = true;
+        r->news[(r->news_head + r->news_count++) % REGISTRY_PAGES] = page;
     }
 }
 
-uint32_t registry_next_news(struct registry *r)
+uint32_t registry_next_page(struct registry *r)
 {
     if (r->news_count == 0) {
         return MU_NONE;
     }
-    uint32_t agent = r->news[r->news_head];
-    r->news_head = (r->news_head + 1) % REGISTRY_MAX;
+    uint32_t page = r->news[r->news_head];
+    r->news_head = (r->news_head + 1) % REGISTRY_PAGES;
     r->news_count--;
-    r->agents[agent].in_news = false;
-    return agent;
+    r->pages_due[page] = false;
+    return page;
 }
 
 void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,

@@ -19,6 +19,9 @@
 /** The broker itself stands first in the white pages. */
 enum { REGISTRY_BROKER = 0, REGISTRY_MAX = MU_AGENTS_MAX + 1 };
 
+/* Lines of the white pages that are published together. */
+enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
+
 /* What a registration says of an agent. */
 struct presence {
     muster_Kind kind;
@@ -54,7 +57,6 @@ struct agent {
     uint64_t mark;     /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone; /* its process went in lock step: counts when that ends */
-    bool in_news;
 };
 
 struct registry {
@@ -63,7 +65,8 @@ struct registry {
     uint32_t present; /* agents that are there, the broker not counted */
     uint32_t *order;  /* indices in order of name */
     struct changes changes;
-    uint32_t *news; /* a ring of REGISTRY_MAX: agents whose lines changed, each once */
+    bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
+    uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
     uint32_t news_head;
     uint32_t news_count;
     uint64_t mark;
@@ -98,8 +101,8 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
 /** @return whether the state changed */
 bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
 
-/** @return the next agent whose line has changed since it was last given here, or MU_NONE */
-uint32_t registry_next_news(struct registry *r);
+/** @return the next page in which a line has changed since it was last given here, or MU_NONE */
+uint32_t registry_next_page(struct registry *r);
 
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,

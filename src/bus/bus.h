@@ -33,7 +33,7 @@ enum bus_topic {
     BUS_ROSTER,
     BUS_RUN_COMMAND,
     BUS_RUN_STATUS,
-    BUS_MEMBER,
+    BUS_PAGES,
     BUS_BROKER_STATUS,
     BUS_TOPICS, /* how many */
 };

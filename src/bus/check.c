@@ -143,9 +143,8 @@ bool check_sense(const void *sample)
     return true;
 }
 
-bool check_member(const void *sample)
+static bool member_ok(const muster_Member *m)
 {
-    const muster_Member *m = sample;
     return is_name(m->name) && text_fits(m->process, MU_PROCESS_MAX) &&
            text_fits(m->broker, MU_FIELD_MAX) && text_fits(m->host, MU_FIELD_MAX);
 }
@@ -153,11 +152,17 @@ bool check_member(const void *sample)
 static bool members_ok(const muster_Member *members, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
-        if (!check_member(&members[i])) {
+        if (!member_ok(&members[i])) {
             return false;
         }
     }
     return true;
+}
+
+bool check_page(const void *sample)
+{
+    const muster_Page *p = sample;
+    return is_process(p->broker) && members_ok(p->lines._buffer, p->lines._length);
 }
 
 bool check_delivery(const void *sample)

@@ -24,18 +24,19 @@ static void test_others_hear_of_changes_alone(void)
     story_join("red");
     story_join("green");
     story_state("green", muster_STATE_SUSPENDED);
-    muster_Member news;
-    while (broker_member_news(story.b, &news)) {
-        CU_ASSERT_PTR_NOT_NULL(news.name);
+    muster_Page news;
+    while (broker_page_news(story.b, &news)) {
+        CU_ASSERT_STRING_EQUAL(news.broker, "alpha");
     }
     EXPECT("");
     CU_ASSERT_EQUAL(story.members, 2); /* one line, to each of two processes */
     story_state("green", muster_STATE_RUNNING);
     story_state("green", muster_STATE_SUSPENDED);
-    CU_ASSERT_TRUE(broker_member_news(story.b, &news));
-    CU_ASSERT_STRING_EQUAL(news.name, "green");
-    CU_ASSERT_EQUAL(news.state, muster_STATE_SUSPENDED);
-    CU_ASSERT_FALSE(broker_member_news(story.b, &news));
+    CU_ASSERT_TRUE(broker_page_news(story.b, &news));
+    CU_ASSERT_EQUAL_FATAL(news.lines._length, 3); /* the broker, red and green */
+    CU_ASSERT_STRING_EQUAL(news.lines._buffer[2].name, "green");
+    CU_ASSERT_EQUAL(news.lines._buffer[2].state, muster_STATE_SUSPENDED);
+    CU_ASSERT_FALSE(broker_page_news(story.b, &news));
     CU_ASSERT_STRING_EQUAL(story_member("green"), "green suspended p-green");
     CU_ASSERT_STRING_EQUAL(story_member("broker"), "broker running ");
     CU_ASSERT_EQUAL(story_status().agents, 2);

@@ -83,7 +83,8 @@ static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
-static muster_Member member = A_MEMBER;
+static muster_Member lines[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 
 enum field_kind {
@@ -198,7 +199,8 @@ static const struct field {
     {"status.robot", check_run_status, &status, &totals[2].robot, A_NAME, 0},
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
-    MEMBER("member", check_member, &member, member),
+    {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
+    MEMBER("page.line", check_page, &page, lines[2]),
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
 };
@@ -369,7 +371,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_ROSTER] = check_roster,
         [BUS_RUN_COMMAND] = check_run_command,
         [BUS_RUN_STATUS] = check_run_status,
-        [BUS_MEMBER] = check_member,
+        [BUS_PAGES] = check_page,
         [BUS_BROKER_STATUS] = check_broker_status,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {

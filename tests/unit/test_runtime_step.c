@@ -593,6 +593,81 @@ static void test_limit_agents(void)
     CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS);
 }
 
+/* Out of lock step who has nothing to say is not in an Up. */
+static void test_an_up_has_those_who_speak(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    struct mu_agent *blue = join("blue", MU_KIND_AGENT, 0);
+    struct mu_agent *green = join("green", MU_KIND_AGENT, 0);
+    (void)red;
+    CU_ASSERT_EQUAL(mu_agent_broadcast(green, "early"), MU_OK);
+    verdict_deliver(verdict("blue", 5, 0), "blue welcome; ");
+    CU_ASSERT_EQUAL(mu_agent_broadcast(blue, "hello"), MU_OK);
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL_FATAL(process.out.acts._length, 1);
+    CU_ASSERT_STRING_EQUAL(process.out.acts._buffer[0].agent, "blue");
+    process.out_pending = false;
+    verdict_deliver(verdict("green", 5, 0), "green welcome; ");
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_EQUAL(process.out.acts._length, 2);
+}
+
+static void test_a_name_is_taken_up_again(void)
+{
+    struct mu_agent *first = join("red", MU_KIND_AGENT, 0);
+    mu_agent *a = NULL;
+    CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "red", MU_KIND_AGENT, 0, &handlers), MU_EXISTS);
+    mu_agent_set_state(first, MU_GONE);
+    mu_text_clear(&heard);
+    struct mu_agent *second = join("red", MU_KIND_AGENT, 0);
+    CU_ASSERT_PTR_NOT_EQUAL(first, second);
+    CU_ASSERT_PTR_EQUAL(agent_find(&process, "red"), second);
+    expect_numbers(1, 1, "red#1 x; ");
+    CU_ASSERT_EQUAL(second->handed, 1);
+    CU_ASSERT_EQUAL(first->handed, 0);
+}
+
+static void test_a_roll_call(void)
+{
+    process.with_body = false;
+    process_take_memory(&process, 2 * MU_PART_AGENTS + 1, 2);
+    char name[16];
+    for (int i = 0; i < 2 * MU_PART_AGENTS + 1; i++) {
+        snprintf(name, sizeof name, "a%d", i);
+        (void)join(name, MU_KIND_AGENT, 0);
+    }
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+    memset(&process.roll, 0, sizeof process.roll); /* as if written */
+    mu_agent_set_state(agent_find(&process, "a70"), MU_SUSPENDED);
+    mu_text_clear(&heard);
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[1]);
+    delivery.roll_call = true;
+    expect("");
+    CU_ASSERT(process.roll.due_count == 3 && process.roll.due[0] && process.roll.due[2]);
+    delivery.roll_call = false;
+    memset(&process.roll, 0, sizeof process.roll);
+    verdict_deliver(verdict("a0", 5, 0), "a0 welcome; ");
+    CU_ASSERT_EQUAL(process.roll.due_count, 0);
+    verdict_deliver(verdict("a0", 6, 0), ""); /* another broker */
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+}
+
+static void test_limit_outbox_of_an_agent(void)
+{
+    process_take_memory(&process, 3, 2);
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    static char content[MU_CONTENT_MAX + 1];
+    memset(content, 'c', MU_CONTENT_MAX);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, content), MU_OK); /* the largest fits */
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, "two"), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, "three"), MU_FULL);
+}
+
 int main(void)
 {
     CU_TestInfo boxes[] = {
@@ -627,6 +702,10 @@ int main(void)
         {"limit: mails in one answer", test_limit_mails_in_one_answer},
         {"limit: bytes in one answer", test_limit_bytes_in_one_answer},
         {"limit: agents in one process", test_limit_agents},
+        {"limit: outbox of an agent", test_limit_outbox_of_an_agent},
+        {"an Up has those who speak", test_an_up_has_those_who_speak},
+        {"a name is taken up again", test_a_name_is_taken_up_again},
+        {"a roll call", test_a_roll_call},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/step: boxes", NULL, NULL, set_up, NULL, boxes},
