@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { COUNT_MAX = 10000000, OUTBOX = 8, NAMES_EACH = 997 };
 
@@ -58,7 +57,7 @@ static void await(struct crowd *c, const uint64_t *count, uint64_t wanted)
 
 static void agent_name(char name[MU_NAME_MAX + 1], uint64_t index)
 {
-    snprintf(name, MU_NAME_MAX + 1, "n%ld-%llu", (long)getpid(), (unsigned long long)index);
+    snprintf(name, MU_NAME_MAX + 1, "n%llu", (unsigned long long)index);
 }
 
 static mu_agent *agent_join(struct crowd *c, uint32_t index)
@@ -101,10 +100,8 @@ static void lookup(struct crowd *c, uint64_t count)
     for (uint64_t i = 0; i < count; i++) {
         agent_name(name, i * NAMES_EACH % c->agents);
         uint64_t began_ns = mu_clock_ns();
-        struct mu_mail question = {.dst = "broker",
-                                   .layer = MU_LAYER_QUERY,
-                                   .performative = "lookup",
-                                   .content = name};
+        struct mu_mail question = {
+            .dst = "broker", .layer = MU_LAYER_QUERY, .performative = "lookup", .content = name};
         if (mu_agent_send(c->first, &question, NULL) != MU_OK) {
             exit(1);
         }

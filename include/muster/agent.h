@@ -79,7 +79,7 @@ struct mu_mail {
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    uint64_t reply_by_ns;      /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
     enum mu_priority priority;
     enum mu_level level;
     bool timed;      /* wait for due_ns; else it goes at once */
@@ -141,8 +141,8 @@ struct mu_process_options {
     const char *peer;      /* host of the broker; NULL: this one */
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
-    uint32_t agents;       /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
-    uint32_t outbox;       /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
+    uint32_t agents; /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
+    uint32_t outbox; /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
 };
 
 /** Connects to the bus.  @return MU_OK; MU_FAULT_USAGE: too many agents; MU_FAULT_DDS */

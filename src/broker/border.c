@@ -112,7 +112,6 @@ bool border_mail(const muster_Mail *m)
            border_string(m->language, MU_FIELD_MAX) && border_string(m->ontology, MU_FIELD_MAX) &&
            border_string(m->reply_with, MU_FIELD_MAX) &&
            border_string(m->in_reply_to, MU_FIELD_MAX) &&
-           border_string(m->conversation, MU_FIELD_MAX) && m->priority >= -1 &&
-           m->priority <= 1 && (unsigned)m->level <= muster_LEVEL_SYNCED &&
-           border_string(m->content, MU_CONTENT_MAX);
+           border_string(m->conversation, MU_FIELD_MAX) && m->priority >= -1 && m->priority <= 1 &&
+           (unsigned)m->level <= muster_LEVEL_SYNCED && border_string(m->content, MU_CONTENT_MAX);
 }

@@ -21,7 +21,7 @@ enum {
     COURIER_RECEIPTS = 8192,
     COURIER_PARCELS = 64 * (MU_WINDOW_MAX + MAILBOX_RESERVE), /* of 64 full boxes */
     COURIER_MEMBERS = 2048,                                   /* changes of the white pages */
-    COURIER_RETRY_NS = 1000000, /* after the network has refused */
+    COURIER_RETRY_NS = 1000000,                               /* after the network has refused */
 };
 
 /* What of one agent is in the open Delivery. */

@@ -50,7 +50,7 @@ struct broker {
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
     muster_Member page[REGISTRY_PAGE]; /* of the white pages, as it is published */
-    char text[MU_CONTENT_MAX + 1]; /* in which an answer is put together */
+    char text[MU_CONTENT_MAX + 1];     /* in which an answer is put together */
 };
 
 #endif

@@ -156,7 +156,10 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .host = a->is.host,
                            .pid = a->is.pid,
                            .since_wall_ns = a->since_wall_ns};
-    out->broker = a->is.home[0] ? a->is.home : (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
+    out->broker =
+        a->is.home[0]
+            ? a->is.home
+            : (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
 }
 
 const char *registry_kind_word(muster_Kind kind)

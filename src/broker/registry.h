@@ -26,11 +26,11 @@ enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) /
 struct presence {
     muster_Kind kind;
     muster_State state;
-    bool no_broadcasts;    /* mail to all passes it by */
-    muster_BoxPolicy full; /* of its box, */
-    uint32_t box_mails;    /* which holds so many mails, */
-    uint64_t box_bytes;    /* of so many bytes; 0: the broker's own limit */
-    uint32_t hops;         /* brokers between here and */
+    bool no_broadcasts;         /* mail to all passes it by */
+    muster_BoxPolicy full;      /* of its box, */
+    uint32_t box_mails;         /* which holds so many mails, */
+    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
+    uint32_t hops;              /* brokers between here and */
     char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
     uint64_t since_wall_ns;     /* since when it has its name */
     uint32_t pid;

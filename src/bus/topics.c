@@ -9,7 +9,8 @@ const struct topic topic_table[BUS_TOPICS] = {
         {"Registration", &muster_Registration_desc, .for_late_comers = true,
          .liveliness_ns = DDS_SECS(1), .check = check_registration, .partition = "default",
          .from_to = "agent's process to broker and simulator",
-         .carries = "the agents of a process, 64 in a part, and their states; its liveliness is theirs"},
+         .carries =
+             "the agents of a process, 64 in a part, and their states; its liveliness is theirs"},
     [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .check = check_up,
                 .partition = "`broker`; `simulator` too for robots",
                 .from_to = "agent's process to broker and simulator",

@@ -217,8 +217,8 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
-    if (!p->in_lockstep) {
-        step_flush(p);
+    if (!p->in_lockstep && p->queues[QUEUE_SEND].first) {
+        step_flush(p); /* acknowledgements alone wait for the next spin, and what is said by then */
     }
     roll_write(p);
     return p->done ? MU_DONE : MU_OK;

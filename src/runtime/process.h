@@ -10,7 +10,7 @@
 #include "muster/agent.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
-#include "runtime/queues.h"
+#include "runtime/queue.h"
 #include "runtime/roll.h"
 #include "wire.h"
 
@@ -47,7 +47,7 @@ struct mu_agent {
     bool drives;           /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
-    char *rules; /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
+    char *rules;      /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
 };
 
 struct mu_process {

@@ -207,8 +207,7 @@ static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
 {
     muster_Mail *from = &p->mails[load->mails];
     bool may_send = a->registered && load->room > 0;
-    uint32_t count =
-        may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - load->mails) : 0;
+    uint32_t count = may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - load->mails) : 0;
     count = mails_bounded(from, count, &load->room);
     muster_Act *act = &p->acts[load->acts];
     *act = act_of(a);

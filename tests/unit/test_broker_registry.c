@@ -71,12 +71,11 @@ static void test_names_that_are_refused(void)
 static void test_bad_registrations_are_counted(void)
 {
     story_begin();
-    muster_Registration bad[] = {registration(NULL, "p"),  registration("red", NULL),
-                                 registration("red", ""),  registration("red", "p*"),
-                                 registration("red", "p"), registration("red", "p"),
-                                 registration("red", "p"), registration("red", "p"),
-                                 registration("red", "p"), registration("red", "p"),
-                                 registration("red", "p")};
+    muster_Registration bad[] = {
+        registration(NULL, "p"),   registration("red", NULL), registration("red", ""),
+        registration("red", "p*"), registration("red", "p"),  registration("red", "p"),
+        registration("red", "p"),  registration("red", "p"),  registration("red", "p"),
+        registration("red", "p"),  registration("red", "p")};
     bad[4].host = NULL;
     entry_of(&bad[5])->kind = (muster_Kind)77;
     entry_of(&bad[6])->state = (muster_State)-1;
@@ -119,7 +118,7 @@ static void test_held_name_is_inherited(void)
     story_register("red", "heir");
     story_register("red", "late");
     EXPECT("red: held by another participant"); /* the second one in the queue */
-    story_gone("late");                  /* it does not hold the name: nothing happens */
+    story_gone("late");                         /* it does not hold the name: nothing happens */
     story_gone("p-red");
     EXPECT("red welcome 0");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");

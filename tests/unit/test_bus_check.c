@@ -352,8 +352,8 @@ static void test_bad_names_of_agents_reach_the_broker(void)
 {
     static char long_name[10001];
     memset(long_name, 'n', sizeof long_name - 1);
-    char *const names[] = {W(""),   W("9"),       W("a b"),      W("a\"b"), W("a\nb"), W("a*"),
-                           W("-"),  W("\xff"),    W("broker"),   long_name};
+    char *const names[] = {W(""),   W("9"), W("a b"),  W("a\"b"),   W("a\nb"),
+                           W("a*"), W("-"), W("\xff"), W("broker"), long_name};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         entries[0].name = names[i];
         CU_ASSERT_TRUE(check_registration(&registration));

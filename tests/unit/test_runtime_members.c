@@ -95,7 +95,8 @@ static void test_limit_lines(void)
     }
     bool in_order = true;
     for (size_t i = 1; i < members.count; i++) {
-        in_order = in_order && strcmp(members_at(&members, i - 1)->name, members_at(&members, i)->name) < 0;
+        in_order = in_order &&
+                   strcmp(members_at(&members, i - 1)->name, members_at(&members, i)->name) < 0;
     }
     CU_ASSERT_TRUE(in_order);
     set("a", muster_STATE_RUNNING, 1);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file queues.h
+ * @file queue.h
  * Agents that have something to do, so that a process need not look at all of them.
  */
-#ifndef MUSTER_RUNTIME_QUEUES_H
-#define MUSTER_RUNTIME_QUEUES_H
+#ifndef MUSTER_RUNTIME_QUEUE_H
+#define MUSTER_RUNTIME_QUEUE_H
 
 #include <stdbool.h>
 #include <stdint.h>

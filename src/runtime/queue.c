@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "runtime/queues.h"
+#include "runtime/queue.h"
 
 #include "runtime/process.h"
 
