@@ -6,12 +6,14 @@
 #include "broker/router.h"
 #include "muster/memory.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 void lockstep_init(struct lockstep *l, uint32_t agents)
 {
     *l = (struct lockstep){.simulator = MU_NONE};
     l->turns = mu_startup_array(agents, sizeof *l->turns);
+    l->active = mu_startup_array(agents, sizeof *l->active);
 }
 
 /* --- collecting ------------------------------------------------------------------------------- */
@@ -39,16 +41,26 @@ static struct mail *list_pop(struct mail_list *list)
     return m;
 }
 
+static struct turn *turn_open(struct lockstep *l, uint32_t agent)
+{
+    struct turn *turn = &l->turns[agent];
+    if (!turn->active) {
+        turn->active = true;
+        l->active[l->active_count++] = agent;
+    }
+    return turn;
+}
+
 void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 {
-    struct turn *turn = &l->turns[m->sender];
+    struct turn *turn = turn_open(l, m->sender);
     list_append(from_outside ? &turn->outside : &turn->mails, m);
     l->outside_waiting += from_outside;
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
 {
-    struct turn *turn = &l->turns[agent];
+    struct turn *turn = turn_open(l, agent);
     if (!turn->has_ack || number > turn->ack) {
         turn->ack = number;
     }
@@ -57,8 +69,9 @@ void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
 
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
 {
-    l->turns[agent].has_state = true;
-    l->turns[agent].state = state;
+    struct turn *turn = turn_open(l, agent);
+    turn->has_state = true;
+    turn->state = state;
 }
 
 bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
@@ -69,10 +82,38 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
+static int agent_compare(const void *x, const void *y, void *registry)
+{
+    const uint32_t *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[*one].name, r->agents[*other].name);
+}
+
+/* Who was collected first depends on the clock; what takes effect first does not. */
+static void turns_order(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    qsort_r(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
+}
+
+/* The next step begins with those of whom something is left. */
+static void turns_close(struct lockstep *l)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        turn->active = turn->outside.first != NULL;
+        if (turn->active) {
+            l->active[kept++] = l->active[i];
+        }
+    }
+    l->active_count = kept;
+}
+
 static void acks_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        uint32_t agent = b->registry.order[i];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
         struct turn *turn = &b->lockstep.turns[agent];
         if (turn->has_ack) {
             turn->has_ack = false;
@@ -83,8 +124,8 @@ static void acks_apply(struct broker *b)
 
 static void states_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        uint32_t agent = b->registry.order[i];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
         struct turn *turn = &b->lockstep.turns[agent];
         if (!turn->has_state) {
             continue;
@@ -103,8 +144,8 @@ static void states_apply(struct broker *b)
 
 static void mails_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        struct turn *turn = &b->lockstep.turns[b->registry.order[i]];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
             (void)router_route(b, m);
         }
@@ -114,8 +155,8 @@ static void mails_apply(struct broker *b)
 static void outside_apply(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    for (uint32_t i = 0; i < b->registry.count && l->outside_waiting > 0; i++) {
-        struct turn *turn = &l->turns[b->registry.order[i]];
+    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
@@ -139,11 +180,13 @@ void lockstep_told(struct broker *b)
 
 static void step_apply(struct broker *b)
 {
+    turns_order(b);
     acks_apply(b);
     router_expire(b, runclock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
+    turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
 }
 

@@ -27,6 +27,7 @@ struct mail_list {
 struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
+    bool active;              /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;
@@ -43,6 +44,8 @@ struct lockstep {
     uint64_t start_version; /* of the white pages when it began */
     uint64_t version;       /* of the white pages, when the last step ended */
     struct turn *turns;     /* one for each agent of the registry */
+    uint32_t *active;       /* agents of whom something was collected */
+    uint32_t active_count;
     uint32_t outside_waiting;
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[LOCKSTEP_OUTSIDE_MAX];
