@@ -44,6 +44,29 @@ static bool name_is_held(mu_process *p, const char *name)
     return holder && !holder->gone;
 }
 
+/* @return a place for one more agent: a new one, or that of one that has left; NULL: full */
+static struct mu_agent *place_take(mu_process *p)
+{
+    if (p->agent_count < p->agents_max) {
+        return &p->agents[p->agent_count++];
+    }
+    struct mu_agent *a = p->agents;
+    while (a < p->agents + p->agent_count && !a->gone) {
+        a++;
+    }
+    if (a == p->agents + p->agent_count || p->out_pending) { /* what is pending speaks of it */
+        return NULL;
+    }
+    for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
+        queue_remove(&p->queues[kind], kind, a);
+    }
+    if (agent_find(p, a->name) == a) {
+        (void)mu_table_remove(&p->names, a->name);
+    }
+    *a = (struct mu_agent){0};
+    return a;
+}
+
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
                         uint64_t last_number, const struct mu_handlers *handlers)
 {
@@ -53,11 +76,11 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     if (name_is_held(p, name)) {
         return MU_EXISTS;
     }
-    if (p->agent_count == p->agents_max) {
+    struct mu_agent *a = place_take(p);
+    if (!a) {
         return MU_FULL;
     }
-    uint32_t index = p->agent_count++;
-    struct mu_agent *a = &p->agents[index];
+    uint32_t index = (uint32_t)(a - p->agents);
     a->process = p;
     mu_text_copy(a->name, sizeof a->name, name);
     (void)mu_table_put(&p->names, a->name, index);
@@ -114,7 +137,10 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     }
     bool is_news = v->accepted ? !a->registered : !a->refused;
     a->registered = v->accepted;
-    a->refused = !v->accepted;
+    if (a->refused == v->accepted) {
+        a->refused = !v->accepted;
+        roll_mark(a); /* who comes later is not to hear of a name that was refused */
+    }
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }

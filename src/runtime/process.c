@@ -209,7 +209,8 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     registrations_keep(p);
     roll_write(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
+    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p) &&
+                   p->roll.due_count == 0;
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);

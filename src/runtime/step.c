@@ -49,7 +49,8 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
         struct mu_agent *a = agent_find(p, parcel->box);
-        if (!p->fresh[i] || a->gone || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
+        if (!p->fresh[i] || !a || a->gone ||
+            (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
         if (directives) {

@@ -591,6 +591,14 @@ static void test_limit_agents(void)
     }
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "more", MU_KIND_AGENT, 0, &handlers), MU_FULL);
     CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(agent_find(&process, "a5"), "unsaid"), MU_OK);
+    mu_agent_set_state(agent_find(&process, "a5"), MU_GONE);
+    struct mu_agent *more = join("more", MU_KIND_AGENT, 0);
+    CU_ASSERT_PTR_EQUAL(more, &process.agents[5]);
+    CU_ASSERT_PTR_EQUAL(agent_find(&process, "more"), more);
+    CU_ASSERT_PTR_NULL(agent_find(&process, "a5"));
+    CU_ASSERT(!more->gone && !outbox_has_unsent(&more->outbox));
+    CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "a5", MU_KIND_AGENT, 0, &handlers), MU_FULL);
 }
 
 /* Out of lock step who has nothing to say is not in an Up. */
