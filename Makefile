@@ -102,7 +102,8 @@ $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
 
-$(O)/programs/%: $(O)/tests/programs/%.o $(O)/libmuster.a
+# They look at topics, too, which the library keeps to itself.
+$(O)/programs/%: $(O)/tests/programs/%.o $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
 

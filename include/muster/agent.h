@@ -143,9 +143,15 @@ struct mu_process_options {
     const char *peer;      /* host of the broker; NULL: this one */
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
+    uint32_t agents; /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
+    uint32_t outbox; /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
 };
 
-/** Connects to the bus.  @return MU_OK; MU_FAULT_DDS; MU_FAULT_USAGE: no address, or no host */
+/**
+ * Connects to the bus.
+ *
+ * @return MU_OK; MU_FAULT_DDS; MU_FAULT_USAGE: no address, or no host, or too many agents
+ */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
 /** Lets every agent leave and disconnects; NULL: nothing to do. */
@@ -190,7 +196,9 @@ bool mu_process_has_broker(const mu_process *p);
  *
  * @param last_number  the last mail number that an earlier life of this agent has dealt with: what
  *                     comes again up to it is dropped.  0 when it keeps no record.
- * @return MU_OK; MU_MALFORMED: not a name; MU_FULL: MU_LOCAL_AGENTS_MAX agents are here
+ * @return MU_OK; MU_MALFORMED: not a name; MU_EXISTS: an agent of this process bears it; MU_FULL:
+ *         the process has room for no more.  The place of an agent that has left is taken when no
+ *         other is free; from then on what pointed to it points to the new one
  */
 MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
                                     enum mu_kind kind, uint64_t last_number,
@@ -200,12 +208,19 @@ MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *n
 void mu_agent_decline_broadcasts(mu_agent *a);
 
 /**
+ * Limits what waits for the agent at the broker, and says what gives way when that is full.
+ *
+ * @param mails, bytes  0: the broker's own limits, which are never exceeded
+ */
+void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, uint64_t bytes);
+
+/**
  * Sends a mail; it is kept and sent again until the broker has answered for it.
  *
  * @param seq  out: its number, for on_receipt; may be NULL.  Before on_registered it is not final:
  *             an earlier agent of that name may have sent mails, and the count goes on after them.
- * @return MU_OK; MU_MALFORMED: a field is missing or too long; MU_FULL: MU_OUTBOX_MAX mails are
- *         not answered for yet
+ * @return MU_OK; MU_MALFORMED: a field is missing or too long; MU_FULL: as many mails as
+ *         the process's options allow are not answered for yet
  */
 MU_MUST_USE mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq);
 

@@ -46,7 +46,7 @@
 
 /** Agents that one broker can know. */
 #ifndef MU_AGENTS_MAX
-#define MU_AGENTS_MAX 1024
+#define MU_AGENTS_MAX 16384
 #endif
 
 /** Lines of the white pages beside them: the broker and its parts. */
@@ -57,10 +57,16 @@
 #define MU_PROCESSES_MAX 512
 #endif
 
-/** Agents that live in one process. */
+/** Agents that live in one process, a multiple of MU_PART_AGENTS. */
 #ifndef MU_LOCAL_AGENTS_MAX
-#define MU_LOCAL_AGENTS_MAX 64
+#define MU_LOCAL_AGENTS_MAX 10240
 #endif
+
+/** Agents that live in one process, unless it asks for more. */
+#define MU_LOCAL_AGENTS 16
+
+/** Agents in one part of a process's registration. */
+#define MU_PART_AGENTS 64
 
 /** Mails that one broker stores, in all boxes together. */
 #ifndef MU_MAILS_MAX

@@ -4,6 +4,7 @@
 #include "broker/address.h"
 #include "broker/places.h"
 #include "broker/registry.h"
+#include "core/name.h"
 
 #include <string.h>
 
@@ -20,16 +21,39 @@ static bool border_process(const char *name)
     return border_string(name, MU_PROCESS_MAX) && places_name_valid(name);
 }
 
-bool border_registration(const muster_Registration *r)
-{
-    return border_process(r->process) && border_string(r->name, 4096) &&
-           border_string(r->host, 4096) && registry_kind_word(r->kind) &&
-           registry_state_word(r->state);
-}
-
 static bool border_sequence(uint32_t length, const void *buffer, uint32_t max)
 {
     return length == 0 || (buffer && length <= max);
+}
+
+bool border_registration(const muster_Registration *r)
+{
+    if (!border_process(r->process) || r->part >= PLACES_PARTS ||
+        !border_string(r->broker, MU_FIELD_MAX) || !border_string(r->host, 4096) ||
+        !border_sequence(r->agents._length, r->agents._buffer, MU_PART_AGENTS)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        if (!r->agents._buffer[i].name || !r->agents._buffer[i].home) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Only a broker speaks for agents that live elsewhere. */
+static bool border_home(const muster_Entry *e, bool of_a_broker)
+{
+    if (e->home[0] == '\0') {
+        return true;
+    }
+    return of_a_broker && border_string(e->home, MU_NAME_MAX) && mu_name_valid(e->home);
+}
+
+bool border_entry(const muster_Entry *e, bool of_a_broker)
+{
+    return registry_kind_word(e->kind) && registry_state_word(e->state) &&
+           (unsigned)e->full <= muster_BOX_DROP_LOWEST && border_home(e, of_a_broker);
 }
 
 /* Steps are counted and timed in lock step; else they tell the run's time, if they can. */
@@ -88,7 +112,6 @@ bool border_mail(const muster_Mail *m)
            border_string(m->language, MU_FIELD_MAX) && border_string(m->ontology, MU_FIELD_MAX) &&
            border_string(m->reply_with, MU_FIELD_MAX) &&
            border_string(m->in_reply_to, MU_FIELD_MAX) &&
-           border_string(m->conversation, MU_FIELD_MAX) && m->priority >= -1 &&
-           m->priority <= 1 && (unsigned)m->level <= muster_LEVEL_SYNCED &&
-           border_string(m->content, MU_CONTENT_MAX);
+           border_string(m->conversation, MU_FIELD_MAX) && m->priority >= -1 && m->priority <= 1 &&
+           (unsigned)m->level <= muster_LEVEL_SYNCED && border_string(m->content, MU_CONTENT_MAX);
 }

@@ -15,8 +15,11 @@
 /** @return whether s is a string of at most max bytes */
 bool border_string(const char *s, size_t max);
 
-/** @return whether it names a process and fits; its agent's name may still be no good one */
+/** Checks the frame of a Registration; its entries are looked at one by one. */
 bool border_registration(const muster_Registration *r);
+
+/** @return whether what is said of an agent fits; its name may still be no good one */
+bool border_entry(const muster_Entry *e, bool of_a_broker);
 
 bool border_roster(const muster_Roster *r);
 

@@ -42,6 +42,7 @@ struct broker *broker_open(const struct broker_options *options)
     b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
     registry_init(&b->registry);
     places_init(&b->places);
+    claims_init(&b->claims);
     store_init(&b->store);
     schedule_init(&b->due, SCHEDULE_DUE);
     schedule_init(&b->expiry, SCHEDULE_EXPIRY);
@@ -73,21 +74,14 @@ void broker_registration(struct broker *b, const muster_Registration *r, uint64_
     presence_register(b, r);
 }
 
-void broker_gone(struct broker *b, const char *name, const char *process, bool crashed,
+void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
                  uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    uint32_t agent = border_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
-    if (agent == MU_NONE || registry_is_own(agent)) {
-        return;
-    }
-    if (!process || process[0] == '\0') {
-        presence_gone_unnamed(b, agent, crashed);
-    } else if (border_string(process, MU_PROCESS_MAX)) {
-        uint32_t place = places_find(&b->places, process);
-        if (place != MU_NONE) {
-            presence_gone(b, agent, place);
-        }
+    uint32_t place =
+        border_string(process, MU_PROCESS_MAX) ? places_find(&b->places, process) : MU_NONE;
+    if (place != MU_NONE) {
+        presence_gone(b, place, part, crashed);
     }
 }
 
@@ -96,9 +90,11 @@ static void place_matched(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->version_had = 0;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        b->registry.agents[at->agents[i]].verdict_due = true;
-        mailbox_repeat(&b->mailbox, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        b->registry.agents[agent].verdict_due = true;
+        mailbox_repeat(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent);
     }
     if (at->rostered || at->simulator) {
         at->step_due = true;
@@ -122,8 +118,9 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
         return;
     }
     struct place *at = &b->places.at[place];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_unwatch(&b->mailbox, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_unwatch(&b->mailbox, agent);
     }
     at->refusals_count = at->agents_count ? at->refusals_count : 0;
     places_tidy(&b->places, place);
@@ -246,9 +243,7 @@ static void resend_tick(struct broker *b)
         uint32_t agent = b->mailbox.watch_head;
         mailbox_repeat(&b->mailbox, agent);
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        if (b->registry.agents[agent].process != MU_NONE) {
-            places_wake(&b->places, b->registry.agents[agent].process);
-        }
+        tenants_wake(&b->registry, &b->places, agent);
     }
 }
 
@@ -385,13 +380,21 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
     return true;
 }
 
-bool broker_member_news(struct broker *b, muster_Member *out)
+bool broker_page_news(struct broker *b, muster_Page *out)
 {
-    uint32_t agent = registry_next_news(&b->registry);
-    if (agent == MU_NONE) {
+    uint32_t part = registry_next_page(&b->registry);
+    if (part == MU_NONE) {
         return false;
     }
-    registry_line(&b->registry, agent, b->name, out);
+    uint32_t first = part * REGISTRY_PAGE;
+    uint32_t count = b->registry.count - first;
+    count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
+    for (uint32_t i = 0; i < count; i++) {
+        registry_line(&b->registry, first + i, b->name, &b->page[i]);
+    }
+    *out = (muster_Page){.broker = b->name, .part = part};
+    out->lines._buffer = b->page;
+    out->lines._length = out->lines._maximum = count;
     return true;
 }
 

@@ -41,15 +41,14 @@ struct broker_options {
 /** Takes all memory that the broker will ever use.  One broker in a process. */
 struct broker *broker_open(const struct broker_options *options);
 
-/** An agent says that it is there, or has changed its state.  The answer is in a later delivery. */
+/** A process says which agents are in a part of it.  The answers are in later deliveries. */
 void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns);
 
 /**
- * The registration of a name ended: it left (crashed false), or no process writes it any more
- * (crashed true).  A process that does not hold the name is ignored; NULL or "", as when the
- * network tells the key alone, stands for the holder.
+ * A part of a process's registration ended: the process took it back (crashed false), or nobody
+ * writes it any more (crashed true), and that goes for the whole process.
  */
-void broker_gone(struct broker *b, const char *name, const char *process, bool crashed,
+void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
                  uint64_t now_ns);
 
 /**
@@ -111,11 +110,12 @@ void broker_audit_failed(struct broker *b);
 bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
 
 /**
- * Gives the next line of the white pages that has changed since it was last given.
+ * Gives the next page of the white pages in which a line has changed since it was last given.
  *
+ * @param out  filled with pointers into the broker, valid until the next call into it
  * @return false when there is none
  */
-bool broker_member_news(struct broker *b, muster_Member *out);
+bool broker_page_news(struct broker *b, muster_Page *out);
 
 /**
  * Gives what has gone wrong with mail; events_next in events.h says how often.

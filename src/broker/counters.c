@@ -37,8 +37,8 @@ static const struct counter counters[] = {
      AT(registry.count)},
     {PART_REGISTRAR, "processes", "processes that it serves now", AT(places.used_count)},
     {PART_REGISTRAR, "claims", "names that another process waits for now",
-     AT(registry.claims_count)},
-    {PART_REGISTRAR, "changes", "changes of the white pages", AT(registry.version)},
+     AT(claims.count)},
+    {PART_REGISTRAR, "changes", "changes of the white pages", AT(registry.changes.version)},
 
     {PART_POSTMASTER, "sent", "mails, one a receiver", AT(counters.sent)},
     {PART_POSTMASTER, "delivered", "of them, acknowledged", AT(counters.delivered)},

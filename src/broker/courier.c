@@ -6,6 +6,9 @@
 #include "broker/router.h"
 #include "muster/memory.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 void courier_init(struct courier *c)
 {
     *c = (struct courier){.open = MU_NONE};
@@ -33,11 +36,12 @@ static bool is_awake(const struct broker *b, bool lockstep)
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
 static bool place_is_urgent(struct broker *b, const struct place *at)
 {
-    bool urgent = at->refusals_count > 0;
-    for (uint32_t i = 0; i < at->agents_count && !urgent; i++) {
-        const struct box *box = mailbox_box(&b->mailbox, at->agents[i]);
-        urgent = b->registry.agents[at->agents[i]].verdict_due || box->out != MU_NONE ||
-                 (box->lists[POST_URGENT].count > 0 && router_gate(b, at->agents[i]) != GATE_SHUT);
+    bool urgent = at->refusals_count > 0 || at->roll_call_due;
+    for (uint32_t i = at->ready_first; i != TENANTS_NONE && !urgent;
+         i = b->registry.agents[i].tenant.ready_next) {
+        const struct box *box = mailbox_box(&b->mailbox, i);
+        urgent = b->registry.agents[i].verdict_due || box->out != MU_NONE ||
+                 (box->lists[POST_URGENT].count > 0 && router_gate(b, i) != GATE_SHUT);
     }
     return urgent;
 }
@@ -103,23 +107,21 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 
 /* --- putting together ------------------------------------------------------------------------- */
 
-/* Room that is left in a Delivery. */
-struct room {
-    uint32_t parcels;
-    size_t bytes;
-};
-
-static uint32_t parcels_fill(struct broker *b, uint32_t agent, struct room *room,
-                             muster_Delivery *d)
+/* @return whether all that may go to the agent now had room */
+static bool parcels_fill(struct broker *b, struct courier_part *part, struct courier_room *room,
+                         muster_Delivery *d)
 {
+    uint32_t agent = part->agent;
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return true;
+    }
     struct box *box = mailbox_box(&b->mailbox, agent);
     enum mailbox_gate gate = router_gate(b, agent);
     bool awake = is_awake(b, b->courier.open_lockstep);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT);
     uint64_t number = box->acked + box->written;
-    uint32_t count = 0;
-    for (uint32_t i = box->out; i != MU_NONE && room->parcels > 0;
-         i = mailbox_next(&b->mailbox, i)) {
+    uint32_t i = box->out;
+    for (; i != MU_NONE && room->parcels > 0; i = mailbox_next(&b->mailbox, i)) {
         const struct mail *m = b->mailbox.posts[i].mail;
         if (m->bytes > room->bytes) { /* the content of the largest mail fits an empty Delivery */
             room->parcels = 0;
@@ -127,14 +129,16 @@ static uint32_t parcels_fill(struct broker *b, uint32_t agent, struct room *room
         }
         room->bytes -= m->bytes;
         room->parcels--;
-        count++;
+        part->parcels++;
         if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
             b->courier.open_delay_ns += mail_delay_ns(b, m);
         }
-        d->parcels._buffer[d->parcels._length++] = (muster_Parcel){
-            .box = b->registry.agents[agent].name, .number = number + count, .letter = m->letter};
+        d->parcels._buffer[d->parcels._length++] =
+            (muster_Parcel){.box = b->registry.agents[agent].name,
+                            .number = number + part->parcels,
+                            .letter = m->letter};
     }
-    return count;
+    return i == MU_NONE && (awake || gate < GATE_OPEN);
 }
 
 static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery *d)
@@ -154,20 +158,23 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
     return count;
 }
 
-static void verdicts_fill(struct broker *b, struct place *at, muster_Delivery *d)
+static void welcome_add(struct broker *b, struct courier_part *part, muster_Delivery *d)
 {
     static char none[1];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        struct agent *a = &b->registry.agents[at->agents[i]];
-        if (a->verdict_due) {
-            d->verdicts._buffer[d->verdicts._length++] =
-                (muster_Verdict){.agent = a->name,
-                                 .accepted = true,
-                                 .last_seq = a->last_seq,
-                                 .broker_incarnation = b->incarnation,
-                                 .reason = none};
-        }
+    struct agent *a = &b->registry.agents[part->agent];
+    part->verdict = a->verdict_due;
+    if (part->verdict) {
+        d->verdicts._buffer[d->verdicts._length++] =
+            (muster_Verdict){.agent = a->name,
+                             .accepted = true,
+                             .last_seq = a->last_seq,
+                             .broker_incarnation = b->incarnation,
+                             .reason = none};
     }
+}
+
+static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d)
+{
     for (uint32_t i = 0; i < at->refusals_count; i++) {
         muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
         *v = (muster_Verdict){.agent = at->refusals[i].name, .broker_incarnation = b->incarnation};
@@ -180,22 +187,37 @@ static void verdicts_fill(struct broker *b, struct place *at, muster_Delivery *d
 static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    bool from_the_start = a->version <= b->lockstep.start_version && !a->is.no_broadcasts;
+    bool from_the_start =
+        changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
+        !a->is.no_broadcasts;
     return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
+}
+
+static int member_compare(const void *x, const void *y)
+{
+    const muster_Member *one = x, *other = y;
+    return strcmp(one->name, other->name);
 }
 
 /* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
 static void members_fill(struct broker *b, const struct place *at, muster_Delivery *d)
 {
-    const struct registry *r = &b->registry;
+    const struct changes *c = &b->registry.changes;
     uint64_t upto = b->courier.open_version;
     if (at->version_had >= upto) {
         return;
     }
-    for (uint32_t i = 0; i < r->count; i++) {
-        uint64_t version = r->agents[r->order[i]].version;
-        if (version > at->version_had && version <= upto && line_is_shown(b, r->order[i])) {
-            registry_line(r, r->order[i], b->name, &d->members._buffer[d->members._length++]);
+    for (uint32_t i = changes_after(c, at->version_had); i != MU_NONE; i = changes_next(c, i)) {
+        uint64_t version = changes_version(c, i);
+        if (version > upto) {
+            return;
+        }
+        if (d->members._length == COURIER_MEMBERS) {
+            b->courier.open_version = version - 1; /* the rest comes next time */
+            return;
+        }
+        if (line_is_shown(b, i)) {
+            registry_line(&b->registry, i, b->name, &d->members._buffer[d->members._length++]);
         }
     }
 }
@@ -207,9 +229,11 @@ static void outside_fill(struct broker *b, muster_Delivery *d)
     }
 }
 
-static void delivery_begin(struct courier *c, const struct place *at, muster_Delivery *d)
+static void delivery_begin(struct broker *b, const struct place *at, muster_Delivery *d)
 {
-    *d = (muster_Delivery){.step = muster_STEP_NOW};
+    struct courier *c = &b->courier;
+    *d = (muster_Delivery){
+        .step = muster_STEP_NOW, .broker = b->name, .roll_call = at->roll_call_due};
     d->process = (char *)(uintptr_t)at->name; /* idlc has no const; nobody writes there */
     d->parcels._buffer = c->parcels;
     d->receipts._buffer = c->receipts;
@@ -227,6 +251,63 @@ static void delivery_finish(muster_Delivery *d)
     d->outside._maximum = d->outside._length;
 }
 
+static int part_compare(const void *x, const void *y, void *registry)
+{
+    const struct courier_part *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[one->agent].name, r->agents[other->agent].name);
+}
+
+/* Takes agents out of the place's queue, and puts them in order of name. */
+static void parts_take(struct broker *b, uint32_t place)
+{
+    struct courier *c = &b->courier;
+    c->parts_count = 0;
+    uint32_t agent;
+    while (c->parts_count < COURIER_AGENTS &&
+           (agent = tenants_pop(&b->registry, &b->places, place)) != TENANTS_NONE) {
+        c->parts[c->parts_count++] = (struct courier_part){.agent = agent};
+    }
+    qsort_r(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
+}
+
+static void parts_fill(struct broker *b, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    struct courier_room room = {.parcels = MU_WINDOW_MAX, .bytes = COURIER_BYTES};
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        struct courier_part *part = &c->parts[i];
+        if (c->open_lockstep) { /* each box has its own room: none can starve another */
+            uint32_t left = COURIER_PARCELS - d->parcels._length;
+            uint32_t most = MU_WINDOW_MAX + MAILBOX_RESERVE;
+            room = (struct courier_room){.parcels = left < most ? left : most,
+                                         .bytes = COURIER_BOX_BYTES};
+        }
+        part->passed_by = !parcels_fill(b, part, &room, d);
+        part->receipts = receipts_fill(b, part->agent, d);
+        part->passed_by |= part->receipts < receipts_of(&b->receipts, part->agent)->count;
+        welcome_add(b, part, d);
+    }
+}
+
+/* Those who had no room are first in the queue of the next Delivery; who had something may have
+ * more. */
+static void parts_return(struct broker *b, bool taken)
+{
+    struct courier *c = &b->courier;
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        if (!taken || c->parts[i].passed_by) {
+            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        }
+    }
+    for (uint32_t i = 0; taken && i < c->parts_count; i++) {
+        if (c->parts[i].parcels > 0) {
+            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        }
+    }
+    c->parts_count = 0;
+}
+
 /* @return whether there is anything to say */
 static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
@@ -236,36 +317,25 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (c->open_lockstep && !at->step_due) {
         return false;
     }
-    c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.version;
+    c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.changes.version;
     c->open_delay_ns = 0;
-    delivery_begin(c, at, d);
+    delivery_begin(b, at, d);
     if (c->open_lockstep) {
         d->step = b->lockstep.step - 1;
     }
-    struct room room = {.parcels = MU_WINDOW_MAX, .bytes = COURIER_BYTES};
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        if (c->open_lockstep) { /* each box has its own room: none can starve another */
-            room = (struct room){.parcels = MU_WINDOW_MAX + MAILBOX_RESERVE,
-                                 .bytes = COURIER_BOX_BYTES};
-        }
-        c->parts[i].parcels = parcels_fill(b, at->agents[i], &room, d);
-        c->parts[i].receipts = receipts_fill(b, at->agents[i], d);
-    }
-    verdicts_fill(b, at, d);
+    parts_take(b, place);
+    parts_fill(b, d);
+    refusals_fill(b, at, d);
     members_fill(b, at, d);
+    if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
+        qsort(c->members, d->members._length, sizeof c->members[0], member_compare);
+    }
     if (at->simulator) {
         outside_fill(b, d);
     }
     delivery_finish(d);
     return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
-           d->members._length;
-}
-
-static void boxes_take_back(struct broker *b, const struct place *at)
-{
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_take_back(&b->mailbox, at->agents[i]);
-    }
+           d->members._length || d->roll_call;
 }
 
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
@@ -289,17 +359,22 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 
 /* --- the network's answer --------------------------------------------------------------------- */
 
-static void part_delivered(struct broker *b, uint32_t agent, const struct courier_part *part)
+static void part_delivered(struct broker *b, const struct courier_part *part)
 {
-    uint32_t again = mailbox_mark_written(&b->mailbox, agent, part->parcels);
-    b->counters.resent += again;
-    mailbox_take_back(&b->mailbox, agent);
-    bool watched = mailbox_box(&b->mailbox, agent)->watched;
-    if (!b->courier.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
-        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+    receipts_drop(&b->receipts, part->agent, part->receipts);
+    if (part->verdict) {
+        b->registry.agents[part->agent].verdict_due = false;
     }
-    receipts_drop(&b->receipts, agent, part->receipts);
-    b->registry.agents[agent].verdict_due = false;
+    if (!mailbox_is_begun(&b->mailbox, part->agent)) {
+        return;
+    }
+    uint32_t again = mailbox_mark_written(&b->mailbox, part->agent, part->parcels);
+    b->counters.resent += again;
+    mailbox_take_back(&b->mailbox, part->agent);
+    bool watched = mailbox_box(&b->mailbox, part->agent)->watched;
+    if (!b->courier.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
+        mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
+    }
 }
 
 static void delivery_count(struct courier *c, uint32_t parcels)
@@ -319,12 +394,14 @@ void courier_delivered(struct broker *b)
     MU_ASSERT(c->open != MU_NONE);
     struct place *at = &b->places.at[c->open];
     uint32_t parcels = 0;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
+    for (uint32_t i = 0; i < c->parts_count; i++) {
         parcels += c->parts[i].parcels;
-        part_delivered(b, at->agents[i], &c->parts[i]);
+        part_delivered(b, &c->parts[i]);
     }
+    parts_return(b, true);
     delivery_count(c, parcels);
     at->refusals_count = 0;
+    at->roll_call_due = false;
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }
@@ -345,7 +422,10 @@ void courier_undelivered(struct broker *b)
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
     c->count.blocked++;
-    boxes_take_back(b, &b->places.at[c->open]);
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        mailbox_take_back(&b->mailbox, c->parts[i].agent);
+    }
+    parts_return(b, false);
     if (b->places.blocked == 0) {
         uint64_t now_ns = b->clock.now_ns;
         c->retry_ns =

@@ -13,6 +13,7 @@
 
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
+#include "broker/places.h"
 #include "broker/registry.h"
 
 struct broker;
@@ -20,8 +21,10 @@ struct broker;
 enum {
     COURIER_BYTES = 128 * 1024,     /* of mail in one Delivery, out of lock step */
     COURIER_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
+    COURIER_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
     COURIER_RECEIPTS = 8192,
-    COURIER_PARCELS = MU_LOCAL_AGENTS_MAX * (MU_WINDOW_MAX + MAILBOX_RESERVE),
+    COURIER_PARCELS = 64 * (MU_WINDOW_MAX + MAILBOX_RESERVE), /* of 64 full boxes */
+    COURIER_MEMBERS = 2048,                                   /* changes of the white pages */
     COURIER_INTERVAL_MAX_MS = 60000,
     COURIER_RETRY_NS = 1000000, /* after the network has refused */
 };
@@ -33,8 +36,17 @@ struct courier_counts {
 
 /* What of one agent is in the open Delivery. */
 struct courier_part {
+    uint32_t agent;
     uint32_t parcels;
     uint32_t receipts;
+    bool verdict;
+    bool passed_by; /* there was no room to look at all that it may have */
+};
+
+/* Room that is left in a Delivery. */
+struct courier_room {
+    uint32_t parcels;
+    size_t bytes;
 };
 
 struct courier {
@@ -50,11 +62,12 @@ struct courier {
     uint32_t held;          /* processes that wait for it to wake, at most */
     struct courier_counts count;
     uint64_t retry_ns; /* when blocked processes are tried again */
-    struct courier_part parts[MU_LOCAL_AGENTS_MAX];
+    struct courier_part parts[COURIER_AGENTS];
+    uint32_t parts_count;
     muster_Parcel *parcels;
     muster_Receipt *receipts;
-    muster_Verdict verdicts[2 * MU_LOCAL_AGENTS_MAX];
-    muster_Member members[REGISTRY_MAX];
+    muster_Verdict verdicts[COURIER_AGENTS + PLACES_REFUSALS];
+    muster_Member members[COURIER_MEMBERS];
     muster_Mail outside[LOCKSTEP_OUTSIDE_MAX];
 };
 

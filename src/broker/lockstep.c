@@ -6,6 +6,7 @@
 #include "broker/router.h"
 #include "muster/memory.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
@@ -15,6 +16,7 @@ void lockstep_init(struct lockstep *l, uint32_t agents)
 {
     *l = (struct lockstep){.simulator = MU_NONE};
     l->turns = mu_startup_array(agents, sizeof *l->turns);
+    l->active = mu_startup_array(agents, sizeof *l->active);
 }
 
 /* --- collecting ------------------------------------------------------------------------------- */
@@ -42,6 +44,16 @@ static struct mail *list_pop(struct mail_list *list)
     return m;
 }
 
+static struct turn *turn_open(struct lockstep *l, uint32_t agent)
+{
+    struct turn *turn = &l->turns[agent];
+    if (!turn->active) {
+        turn->active = true;
+        l->active[l->active_count++] = agent;
+    }
+    return turn;
+}
+
 void lockstep_open_turn(struct lockstep *l)
 {
     uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
@@ -52,7 +64,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 {
     static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
     static const struct share_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
-    struct turn *turn = &l->turns[m->sender];
+    struct turn *turn = turn_open(l, m->sender);
     struct share_use want = {.mails = 1, .bytes = store_bytes(m)};
     if (from_outside) {
         if (share_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != SHARE_FITS) {
@@ -72,7 +84,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
 {
-    struct turn *turn = &l->turns[agent];
+    struct turn *turn = turn_open(l, agent);
     if (!turn->has_ack || number > turn->ack) {
         turn->ack = number;
     }
@@ -81,8 +93,9 @@ void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
 
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
 {
-    l->turns[agent].has_state = true;
-    l->turns[agent].state = state;
+    struct turn *turn = turn_open(l, agent);
+    turn->has_state = true;
+    turn->state = state;
 }
 
 bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
@@ -93,10 +106,38 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
+static int agent_compare(const void *x, const void *y, void *registry)
+{
+    const uint32_t *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[*one].name, r->agents[*other].name);
+}
+
+/* Who was collected first depends on the clock; what takes effect first does not. */
+static void turns_order(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    qsort_r(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
+}
+
+/* The next step begins with those of whom something is left. */
+static void turns_close(struct lockstep *l)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        turn->active = turn->outside.first != NULL;
+        if (turn->active) {
+            l->active[kept++] = l->active[i];
+        }
+    }
+    l->active_count = kept;
+}
+
 static void acks_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        uint32_t agent = b->registry.order[i];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
         struct turn *turn = &b->lockstep.turns[agent];
         if (turn->has_ack) {
             turn->has_ack = false;
@@ -107,8 +148,8 @@ static void acks_apply(struct broker *b)
 
 static void states_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        uint32_t agent = b->registry.order[i];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
         struct turn *turn = &b->lockstep.turns[agent];
         if (!turn->has_state) {
             continue;
@@ -127,8 +168,8 @@ static void states_apply(struct broker *b)
 
 static void mails_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        struct turn *turn = &b->lockstep.turns[b->registry.order[i]];
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
             (void)router_route(b, m);
         }
@@ -138,8 +179,8 @@ static void mails_apply(struct broker *b)
 static void outside_apply(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    for (uint32_t i = 0; i < b->registry.count && l->outside_waiting > 0; i++) {
-        struct turn *turn = &l->turns[b->registry.order[i]];
+    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
@@ -166,11 +207,13 @@ void lockstep_told(struct broker *b)
 
 static void step_apply(struct broker *b)
 {
+    turns_order(b);
     acks_apply(b);
     router_expire(b, runclock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
+    turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
 }
 
@@ -193,7 +236,7 @@ static void step_end(struct broker *b)
     step_apply(b);
     l->step++;
     l->answered = 0;
-    l->version = b->registry.version;
+    l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].answered = false;
         delivery_owe(b, l->roster[i]);
@@ -230,8 +273,9 @@ static void place_enter(struct broker *b, uint32_t place)
     at->answered = false;
     at->step_due = false;
     at->step_had = INT64_MIN;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_unwatch(&b->mailbox, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_unwatch(&b->mailbox, agent);
     }
 }
 
@@ -242,8 +286,10 @@ static void place_leave(struct broker *b, uint32_t place)
     at->rostered = false;
     at->answered = false;
     at->step_due = false;
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        mailbox_watch(&b->mailbox, at->agents[i], b->clock.now_ns);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+        tenants_wake(&b->registry, &b->places, agent);
     }
     presence_settle(b, place);
     places_wake(&b->places, place);
@@ -253,9 +299,9 @@ static void place_leave(struct broker *b, uint32_t place)
 /* None of what an expelled process has done in this step exists. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        struct turn *turn = &b->lockstep.turns[at->agents[i]];
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
             store_release(&b->store, m);
@@ -295,9 +341,9 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
-    const struct place *at = &b->places.at[place];
-    for (uint32_t i = 0; i < at->agents_count; i++) {
-        registry_touch(&b->registry, at->agents[i]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        registry_touch(&b->registry, agent);
     }
 }
 
@@ -353,7 +399,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     roster_grow(b, roster, false);
     runclock_start(&b->clock, true, step_time_ns(l, l->step));
     router_admit_due(b, runclock_run_ns(&b->clock));
-    l->version = l->start_version = b->registry.version;
+    l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
     }

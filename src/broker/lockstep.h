@@ -29,6 +29,7 @@ struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
+    bool active; /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;
@@ -45,6 +46,8 @@ struct lockstep {
     uint64_t start_version; /* of the white pages when it began */
     uint64_t version;       /* of the white pages, when the last step ended */
     struct turn *turns;     /* one for each agent of the registry */
+    uint32_t *active;       /* agents of whom something was collected */
+    uint32_t active_count;
     uint32_t outside_waiting;
     struct share_use outside_use; /* of mails from outside, until they take effect */
     uint32_t turn_bytes;          /* what the Up that is being taken may still bring */

@@ -24,6 +24,11 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent)
     return box;
 }
 
+bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
+{
+    return m->boxes[agent].begun;
+}
+
 /* --- limits ----------------------------------------------------------------------------------- */
 
 static uint32_t limit_of(uint32_t wanted, uint32_t otherwise, uint32_t most)
@@ -246,6 +251,9 @@ static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list li
 
 void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate)
 {
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
     struct box *box = mailbox_box(m, agent);
     if (gate != GATE_SHUT) {
         queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE);
@@ -257,6 +265,9 @@ void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate)
 
 void mailbox_take_back(struct mailbox *m, uint32_t agent)
 {
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
     struct box *box = mailbox_box(m, agent);
     uint32_t post = box->lists[POST_FLIGHT].tail;
     while (post != MU_NONE && !m->posts[post].sent) {
@@ -286,6 +297,9 @@ uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
 
 void mailbox_repeat(struct mailbox *m, uint32_t agent)
 {
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
     struct box *box = mailbox_box(m, agent);
     box->out = box->lists[POST_FLIGHT].head;
     box->written = 0;
@@ -318,6 +332,9 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
 
 void mailbox_unwatch(struct mailbox *m, uint32_t agent)
 {
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
     struct box *box = mailbox_box(m, agent);
     if (!box->watched) {
         return;
@@ -337,6 +354,9 @@ void mailbox_unwatch(struct mailbox *m, uint32_t agent)
 
 void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns)
 {
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
     struct box *box = mailbox_box(m, agent);
     mailbox_unwatch(m, agent);
     if (box->lists[POST_FLIGHT].count == 0) {

@@ -77,6 +77,9 @@ void mailbox_init(struct mailbox *m, uint32_t agents);
 /** @return the box of an agent */
 struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 
+/** @return whether the agent's box was ever used: memory of others stays untouched */
+bool mailbox_is_begun(const struct mailbox *m, uint32_t agent);
+
 /**
  * Sets the limits of all boxes that have none of their own.
  *

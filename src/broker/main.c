@@ -36,7 +36,7 @@ struct post {
     struct bus bus;
     struct broker *broker;
     struct bus_reader registrations, ups, rosters;
-    struct bus_writer members, events;
+    struct bus_writer pages, events;
     struct health health;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
@@ -65,7 +65,7 @@ static mu_result post_open(struct post *p)
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
     MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
-    MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
+    MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
     MU_TRY(health_open(&p->health, &p->bus));
     return MU_OK;
@@ -81,7 +81,7 @@ static void registrations_take(struct post *p)
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
         } else {
-            broker_gone(p->broker, r->name, r->process, life == BUS_LOST, post_now(p));
+            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
 }
@@ -231,12 +231,12 @@ static bool deliveries_write(struct post *p)
     return all;
 }
 
-static void members_tell(struct post *p)
+static void pages_tell(struct post *p)
 {
-    muster_Member member;
-    while (broker_member_news(p->broker, &member)) {
-        mu_result written = bus_write(&p->members, &member);
-        (void)written; /* reliable, and the last state of a line is what counts */
+    muster_Page page;
+    while (broker_page_news(p->broker, &page)) {
+        mu_result written = bus_write(&p->pages, &page);
+        (void)written; /* reliable, and the last state of a page is what counts */
     }
 }
 
@@ -276,7 +276,7 @@ static void post_round(struct post *p)
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
     impatient = !deliveries_write(p) || impatient;
-    members_tell(p);
+    pages_tell(p);
     events_tell(p);
     files_audit_write(&p->audit, p->broker);
     if (look) {

@@ -3,7 +3,8 @@
  * @file parts.h
  * How the parts of the broker hang together.
  *
- *   presence   registrations: names come, are claimed, and go     registry, places
+ *   presence   registrations: names come, are claimed, and go     registry, places,
+ *                                                                  tenants, claims
  *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, share,
  *                                                                  mailbox, boxroom, booking,
  *                                                                  events, pacer
@@ -18,6 +19,7 @@
 #include "broker/ages.h"
 #include "broker/audit.h"
 #include "broker/broker.h"
+#include "broker/claims.h"
 #include "broker/counters.h"
 #include "broker/courier.h"
 #include "broker/events.h"
@@ -31,6 +33,7 @@
 #include "broker/schedule.h"
 #include "broker/share.h"
 #include "broker/store.h"
+#include "broker/tenants.h"
 #include "broker/trust.h"
 
 struct broker_counters {
@@ -48,6 +51,7 @@ struct broker {
     struct runclock clock;
     struct registry registry;
     struct places places;
+    struct claims claims;
     struct store store;
     struct share_accounts shares; /* of the store */
     struct schedule due, expiry;
@@ -64,6 +68,7 @@ struct broker {
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
     muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */
+    muster_Member page[REGISTRY_PAGE];          /* of the white pages, as it is published */
     char text[MU_CONTENT_MAX + 1];              /* in which an answer is put together */
 };
 

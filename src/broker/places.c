@@ -2,6 +2,7 @@
 #include "broker/places.h"
 
 #include "core/text.h"
+#include "core/utf8.h"
 #include "muster/memory.h"
 
 #include <string.h>
@@ -35,7 +36,8 @@ uint32_t places_find(const struct places *p, const char *name)
 
 static bool place_is_needed(const struct place *at)
 {
-    return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched;
+    return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched ||
+           at->speaks;
 }
 
 /* Somebody who was turned down and never met: makes way only when its place is wanted. */
@@ -115,22 +117,38 @@ void places_set_matched(struct places *p, uint32_t place, bool matched)
     places_set_blocked(p, place, false);
 }
 
+/* What is no UTF-8 would break whoever reads the answer. */
+static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
+{
+    struct mu_text t;
+    uint32_t code;
+    mu_text_init(&t, to, MU_PROCESS_MAX + 1);
+    for (size_t len; (len = mu_utf8_next(name, &code)) > 0; name += len) {
+        bool broken = code == MU_UTF8_BROKEN && len == 1;
+        if (t.len + len > MU_PROCESS_MAX) {
+            break;
+        }
+        mu_text_add_bytes(&t, broken ? "?" : name, len);
+    }
+}
+
 void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason)
 {
     struct place *at = &p->at[place];
     char cut[MU_PROCESS_MAX + 1];
-    (void)mu_text_copy(cut, sizeof cut, name);
+    refusal_name(cut, name);
     uint32_t i = 0;
     while (i < at->refusals_count && strcmp(at->refusals[i].name, cut) != 0) {
         i++;
     }
-    if (i == MU_LOCAL_AGENTS_MAX) {
+    places_wake(p, place);
+    if (i == PLACES_REFUSALS) {
+        at->roll_call_due = true; /* it asks again when it has heard of these */
         return;
     }
     memcpy(at->refusals[i].name, cut, sizeof cut);
     at->refusals[i].reason = reason;
     at->refusals_count += i == at->refusals_count;
-    places_wake(p, place);
 }
 
 void places_wake(struct places *p, uint32_t place)
@@ -149,6 +167,7 @@ uint32_t places_next(struct places *p)
     uint32_t place = p->queue[p->queue_head];
     p->queue_head = (p->queue_head + 1) % MU_PROCESSES_MAX;
     p->queue_count--;
+    p->all_awake = false;
     p->at[place].queued = false;
     return place;
 }

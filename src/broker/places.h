@@ -12,6 +12,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+enum {
+    PLACES_PARTS = MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS,
+    PLACES_REFUSALS = 64, /* that wait for one Delivery */
+};
+
+_Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole parts");
+
 /* A registration that was turned down. */
 struct refusal {
     char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
@@ -29,13 +36,20 @@ struct place {
     bool queued;          /* in the queue of those to look at */
     bool held;            /* waits for the courier to wake */
     bool blocked;         /* the network refused it; waits for the next try */
+    bool lost;            /* nobody has written for it since its liveliness ended */
+    bool roll_call_due;   /* it is to say all its parts again */
+    bool speaks;          /* its registration is just being taken in */
+    bool is_broker;       /* a broker, and its agents live beyond it */
+    uint64_t incarnation; /* of the process */
     int64_t step_had;     /* the step of the last Delivery of this lock step */
     uint64_t version_had; /* of the white pages */
     uint32_t claims;      /* names that it waits for */
     uint32_t agents_count;
-    uint32_t agents[MU_LOCAL_AGENTS_MAX]; /* in order of name */
+    uint32_t parts_top;           /* parts ever used */
+    uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */
+    uint32_t ready_first, ready_last;
     uint32_t refusals_count;
-    struct refusal refusals[MU_LOCAL_AGENTS_MAX];
+    struct refusal refusals[PLACES_REFUSALS];
 };
 
 struct places {
@@ -45,6 +59,7 @@ struct places {
     uint32_t used_count;
     uint32_t unmatched; /* of those in use */
     uint32_t blocked;
+    bool all_awake;  /* since something happened to all, none has been looked at */
     uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
     uint32_t queue_head;
     uint32_t queue_count;

@@ -3,6 +3,7 @@
 
 #include "broker/border.h"
 #include "broker/parts.h"
+#include "core/name.h"
 #include "core/text.h"
 
 #include <string.h>
@@ -21,117 +22,129 @@ bool presence_in_lockstep(const struct broker *b, uint32_t agent)
 /* The white pages have changed: whoever may be told at any time is. */
 static void presence_changed(struct broker *b)
 {
+    if (b->places.all_awake) {
+        return;
+    }
     for (uint32_t i = 0; i < b->places.top; i++) {
         if (b->places.at[i].used && b->places.at[i].matched) {
             places_wake(&b->places, i);
         }
     }
+    b->places.all_awake = true;
 }
 
 /* --- who lives where -------------------------------------------------------------------------- */
 
-static bool place_add(struct broker *b, uint32_t place, uint32_t agent)
+/* The box obeys what its agent declares. */
+static void box_follow(struct broker *b, uint32_t agent, const struct presence *is)
 {
-    struct place *at = &b->places.at[place];
-    if (at->agents_count == MU_LOCAL_AGENTS_MAX) {
-        return false;
+    const struct presence *was = &b->registry.agents[agent].is;
+    if (is->full != was->full || is->box_mails != was->box_mails ||
+        is->box_bytes != was->box_bytes) {
+        uint32_t bytes = is->box_bytes < UINT32_MAX ? (uint32_t)is->box_bytes : UINT32_MAX;
+        mailbox_set_limits(&b->mailbox, agent, is->full, is->box_mails, bytes);
     }
-    uint32_t i = at->agents_count++;
-    const char *name = b->registry.agents[agent].name;
-    for (; i > 0 && strcmp(b->registry.agents[at->agents[i - 1]].name, name) > 0; i--) {
-        at->agents[i] = at->agents[i - 1];
-    }
-    at->agents[i] = agent;
-    return true;
-}
-
-static void place_remove(struct broker *b, uint32_t place, uint32_t agent)
-{
-    struct place *at = &b->places.at[place];
-    uint32_t i = 0;
-    while (at->agents[i] != agent) {
-        i++;
-    }
-    at->agents_count--;
-    memmove(&at->agents[i], &at->agents[i + 1], (at->agents_count - i) * sizeof at->agents[0]);
 }
 
 /* What the agent has had in its box before is for its new process to have again. */
-static void seat(struct broker *b, uint32_t agent, uint32_t place, const struct presence *is)
+static void seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                 const struct presence *is)
 {
-    struct place *at = &b->places.at[place];
-    if (!place_add(b, place, agent)) {
-        places_refuse(&b->places, place, b->registry.agents[agent].name,
-                      "too many agents in one process");
-        return;
-    }
-    registry_seat(&b->registry, agent, place, at->name, is, presence_wall_ns(b));
+    tenants_add(&b->registry, &b->places, place, slot, agent);
+    box_follow(b, agent, is);
+    registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
-    places_wake(&b->places, place);
+    tenants_wake(&b->registry, &b->places, agent);
 }
 
 void presence_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
     uint32_t place = a->process;
-    place_remove(b, place, agent);
+    tenants_remove(&b->registry, &b->places, agent);
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
     presence_changed(b);
-    places_tidy(&b->places, place);
-    if (a->claim.process != MU_NONE) {
-        uint32_t heir = a->claim.process;
-        struct presence is = a->claim.presence;
-        registry_unclaim(&b->registry, agent);
-        b->places.at[heir].claims--;
-        seat(b, agent, heir, &is);
+    if (a->claim != MU_NONE) {
+        struct claim heir = b->claims.pool[a->claim];
+        claims_drop(&b->claims, a->claim);
+        a->claim = MU_NONE;
+        b->places.at[heir.process].claims--;
+        seat(b, agent, heir.process, heir.slot, &heir.presence);
     }
+    places_tidy(&b->places, place);
 }
 
 /* --- claims ----------------------------------------------------------------------------------- */
 
 static const char held_by_another[] = "held by another participant";
 
-static void claim_drop(struct broker *b, uint32_t agent)
+static void claim_end(struct broker *b, uint32_t index)
 {
-    uint32_t place = b->registry.agents[agent].claim.process;
-    registry_unclaim(&b->registry, agent);
+    const struct claim *claim = &b->claims.pool[index];
+    uint32_t place = claim->process;
+    b->registry.agents[claim->agent].claim = MU_NONE;
+    claims_drop(&b->claims, index);
     b->places.at[place].claims--;
     places_tidy(&b->places, place);
 }
 
-static void claim_make(struct broker *b, uint32_t agent, uint32_t place, const struct presence *is)
+static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                       const struct presence *is)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->claim.process == place) {
-        a->claim.presence = *is;
-    } else if (a->claim.process != MU_NONE) {
-        places_refuse(&b->places, place, a->name, held_by_another);
-    } else {
+    if (a->claim == MU_NONE) {
         uint64_t now_ns = b->clock.now_ns;
         uint64_t until_ns = now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
-        registry_claim(&b->registry, agent, place, is, until_ns);
+        a->claim = claims_add(&b->claims, &(struct claim){.agent = agent,
+                                                          .process = place,
+                                                          .slot = slot,
+                                                          .until_ns = until_ns,
+                                                          .presence = *is});
         b->places.at[place].claims++;
+    } else if (b->claims.pool[a->claim].process == place) {
+        b->claims.pool[a->claim].slot = slot;
+        b->claims.pool[a->claim].presence = *is;
+    } else {
+        places_refuse(&b->places, place, a->name, held_by_another);
+    }
+}
+
+/* Ends the claims of a place, or (part not MU_NONE) of a part of it. */
+static void claims_end(struct broker *b, uint32_t place, uint32_t part)
+{
+    uint32_t next = MU_NONE;
+    uint32_t left = b->places.at[place].claims;
+    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.pool[i];
+        next = claim->next;
+        if (claim->process == place) {
+            left--;
+            if (part == MU_NONE || claim->slot / MU_PART_AGENTS == part) {
+                claim_end(b, i);
+            }
+        }
     }
 }
 
 void presence_tick(struct broker *b)
 {
     while (presence_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t agent = b->registry.claims[0];
-        struct agent *a = &b->registry.agents[agent];
-        places_refuse(&b->places, a->claim.process, a->name, held_by_another);
-        claim_drop(b, agent);
+        uint32_t index = b->claims.first;
+        const struct claim *claim = &b->claims.pool[index];
+        places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name,
+                      held_by_another);
+        claim_end(b, index);
     }
 }
 
 uint64_t presence_deadline_ns(const struct broker *b)
 {
-    const struct registry *r = &b->registry;
-    return r->claims_count ? r->agents[r->claims[0]].claim.until_ns : UINT64_MAX;
+    uint32_t first = b->claims.first;
+    return first != MU_NONE ? b->claims.pool[first].until_ns : UINT64_MAX;
 }
 
 /* --- coming and going ------------------------------------------------------------------------- */
@@ -140,112 +153,222 @@ void presence_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
     if (registry_set_state(&b->registry, agent, state, presence_wall_ns(b))) {
         presence_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
     }
 }
 
-/* A registration from the process that has the name already. */
-static void reregister(struct broker *b, uint32_t agent, struct presence *is)
+/* A lock step does not let go of an agent before it ends. */
+static void presence_leave(struct broker *b, uint32_t agent)
 {
-    struct agent *a = &b->registry.agents[agent];
-    if (is->incarnation < a->is.incarnation) {
-        return; /* late, from a process that is no more */
-    }
-    bool other_process = is->incarnation > a->is.incarnation;
-    a->gone = false;
     if (presence_in_lockstep(b, agent)) {
-        is->state = a->is.state;
-    }
-    if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
-        presence_changed(b);
-    }
-    if (other_process) {
-        a->is.incarnation = is->incarnation;
-        a->verdict_due = true;
-        b->places.at[a->process].version_had = 0;
-        mailbox_repeat(&b->mailbox, agent);
-        places_wake(&b->places, a->process);
-    }
-}
-
-static void presence_of(const muster_Registration *r, struct presence *is)
-{
-    *is = (struct presence){.kind = r->kind,
-                            .state = r->state,
-                            .no_broadcasts = r->no_broadcasts,
-                            .incarnation = r->incarnation,
-                            .pid = r->pid};
-    (void)mu_text_copy(is->host, sizeof is->host, r->host);
-}
-
-static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, struct presence *is)
-{
-    uint32_t holder = b->registry.agents[agent].process;
-    if (holder == MU_NONE) {
-        seat(b, agent, place, is);
-    } else if (holder == place) {
-        reregister(b, agent, is);
+        b->registry.agents[agent].gone = true;
     } else {
-        claim_make(b, agent, place, is);
-    }
-}
-
-void presence_register(struct broker *b, const muster_Registration *r)
-{
-    uint32_t place = border_registration(r) ? places_get(&b->places, r->process) : MU_NONE;
-    if (place == MU_NONE) {
-        b->counters.malformed++;
-        return;
-    }
-    const char *objection = registry_objection(r->name, r->kind);
-    uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, r->name);
-    if (r->state == muster_STATE_ABSENT) {
-        if (agent != MU_NONE) {
-            presence_gone(b, agent, place);
-        }
-        places_tidy(&b->places, place);
-        return;
-    }
-    if (!objection && agent == MU_NONE) {
-        agent = registry_add(&b->registry, r->name);
-        objection = agent == MU_NONE ? "the white pages are full" : NULL;
-    }
-    if (objection) {
-        places_refuse(&b->places, place, r->name, objection);
-        return;
-    }
-    struct presence is;
-    presence_of(r, &is);
-    presence_admit(b, agent, place, &is);
-}
-
-void presence_gone(struct broker *b, uint32_t agent, uint32_t place)
-{
-    struct agent *a = &b->registry.agents[agent];
-    if (a->claim.process == place) {
-        claim_drop(b, agent);
-    } else if (a->process == place && b->places.at[place].rostered) {
-        a->gone = true;
-    } else if (a->process == place) {
         presence_depart(b, agent);
     }
 }
 
-void presence_gone_unnamed(struct broker *b, uint32_t agent, bool nobody_left)
+/* A registration from the process that has the name already. */
+static void reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->gone = false;
+    if (presence_in_lockstep(b, agent)) {
+        is->state = a->is.state;
+    }
+    if (a->tenant.slot != slot) {
+        uint32_t place = a->process;
+        tenants_remove(&b->registry, &b->places, agent);
+        tenants_add(&b->registry, &b->places, place, slot, agent);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    box_follow(b, agent, is);
+    if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
+        presence_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+}
+
+static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
+{
+    *is = (struct presence){.kind = e->kind,
+                            .state = e->state,
+                            .no_broadcasts = e->no_broadcasts,
+                            .full = e->full,
+                            .box_mails = e->box_mails,
+                            .box_bytes = e->box_bytes,
+                            .hops = e->hops,
+                            .since_wall_ns = e->since_wall_ns,
+                            .pid = r->pid};
+    (void)mu_text_copy(is->home, sizeof is->home, e->home);
+    (void)mu_text_copy(is->host, sizeof is->host, r->host);
+}
+
+static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                           struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
-    if (nobody_left && a->claim.process != MU_NONE) {
-        claim_drop(b, agent);
+    if (a->process == place && a->tenant.slot != slot && !b->places.at[place].rostered) {
+        presence_depart(b, agent); /* the name went to another agent of the same process */
     }
-    if (a->process != MU_NONE) {
-        presence_gone(b, agent, a->process);
+    if (a->process == MU_NONE) {
+        seat(b, agent, place, slot, is);
+    } else if (a->process == place) {
+        reregister(b, agent, slot, is);
+    } else {
+        claim_make(b, agent, place, slot, is);
+    }
+}
+
+/* The agent in that slot, and no other of its name, has left, or no longer wants its name. */
+static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    if (a->claim != MU_NONE && b->claims.pool[a->claim].process == place) {
+        if (b->claims.pool[a->claim].slot == slot) {
+            claim_end(b, a->claim);
+        }
+    } else if (a->process == place && a->tenant.slot == slot) {
+        presence_leave(b, agent);
+    }
+}
+
+/* What a part says of one slot. */
+static void entry_take(struct broker *b, uint32_t place, const muster_Registration *r,
+                       uint32_t index)
+{
+    const muster_Entry *e = &r->agents._buffer[index];
+    uint32_t slot = r->part * MU_PART_AGENTS + index;
+    const char *objection = registry_objection(e->name, e->kind);
+    uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, e->name);
+    if (e->state == muster_STATE_ABSENT) {
+        if (agent != MU_NONE) {
+            slot_leave(b, agent, place, slot);
+        }
+        return;
+    }
+    if (!objection && agent == MU_NONE) {
+        agent = registry_add(&b->registry, e->name);
+        objection = agent == MU_NONE ? "the white pages are full" : NULL;
+    }
+    if (objection) {
+        b->counters.malformed += !mu_name_valid(e->name);
+        places_refuse(&b->places, place, e->name, objection);
+        return;
+    }
+    struct presence is;
+    presence_of(r, e, &is);
+    presence_admit(b, agent, place, slot, &is);
+}
+
+/* Lets go of agents whose slots bear other names now. */
+static void part_displace(struct broker *b, uint32_t place, const muster_Registration *r)
+{
+    uint32_t next = TENANTS_NONE;
+    for (uint32_t agent = tenants_first_of(&b->places, place, r->part); agent != TENANTS_NONE;
+         agent = next) {
+        next = tenants_next_of(&b->registry, agent);
+        const struct agent *a = &b->registry.agents[agent];
+        uint32_t index = a->tenant.slot % MU_PART_AGENTS;
+        if (index < r->agents._length && r->agents._buffer[index].name[0] != '\0' &&
+            strcmp(r->agents._buffer[index].name, a->name) != 0) {
+            presence_leave(b, agent);
+        }
+    }
+}
+
+static void place_leave(struct broker *b, uint32_t place)
+{
+    uint32_t next = TENANTS_NONE;
+    claims_end(b, place, MU_NONE);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE; agent = next) {
+        next = tenants_next(&b->registry, &b->places, agent);
+        presence_leave(b, agent);
+    }
+}
+
+static void part_leave(struct broker *b, uint32_t place, uint32_t part)
+{
+    uint32_t next = TENANTS_NONE;
+    claims_end(b, place, part);
+    for (uint32_t agent = tenants_first_of(&b->places, place, part); agent != TENANTS_NONE;
+         agent = next) {
+        next = tenants_next_of(&b->registry, agent);
+        presence_leave(b, agent);
+    }
+}
+
+/* Finds or makes the place of a process that registers.  @return MU_NONE: it is not to be heard */
+static uint32_t place_hear(struct broker *b, const muster_Registration *r)
+{
+    uint32_t place = places_get(&b->places, r->process);
+    if (place == MU_NONE) {
+        b->counters.malformed++;
+        return MU_NONE;
+    }
+    struct place *at = &b->places.at[place];
+    if (r->incarnation < at->incarnation) {
+        return MU_NONE; /* late, from a process that is no more */
+    }
+    at->speaks = true; /* it stays, whoever leaves it */
+    if (r->incarnation > at->incarnation && at->agents_count > 0) {
+        place_leave(b, place);
+        at->version_had = 0;
+    }
+    at->incarnation = r->incarnation;
+    at->is_broker = r->is_broker;
+    if (at->lost) {
+        at->lost = false;
+        at->roll_call_due = r->part > 0 || at->parts_top > 1;
+        places_wake(&b->places, place);
+    }
+    return place;
+}
+
+void presence_register(struct broker *b, const muster_Registration *r)
+{
+    if (!border_registration(r)) {
+        b->counters.malformed++;
+        return;
+    }
+    if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
+        uint32_t left = places_find(&b->places, r->process);
+        if (left != MU_NONE) {
+            part_leave(b, left, r->part);
+        }
+        return;
+    }
+    uint32_t place = place_hear(b, r);
+    if (place == MU_NONE) {
+        return;
+    }
+    part_displace(b, place, r);
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        if (!border_entry(e, r->is_broker)) {
+            b->counters.malformed++;
+        } else if (e->name[0] != '\0' || e->state != muster_STATE_ABSENT) {
+            entry_take(b, place, r, i);
+        }
+    }
+    b->places.at[place].speaks = false;
+    places_tidy(&b->places, place);
+}
+
+void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
+{
+    if (crashed) {
+        b->places.at[place].lost = true;
+        place_leave(b, place);
+    } else if (part < PLACES_PARTS) {
+        part_leave(b, place, part);
     }
 }
 
 void presence_settle(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
-    for (uint32_t i = at->agents_count; i > 0; i--) {
-        uint32_t agent = at->agents[i - 1];
+    uint32_t next = TENANTS_NONE;
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE; agent = next) {
+        next = tenants_next(&b->registry, &b->places, agent);
         if (b->registry.agents[agent].gone) {
             presence_depart(b, agent);
         }

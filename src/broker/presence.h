@@ -14,16 +14,11 @@ uint64_t presence_wall_ns(const struct broker *b);
 /** @return whether the agent's process is in a lock step that is on */
 bool presence_in_lockstep(const struct broker *b, uint32_t agent);
 
+/** Takes what a process says of one part of its agents. */
 void presence_register(struct broker *b, const muster_Registration *r);
 
-/** A process no longer has an agent, or no longer wants its name. */
-void presence_gone(struct broker *b, uint32_t agent, uint32_t place);
-
-/**
- * As presence_gone, when the network cannot tell which process it was: a name without any process
- * (nobody_left) has lost its claimant, too; else it is its holder that has let it go.
- */
-void presence_gone_unnamed(struct broker *b, uint32_t agent, bool nobody_left);
+/** A process has taken back a part, or (crashed) nobody writes for it any more. */
+void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed);
 
 /** The agent is absent from now on; who waits for its name gets it. */
 void presence_depart(struct broker *b, uint32_t agent);

@@ -12,8 +12,7 @@ void registry_init(struct registry *r)
     *r = (struct registry){0};
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
-    r->claims = mu_startup_array(REGISTRY_MAX, sizeof *r->claims);
-    r->news = mu_startup_array(REGISTRY_MAX, sizeof *r->news);
+    changes_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
 }
 
@@ -64,7 +63,7 @@ uint32_t registry_add(struct registry *r, const char *name)
     }
     uint32_t index = r->count;
     struct agent *a = &r->agents[index];
-    *a = (struct agent){.process = MU_NONE, .claim = {.process = MU_NONE}};
+    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE};
     a->is.state = muster_STATE_ABSENT;
     bool fits = mu_text_copy(a->name, sizeof a->name, name);
     MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);
@@ -75,24 +74,24 @@ uint32_t registry_add(struct registry *r, const char *name)
 
 void registry_touch(struct registry *r, uint32_t agent)
 {
-    struct agent *a = &r->agents[agent];
-    a->version = ++r->version;
-    if (!a->in_news) {
-        a->in_news = true;
-        r->news[(r->news_head + r->news_count++) % REGISTRY_MAX] = agent;
+    uint32_t page = agent / REGISTRY_PAGE;
+    changes_touch(&r->changes, agent);
+    if (!r->pages_due[page]) {
+        r->pages_due[page] = true;
+        r->news[(r->news_head + r->news_count++) % REGISTRY_PAGES] = page;
     }
 }
 
-uint32_t registry_next_news(struct registry *r)
+uint32_t registry_next_page(struct registry *r)
 {
     if (r->news_count == 0) {
         return MU_NONE;
     }
-    uint32_t agent = r->news[r->news_head];
-    r->news_head = (r->news_head + 1) % REGISTRY_MAX;
+    uint32_t page = r->news[r->news_head];
+    r->news_head = (r->news_head + 1) % REGISTRY_PAGES;
     r->news_count--;
-    r->agents[agent].in_news = false;
-    return agent;
+    r->pages_due[page] = false;
+    return page;
 }
 
 void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
@@ -128,12 +127,11 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     struct agent *a = &r->agents[agent];
     bool same_state = a->is.state == presence->state;
     bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
-                strcmp(a->is.host, presence->host) == 0;
-    a->is.no_broadcasts = presence->no_broadcasts;
+                strcmp(a->is.host, presence->host) == 0 && strcmp(a->is.home, presence->home) == 0;
+    a->is = *presence;
     if (same) {
         return false;
     }
-    a->is = *presence;
     if (!same_state) {
         a->since_wall_ns = wall_ns;
     }
@@ -153,29 +151,6 @@ bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, 
     return true;
 }
 
-void registry_claim(struct registry *r, uint32_t agent, uint32_t process,
-                    const struct presence *presence, uint64_t until_ns)
-{
-    struct agent *a = &r->agents[agent];
-    MU_ASSERT(a->claim.process == MU_NONE);
-    a->claim = (struct claim){.process = process, .until_ns = until_ns, .presence = *presence};
-    r->claims[r->claims_count++] = agent;
-}
-
-void registry_unclaim(struct registry *r, uint32_t agent)
-{
-    if (r->agents[agent].claim.process == MU_NONE) {
-        return;
-    }
-    r->agents[agent].claim.process = MU_NONE;
-    uint32_t i = 0;
-    while (r->claims[i] != agent) {
-        i++;
-    }
-    r->claims_count--;
-    memmove(&r->claims[i], &r->claims[i + 1], (r->claims_count - i) * sizeof *r->claims);
-}
-
 void registry_line(const struct registry *r, uint32_t agent, const char *broker, muster_Member *out)
 {
     struct agent *a = &r->agents[agent];
@@ -186,7 +161,10 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .host = a->is.host,
                            .pid = a->is.pid,
                            .since_wall_ns = a->since_wall_ns};
-    out->broker = (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
+    out->broker =
+        a->is.home[0]
+            ? a->is.home
+            : (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
 }
 
 const char *registry_kind_word(muster_Kind kind)

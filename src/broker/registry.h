@@ -8,6 +8,7 @@
 #ifndef MUSTER_BROKER_REGISTRY_H
 #define MUSTER_BROKER_REGISTRY_H
 
+#include "broker/changes.h"
 #include "core/table.h"
 #include "muster/limits.h"
 #include "wire.h"
@@ -22,36 +23,44 @@ enum {
     REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN
 };
 
+/* Lines of the white pages that are published together. */
+enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
+
 /* What a registration says of an agent. */
 struct presence {
     muster_Kind kind;
     muster_State state;
-    bool no_broadcasts; /* mail to all passes it by */
-    uint64_t incarnation;
+    bool no_broadcasts;         /* mail to all passes it by */
+    muster_BoxPolicy full;      /* of its box, */
+    uint32_t box_mails;         /* which holds so many mails, */
+    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
+    uint32_t hops;              /* brokers between here and */
+    char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
+    uint64_t since_wall_ns;     /* since when it has its name */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
 };
 
-/* Somebody else wants the name, and waits for its holder to go. */
-struct claim {
-    uint32_t process; /* MU_NONE: nobody */
-    uint64_t until_ns;
-    struct presence presence;
+/* An agent in a place: see tenants.h. */
+struct tenant {
+    uint32_t place, slot;
+    uint32_t next, prev; /* of the same part */
+    uint32_t ready_next, ready_prev;
+    bool ready; /* it may have something to be told */
 };
 
 struct agent {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
     uint32_t process;               /* MU_NONE when absent */
+    uint32_t claim;                 /* of somebody else on its name; MU_NONE: nobody's */
+    struct tenant tenant;           /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
-    uint64_t version;  /* of the white pages, when this line last changed */
     uint64_t last_seq; /* of the mails that it has sent */
     uint64_t mark;     /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone; /* its process went in lock step: counts when that ends */
-    bool in_news;
-    struct claim claim;
 };
 
 struct registry {
@@ -59,10 +68,9 @@ struct registry {
     uint32_t count;
     uint32_t present; /* agents that are there, the broker and its parts not counted */
     uint32_t *order;  /* indices in order of name */
-    uint32_t *claims; /* agents whose names are claimed, the oldest claim first */
-    uint32_t claims_count;
-    uint64_t version; /* of the last change */
-    uint32_t *news;   /* a ring of REGISTRY_MAX: agents whose lines changed, each once */
+    struct changes changes;
+    bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
+    uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
     uint32_t news_head;
     uint32_t news_count;
     uint64_t mark;
@@ -100,15 +108,8 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
 /** @return whether the state changed */
 bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
 
-/** Lets a process wait for a name; the times of successive claims must not decrease. */
-void registry_claim(struct registry *r, uint32_t agent, uint32_t process,
-                    const struct presence *presence, uint64_t until_ns);
-
-/** Ends the claim on a name, if there is one. */
-void registry_unclaim(struct registry *r, uint32_t agent);
-
-/** @return the next agent whose line has changed since it was last given here, or MU_NONE */
-uint32_t registry_next_news(struct registry *r);
+/** @return the next page in which a line has changed since it was last given here, or MU_NONE */
+uint32_t registry_next_page(struct registry *r);
 
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,

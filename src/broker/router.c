@@ -118,13 +118,12 @@ static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome resu
 
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
 {
-    uint32_t place = b->registry.agents[sender].process;
-    if (place == MU_NONE) { /* the absent are told nothing, the broker neither */
+    if (b->registry.agents[sender].process == MU_NONE) { /* nor is the broker told anything */
         return;
     }
     receipts_add(&b->receipts, sender, seq, result);
     if (!news_can_wait(b, sender, result)) {
-        places_wake(&b->places, place);
+        tenants_wake(&b->registry, &b->places, sender);
     }
 }
 
@@ -132,9 +131,7 @@ void router_tick(struct broker *b)
 {
     uint32_t agent;
     while ((agent = pacer_next(&b->pacer, b->clock.now_ns)) != MU_NONE) {
-        if (b->registry.agents[agent].process != MU_NONE) {
-            places_wake(&b->places, b->registry.agents[agent].process);
-        }
+        tenants_wake(&b->registry, &b->places, agent);
     }
 }
 
@@ -181,13 +178,10 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         b->counters.delivered++;
         settle(b, m);
     }
-    uint32_t place = b->registry.agents[agent].process;
     if (!presence_in_lockstep(b, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
-    if (place != MU_NONE) {
-        places_wake(&b->places, place);
-    }
+    tenants_wake(&b->registry, &b->places, agent);
 }
 
 void router_expire(struct broker *b, uint64_t mail_ns)
@@ -212,14 +206,6 @@ void router_expire(struct broker *b, uint64_t mail_ns)
 
 /* --- on its way ------------------------------------------------------------------------------- */
 
-static void wake_receiver(struct broker *b, uint32_t agent)
-{
-    uint32_t place = b->registry.agents[agent].process;
-    if (place != MU_NONE) {
-        places_wake(&b->places, place);
-    }
-}
-
 void router_admit_due(struct broker *b, uint64_t run_ns)
 {
     struct mail *m;
@@ -228,7 +214,7 @@ void router_admit_due(struct broker *b, uint64_t run_ns)
         for (uint32_t post = m->posts; post != MU_NONE;
              post = b->mailbox.posts[post].sibling_next) {
             mailbox_admit(&b->mailbox, post);
-            wake_receiver(b, b->mailbox.posts[post].agent);
+            tenants_wake(&b->registry, &b->places, b->mailbox.posts[post].agent);
         }
     }
 }
@@ -264,7 +250,7 @@ static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
     }
     b->counters.waiting++;
     m->unsettled++;
-    wake_receiver(b, agent);
+    tenants_wake(&b->registry, &b->places, agent);
     return true;
 }
 
@@ -367,7 +353,9 @@ void router_turn_away(struct broker *b, struct mail *m)
 
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
 {
-    struct audience to = {.count = 1};
+    struct audience to; /* too large to be cleared for every answer */
+    to.count = 1;
+    to.unknown = 0;
     to.agents[0] = receiver;
     struct mail *m = store_put(&b->store, letter);
     b->counters.sent++;

@@ -77,12 +77,27 @@ static bool acks_ok(const muster_Ack *acks, uint32_t count)
     return true;
 }
 
+/* A name that is not one is passed on, so that the broker can say why it refuses it, and goes on
+ * with the other agents of the process. */
+static bool entry_ok(const muster_Entry *e)
+{
+    return e->name && text_fits(e->home, MU_FIELD_MAX);
+}
+
 bool check_registration(const void *sample)
 {
     const muster_Registration *r = sample;
-    /* A name that is not one is passed on, so that the broker can say why it refuses it. */
-    return text_fits(r->name, MU_FIELD_MAX) && r->name[0] != '\0' && is_process(r->process) &&
-           text_fits(r->host, MU_FIELD_MAX);
+    if (!is_process(r->process) || r->part >= MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS ||
+        !text_fits(r->broker, MU_FIELD_MAX) || !text_fits(r->host, MU_FIELD_MAX) ||
+        r->agents._length > MU_PART_AGENTS) {
+        return false;
+    }
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        if (!entry_ok(&r->agents._buffer[i])) {
+            return false;
+        }
+    }
+    return true;
 }
 
 bool check_up(const void *sample)
@@ -131,9 +146,8 @@ bool check_sense(const void *sample)
     return true;
 }
 
-bool check_member(const void *sample)
+static bool member_ok(const muster_Member *m)
 {
-    const muster_Member *m = sample;
     return is_name(m->name) && text_fits(m->process, MU_PROCESS_MAX) &&
            text_fits(m->broker, MU_FIELD_MAX) && text_fits(m->host, MU_FIELD_MAX);
 }
@@ -141,17 +155,23 @@ bool check_member(const void *sample)
 static bool members_ok(const muster_Member *members, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
-        if (!check_member(&members[i])) {
+        if (!member_ok(&members[i])) {
             return false;
         }
     }
     return true;
 }
 
+bool check_page(const void *sample)
+{
+    const muster_Page *p = sample;
+    return is_process(p->broker) && members_ok(p->lines._buffer, p->lines._length);
+}
+
 bool check_delivery(const void *sample)
 {
     const muster_Delivery *d = sample;
-    if (!is_process(d->process)) {
+    if (!is_process(d->process) || !text_fits(d->broker, MU_FIELD_MAX)) {
         return false;
     }
     for (uint32_t i = 0; i < d->parcels._length; i++) {

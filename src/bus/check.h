@@ -21,7 +21,7 @@ bool check_delivery(const void *sample);
 bool check_roster(const void *sample);
 bool check_run_command(const void *sample);
 bool check_run_status(const void *sample);
-bool check_member(const void *sample);
+bool check_page(const void *sample);
 bool check_broker_status(const void *sample);
 bool check_part_status(const void *sample);
 bool check_broker_event(const void *sample);

@@ -28,7 +28,7 @@ void mu_table_init(struct mu_table *t, uint32_t capacity)
 {
     MU_ASSERT(capacity >= 1 && capacity <= 1u << 30);
     uint32_t slots = 2;
-    while (slots < 2 * (uint64_t)capacity) { /* at most half full: short probes */
+    while (slots < capacity + (uint64_t)capacity / 2) { /* two thirds full at most: short probes */
         slots *= 2;
     }
     *t = (struct mu_table){.mask = slots - 1, .capacity = capacity};

@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 /* The public enumerations are those of the wire, so that they can be cast. */
 _Static_assert((int)MU_KIND_SPECIAL == (int)muster_KIND_SPECIAL, "kinds");
@@ -35,31 +34,37 @@ const char *mu_outcome_text(enum mu_outcome outcome)
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 
-void agent_register(struct mu_agent *a)
+/* @return whether an agent of that name is here and has not left; an earlier one gives it up */
+static bool name_is_held(mu_process *p, const char *name)
 {
-    mu_process *p = a->process;
-    if (a->refused || a->gone) {
-        return;
+    const struct mu_agent *holder = agent_find(p, name);
+    if (holder && holder->gone) {
+        (void)mu_table_remove(&p->names, name);
     }
-    muster_Registration r = {.name = a->name,
-                             .process = p->name,
-                             .incarnation = a->incarnation,
-                             .kind = (muster_Kind)a->kind,
-                             .state = (muster_State)a->state,
-                             .host = p->host,
-                             .pid = (uint32_t)getpid(),
-                             .no_broadcasts = a->no_broadcasts,
-                             .ready = p->ready};
-    mu_result written = bus_write(&p->registration, &r);
-    (void)written; /* the next heartbeat says it again */
+    return holder && !holder->gone;
 }
 
-void agent_leave(struct mu_agent *a)
+/* @return a place for one more agent: a new one, or that of one that has left; NULL: full */
+static struct mu_agent *place_take(mu_process *p)
 {
-    muster_Registration r = {
-        .name = a->name, .process = a->process->name, .host = a->process->host};
-    bus_dispose(&a->process->registration, &r);
-    a->leaving = false;
+    if (p->agent_count < p->agents_max) {
+        return &p->agents[p->agent_count++];
+    }
+    struct mu_agent *a = p->agents;
+    while (a < p->agents + p->agent_count && !a->gone) {
+        a++;
+    }
+    if (a == p->agents + p->agent_count || p->out_pending) { /* what is pending speaks of it */
+        return NULL;
+    }
+    for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
+        queue_remove(&p->queues[kind], kind, a);
+    }
+    if (agent_find(p, a->name) == a) {
+        (void)mu_table_remove(&p->names, a->name);
+    }
+    *a = (struct mu_agent){0};
+    return a;
 }
 
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
@@ -68,47 +73,74 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     if (!mu_name_valid(name)) {
         return MU_MALFORMED;
     }
-    if (p->agent_count == MU_LOCAL_AGENTS_MAX) {
+    if (name_is_held(p, name)) {
+        return MU_EXISTS;
+    }
+    struct mu_agent *a = place_take(p);
+    if (!a) {
         return MU_FULL;
     }
-    struct mu_agent *a = &p->agents[p->agent_count++];
+    uint32_t index = (uint32_t)(a - p->agents);
     a->process = p;
     mu_text_copy(a->name, sizeof a->name, name);
+    (void)mu_table_put(&p->names, a->name, index);
     a->kind = kind;
     a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
     a->handlers = *handlers;
-    a->incarnation = mu_clock_wall_ns();
+    a->since_wall_ns = mu_clock_wall_ns();
     a->last_number = a->acked_number = last_number;
-    outbox_init(&a->outbox);
-    agent_register(a);
+    a->rules = p->rules_text ? p->rules_text + (size_t)index * (PROCESS_RULES_MAX + 1) : NULL;
+    outbox_init(&a->outbox, p->outbox_mails, p->outbox_slots + (size_t)index * p->outbox_mails,
+                p->outbox_text + index * outbox_text_bytes(p->outbox_mails));
+    roll_mark(a);
     *out = a;
     return MU_OK;
 }
 
 struct mu_agent *agent_find(mu_process *p, const char *name)
 {
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        if (strcmp(p->agents[i].name, name) == 0) {
-            return &p->agents[i];
-        }
-    }
-    return NULL;
+    uint32_t index = mu_table_find(&p->names, name);
+    return index == MU_NONE ? NULL : &p->agents[index];
 }
 
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker)
+void agent_progress(struct mu_agent *a)
+{
+    struct queue *waits = &a->process->queues[QUEUE_WAIT];
+    a->progress_ns = mu_clock_ns();
+    queue_remove(waits, QUEUE_WAIT, a);
+    if (outbox_has_unanswered(&a->outbox)) {
+        queue_add(waits, QUEUE_WAIT, a);
+    }
+}
+
+static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
+{
+    outbox_continue(&a->outbox, v->last_seq);
+    if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
+        a->last_number = a->acked_number = 0; /* its boxes count from 1 */
+        outbox_again(&a->outbox);
+    }
+    a->broker_incarnation = v->broker_incarnation;
+    outbox_confirm(&a->outbox, 1, v->last_seq);
+    agent_progress(a);
+    if (outbox_has_unsent(&a->outbox)) {
+        queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+    }
+}
+
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
     if (v->accepted) {
-        a->progress_ns = mu_clock_ns();
-        outbox_continue(&a->outbox, v->last_seq);
-        if (other_broker) {
-            a->last_number = a->acked_number = 0; /* its boxes count from 1 */
-            outbox_again(&a->outbox);
-        }
-        outbox_confirm(&a->outbox, 1, v->last_seq);
+        agent_accepted(a, v);
+    } else {
+        queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
     bool is_news = v->accepted ? !a->registered : !a->refused;
     a->registered = v->accepted;
-    a->refused = !v->accepted;
+    if (a->refused == v->accepted) {
+        a->refused = !v->accepted;
+        roll_mark(a); /* who comes later is not to hear of a name that was refused */
+    }
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }
@@ -165,12 +197,13 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     }
     if (state == MU_GONE) {
         kind_end(a);
+        a->last_state = a->state;
     }
     a->state = state;
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
     } else {
-        agent_register(a);
+        roll_mark(a);
     }
     if (a->handlers.on_state) {
         a->handlers.on_state(a->handlers.self, a, state);
@@ -181,12 +214,23 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
 void mu_agent_decline_broadcasts(mu_agent *a)
 {
     a->no_broadcasts = true;
-    agent_register(a);
+    roll_mark(a);
+}
+
+void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, uint64_t bytes)
+{
+    a->box_policy = policy;
+    a->box_mails = mails;
+    a->box_bytes = bytes;
+    roll_mark(a);
 }
 
 mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
 {
     mu_result put = outbox_put(&a->outbox, a->name, mail);
+    if (put == MU_OK && a->registered) {
+        queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+    }
     if (put == MU_OK && seq) {
         *seq = a->outbox.next_seq - 1;
     }
@@ -213,7 +257,9 @@ mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s)
 void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules)
 {
     a->firings = firings;
-    mu_text_copy(a->rules, sizeof a->rules, rules);
+    if (a->rules) {
+        mu_text_copy(a->rules, PROCESS_RULES_MAX + 1, rules);
+    }
 }
 
 const char *mu_agent_name(const mu_agent *a)

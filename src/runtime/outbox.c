@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/outbox.h"
 
-#include "muster/memory.h"
-
 #include <string.h>
 
 /* The strings of a mail, in the one order in which they lie in the text ring. */
@@ -10,14 +8,33 @@ enum { OUTBOX_STRINGS = 9 };
 
 static struct outbox_slot *slot_of(const struct outbox *box, uint64_t seq)
 {
-    return &box->slots[(seq - box->renumbered) % MU_OUTBOX_MAX];
+    return &box->slots[(seq - box->renumbered) % box->mails];
 }
 
-void outbox_init(struct outbox *box)
+size_t outbox_text_bytes(uint32_t mails)
 {
-    *box = (struct outbox){.first_seq = 1, .next_seq = 1, .unsent_seq = 1};
-    box->slots = mu_startup_array(MU_OUTBOX_MAX, sizeof *box->slots);
-    box->text = mu_startup_alloc(OUTBOX_TEXT_MAX);
+    size_t bytes = (size_t)mails * OUTBOX_TEXT_EACH;
+    return bytes > OUTBOX_TEXT_MIN ? bytes : OUTBOX_TEXT_MIN;
+}
+
+void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text)
+{
+    *box = (struct outbox){.slots = slots,
+                           .mails = mails,
+                           .text = text,
+                           .first_seq = 1,
+                           .next_seq = 1,
+                           .unsent_seq = 1};
+}
+
+bool outbox_has_unsent(const struct outbox *box)
+{
+    return box->unsent_seq < box->next_seq;
+}
+
+bool outbox_has_unanswered(const struct outbox *box)
+{
+    return box->unsent_seq > box->first_seq;
 }
 
 void outbox_continue(struct outbox *box, uint64_t last_seq)
@@ -45,7 +62,7 @@ static char *text_take(struct outbox *box, size_t bytes)
         box->text_head = box->text_tail = 0;
     }
     bool wrapped = box->text_head < box->text_tail;
-    size_t limit = wrapped ? box->text_tail : OUTBOX_TEXT_MAX;
+    size_t limit = wrapped ? box->text_tail : outbox_text_bytes(box->mails);
     /* One byte stays free, or a full ring would look empty. */
     if (bytes < limit - box->text_head) {
         char *at = box->text + box->text_head;
@@ -98,7 +115,7 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
     if (from[1][0] == '\0') {
         return MU_MALFORMED;
     }
-    char *at = box->next_seq - box->first_seq == MU_OUTBOX_MAX ? NULL : text_take(box, bytes);
+    char *at = box->next_seq - box->first_seq == box->mails ? NULL : text_take(box, bytes);
     if (!at) {
         return MU_FULL;
     }

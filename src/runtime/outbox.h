@@ -14,8 +14,8 @@
 /* The layer on the wire of a directive, which is in no layer of the chain. */
 enum { WIRE_DIRECTIVE = 0 };
 
-/* Text of the mails in an outbox, in bytes. */
-enum { OUTBOX_TEXT_MAX = 512 * 1024 };
+/* Text of the mails in an outbox, in bytes: for each mail, and at least the largest one. */
+enum { OUTBOX_TEXT_EACH = 512, OUTBOX_TEXT_MIN = MU_CONTENT_MAX + 4096 };
 
 struct outbox_slot {
     muster_Mail mail; /* its strings point into the text ring */
@@ -24,8 +24,9 @@ struct outbox_slot {
 };
 
 struct outbox {
-    struct outbox_slot *slots;   /* MU_OUTBOX_MAX of them */
-    char *text;                  /* OUTBOX_TEXT_MAX bytes */
+    struct outbox_slot *slots;
+    uint32_t mails;              /* how many slots */
+    char *text;                  /* outbox_text_bytes of them */
     uint64_t first_seq;          /* of the oldest mail that is kept; == next_seq: none */
     uint64_t next_seq;           /* that the next mail will bear */
     uint64_t unsent_seq;         /* the first that has not gone out (again) */
@@ -34,8 +35,11 @@ struct outbox {
     size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
 };
 
-/** Takes memory at start-up; the first mail will bear number 1. */
-void outbox_init(struct outbox *box);
+/** @return the text of an outbox for so many mails, in bytes */
+size_t outbox_text_bytes(uint32_t mails);
+
+/** Begins in memory that stays the caller's; the first mail will bear number 1. */
+void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text);
 
 /** The sender's earlier mails went up to last_seq: mails not yet sent are numbered from there on.
  */
@@ -54,6 +58,10 @@ MU_MUST_USE mu_result outbox_put(struct outbox *box, const char *src, const stru
  * @return how many; their strings are the box's, valid until the next put
  */
 uint32_t outbox_unsent(const struct outbox *box, muster_Mail *mails, uint32_t max);
+
+/** @return whether anything waits to go out; whether anything went out and has no answer */
+bool outbox_has_unsent(const struct outbox *box);
+bool outbox_has_unanswered(const struct outbox *box);
 
 /** count mails of outbox_unsent went out. */
 void outbox_sent(struct outbox *box, uint32_t count);

@@ -35,12 +35,31 @@ static mu_result endpoints_open(mu_process *p)
     return MU_OK;
 }
 
+void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
+{
+    p->agents_max = agents ? agents : MU_LOCAL_AGENTS;
+    p->outbox_mails = outbox_mails ? outbox_mails : MU_OUTBOX_MAX;
+    uint32_t acts = p->agents_max > PROCESS_UP_MAILS ? p->agents_max : PROCESS_UP_MAILS;
+    p->agents = mu_startup_array(p->agents_max, sizeof *p->agents);
+    p->outbox_slots =
+        mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
+    p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
+    p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->acts = mu_startup_array(acts, sizeof *p->acts);
+    p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
+    mu_table_init(&p->names, p->agents_max);
+    members_init(&p->members);
+}
+
 mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
 {
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->with_body = options->with_body;
-    p->agents = mu_startup_array(MU_LOCAL_AGENTS_MAX, sizeof *p->agents);
-    members_init(&p->members);
+    if (options->agents > MU_LOCAL_AGENTS_MAX) {
+        return MU_FAULT_USAGE;
+    }
+    process_take_memory(p, options->agents, options->outbox);
+    p->incarnation = mu_clock_wall_ns();
     gethostname(p->host, sizeof p->host - 1);
     /* The clock makes it unique where process ids are reused. */
     snprintf(p->name, sizeof p->name, "p%ld.%llx", (long)getpid(),
@@ -66,7 +85,8 @@ static void agents_leave(mu_process *p)
     (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         if (p->agents[i].leaving) {
-            agent_leave(&p->agents[i]);
+            p->agents[i].leaving = false;
+            roll_mark(&p->agents[i]);
         }
     }
     p->leaving = false;
@@ -85,6 +105,7 @@ void mu_process_close(mu_process *p)
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
     agents_leave(p);
+    roll_end(p);
     (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     bus_close(&p->bus);
 }
@@ -122,9 +143,7 @@ static void registrations_keep(mu_process *p)
     }
     p->ready = ready;
     p->heartbeat_ns = now_ns;
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        agent_register(&p->agents[i]);
-    }
+    roll_beat(p);
 }
 
 void process_next_delivery(mu_process *p)
@@ -211,7 +230,9 @@ static bool handle_one(mu_process *p)
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     registrations_keep(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
+    roll_write(p);
+    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p) &&
+                   p->roll.due_count == 0;
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);
@@ -219,10 +240,11 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
-    if (!p->in_lockstep) {
-        step_flush(p);
+    if (!p->in_lockstep && p->queues[QUEUE_SEND].first) {
+        step_flush(p); /* acknowledgements alone wait for the next spin, and what is said by then */
     }
     agents_leave(p);
+    roll_write(p);
     return p->done ? MU_DONE : MU_OK;
 }
 
@@ -278,5 +300,5 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 
 const struct mu_member *mu_process_member(const mu_process *p, size_t index)
 {
-    return index < p->members.count ? &p->members.lines[index] : NULL;
+    return members_at(&p->members, index);
 }

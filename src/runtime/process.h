@@ -11,12 +11,15 @@
 #include "runtime/kind.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/queue.h"
+#include "runtime/roll.h"
 #include "wire.h"
 
 #include <stdatomic.h>
 
 enum {
     PROCESS_UP_MAILS = 256,       /* mails in one Up */
+    PROCESS_UP_ACKS = 1024,       /* acknowledgements in one Up */
     PROCESS_PARCELS = 16 * 1024,  /* parcels in one Delivery; more come again */
     PROCESS_UP_BYTES = 48 * 1024, /* of mail content in one Up, beside the first mail */
     PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
@@ -28,12 +31,18 @@ struct mu_agent {
     enum mu_kind kind;
     enum mu_state state;
     struct mu_handlers handlers;
-    struct kind_part part; /* what its kind has come to */
-    uint64_t incarnation;
+    struct kind_part part;  /* what its kind has come to */
+    uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
     bool no_broadcasts;
-    bool gone;    /* takes no part any more */
-    bool leaving; /* its registration is still there, until its last mails are out */
+    enum mu_box_policy box_policy; /* when its box is full, */
+    uint32_t box_mails;            /* which holds so many mails, */
+    uint64_t box_bytes;            /* of so many bytes; 0: the broker's own limit */
+    uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
+    struct queue_link links[QUEUES];
+    bool gone;                /* takes no part any more */
+    bool leaving;             /* its registration is still there, until its last mails are out, */
+    enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
     uint64_t last_number;  /* taken from the box */
@@ -42,7 +51,7 @@ struct mu_agent {
     bool drives;           /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
-    char rules[PROCESS_RULES_MAX + 1];
+    char *rules;      /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
 };
 
 struct mu_process {
@@ -52,8 +61,16 @@ struct mu_process {
     bool with_body;
     struct bus_writer registration, up;
     struct bus_reader delivery, sense;
-    struct mu_agent *agents; /* MU_LOCAL_AGENTS_MAX of them */
-    uint32_t agent_count;
+    uint64_t incarnation;
+    struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
+    uint32_t agents_max, agent_count;
+    struct mu_table names; /* of agents */
+    uint32_t outbox_mails; /* of each agent */
+    struct outbox_slot *outbox_slots;
+    char *outbox_text;
+    char *rules_text; /* NULL: no bodies */
+    struct queue queues[QUEUES];
+    struct roll roll;
     struct members members;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
@@ -70,28 +87,29 @@ struct mu_process {
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;
-    uint32_t out_mails[MU_LOCAL_AGENTS_MAX]; /* how many of each agent's mails are in it */
-    muster_Act acts[MU_LOCAL_AGENTS_MAX];
-    muster_Ack acks[MU_LOCAL_AGENTS_MAX];
+    struct mu_agent **out_agents; /* whose acts are in it */
+    muster_Act *acts;             /* agents_max, or PROCESS_UP_MAILS if that is more */
+    muster_Ack acks[PROCESS_UP_ACKS];
+    struct mu_agent *out_ackers[PROCESS_UP_ACKS]; /* whose they are */
     muster_Mail mails[PROCESS_UP_MAILS];
     bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };
 
 /* process.c */
 
+/** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
+void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
+
 /** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
 void process_next_delivery(mu_process *p);
 
 /* agent.c */
 
-/** Tells the broker of an agent's name and state. */
-void agent_register(struct mu_agent *a);
-
-/** Takes the registration of an agent back that is gone. */
-void agent_leave(struct mu_agent *a);
-
 /** Takes the broker's answer to a registration. */
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker);
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
+
+/** Its mail went out, or was answered for. */
+void agent_progress(struct mu_agent *a);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

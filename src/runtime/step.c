@@ -18,6 +18,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (!a || a->gone) {
         return false;
     }
+    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     if (number <= a->last_number) {
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
@@ -48,7 +49,8 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
         struct mu_agent *a = agent_find(p, parcel->box);
-        if (!p->fresh[i] || a->gone || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
+        if (!p->fresh[i] || !a || a->gone ||
+            (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
         if (directives) {
@@ -59,34 +61,37 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     }
 }
 
-static void notices_take(mu_process *p, const muster_Delivery *d)
+static void verdicts_take(mu_process *p, const muster_Delivery *d)
 {
-    for (uint32_t i = 0; i < d->verdicts._length; i++) {
-        const muster_Verdict *v = &d->verdicts._buffer[i];
-        struct mu_agent *a = agent_find(p, v->agent);
-        bool other_broker =
-            p->broker_incarnation != 0 && p->broker_incarnation != v->broker_incarnation;
-        if (other_broker) {
-            members_clear(&p->members);
-        }
-        if (a) {
-            agent_verdict(a, v, other_broker);
-        }
-    }
     if (d->verdicts._length > 0) {
-        p->broker_incarnation = d->verdicts._buffer[0].broker_incarnation;
+        uint64_t incarnation = d->verdicts._buffer[0].broker_incarnation;
+        if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
+            members_clear(&p->members);
+            roll_mark_all(p);
+        }
+        p->broker_incarnation = incarnation;
     }
-    for (uint32_t i = 0; i < d->members._length; i++) {
-        members_set(&p->members, &d->members._buffer[i]);
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        struct mu_agent *a = agent_find(p, d->verdicts._buffer[i].agent);
+        if (a) {
+            agent_verdict(a, &d->verdicts._buffer[i]);
+        }
     }
+    if (d->roll_call) {
+        roll_mark_all(p);
+    }
+}
+
+static void receipts_take(mu_process *p, const muster_Delivery *d)
+{
     for (uint32_t i = 0; i < d->receipts._length; i++) {
         const muster_Receipt *r = &d->receipts._buffer[i];
         struct mu_agent *a = agent_find(p, r->agent);
         if (!a) {
             continue;
         }
-        a->progress_ns = mu_clock_ns();
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
+        agent_progress(a);
         /* Only the runtime sends a mail twice; its real outcome is still to come. */
         if (a->handlers.on_receipt && r->result != muster_OUTCOME_DUPLICATE) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
@@ -133,7 +138,11 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
-    notices_take(p, d);
+    verdicts_take(p, d);
+    for (uint32_t i = 0; i < d->members._length; i++) {
+        members_set(&p->members, &d->members._buffer[i]);
+    }
+    receipts_take(p, d);
     uint32_t count = parcels_mark(p, d);
     /* Directives come first, whatever order the box has: no rule delays them. */
     parcels_hand(p, d, count, true);
@@ -148,12 +157,16 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
 static uint32_t acks_fill(mu_process *p)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        struct mu_agent *a = &p->agents[i];
-        if (a->acked_number != a->last_number) {
-            p->acks[count++] =
-                (muster_Ack){.box = a->name, .number = a->last_number, .handed = a->handed};
+    struct mu_agent *next = NULL;
+    for (struct mu_agent *a = p->queues[QUEUE_ACK].first; a && count < PROCESS_UP_ACKS; a = next) {
+        next = a->links[QUEUE_ACK].next;
+        if (a->acked_number == a->last_number) {
+            queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
+            continue;
         }
+        p->out_ackers[count] = a;
+        p->acks[count++] =
+            (muster_Ack){.box = a->name, .number = a->last_number, .handed = a->handed};
     }
     return count;
 }
@@ -174,6 +187,7 @@ static uint32_t mails_bounded(const muster_Mail *mails, uint32_t count, size_t *
 
 static muster_Act act_of(struct mu_agent *a)
 {
+    static char none[1];
     bool runs = a->state == MU_RUNNING;
     return (muster_Act){.agent = a->name,
                         .state = (muster_State)a->state,
@@ -181,33 +195,62 @@ static muster_Act act_of(struct mu_agent *a)
                         .forward_m_s = runs ? a->forward_m_s : 0.0,
                         .turn_rad_s = runs ? a->turn_rad_s : 0.0,
                         .firings = a->firings,
-                        .rules = a->rules};
+                        .rules = a->rules ? a->rules : none};
 }
 
-/* Puts the next Up together.  @return whether there is anything in it but states */
+/* What is in the Up that is being put together, and what may still go in. */
+struct up_load {
+    uint32_t acts, mails;
+    size_t room; /* bytes of content */
+};
+
+static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
+{
+    muster_Mail *from = &p->mails[load->mails];
+    bool may_send = a->registered && load->room > 0;
+    uint32_t count = may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - load->mails) : 0;
+    count = mails_bounded(from, count, &load->room);
+    muster_Act *act = &p->acts[load->acts];
+    *act = act_of(a);
+    act->mails = (dds_sequence_muster_Mail){
+        ._maximum = count, ._length = count, ._buffer = from, ._release = false};
+    p->out_agents[load->acts++] = a;
+    load->mails += count;
+}
+
+/* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
+ * have mail.  @return whether there is any mail or acknowledgement in it */
 static bool up_fill(mu_process *p, int64_t step)
 {
-    uint32_t mails = 0;
-    size_t room = PROCESS_UP_BYTES;
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        struct mu_agent *a = &p->agents[i];
-        muster_Mail *from = &p->mails[mails];
-        bool may_send = a->registered && room > 0;
-        uint32_t count = may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - mails) : 0;
-        count = mails_bounded(from, count, &room);
-        p->acts[i] = act_of(a);
-        p->acts[i].mails = (dds_sequence_muster_Mail){
-            ._maximum = count, ._length = count, ._buffer = from, ._release = false};
-        p->out_mails[i] = count;
-        mails += count;
+    struct up_load load = {.room = PROCESS_UP_BYTES};
+    for (uint32_t i = 0; step != muster_STEP_NOW && i < p->agent_count; i++) {
+        act_add(p, &p->agents[i], &load);
+    }
+    for (struct mu_agent *a = step == muster_STEP_NOW ? p->queues[QUEUE_SEND].first : NULL;
+         a && load.mails < PROCESS_UP_MAILS && load.room > 0; a = a->links[QUEUE_SEND].next) {
+        act_add(p, a, &load);
     }
     uint32_t acks = acks_fill(p);
     p->out = (muster_Up){.process = p->name, .step = step};
     p->out.acts._buffer = p->acts;
-    p->out.acts._length = p->out.acts._maximum = p->agent_count;
+    p->out.acts._length = p->out.acts._maximum = load.acts;
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
-    return mails > 0 || acks > 0;
+    return load.mails > 0 || acks > 0;
+}
+
+/* The act of an agent has gone out. */
+static void act_sent(struct mu_agent *a, uint32_t mails)
+{
+    if (mails > 0) {
+        outbox_sent(&a->outbox, mails);
+        agent_progress(a);
+    }
+    if (!outbox_has_unsent(&a->outbox)) {
+        queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+    }
+    a->drives = false;
+    mu_agent_fired(a, 0, "");
 }
 
 bool step_retry(mu_process *p)
@@ -220,16 +263,14 @@ bool step_retry(mu_process *p)
     }
     p->out_pending = false;
     for (uint32_t i = 0; i < p->out.acts._length; i++) {
-        struct mu_agent *a = &p->agents[i];
-        outbox_sent(&a->outbox, p->out_mails[i]);
-        if (p->out_mails[i] > 0) {
-            a->progress_ns = mu_clock_ns();
-        }
-        a->drives = false;
-        mu_agent_fired(a, 0, "");
+        act_sent(p->out_agents[i], p->acts[i].mails._length);
     }
     for (uint32_t i = 0; i < p->out.acks._length; i++) {
-        agent_find(p, p->acks[i].box)->acked_number = p->acks[i].number;
+        struct mu_agent *a = p->out_ackers[i];
+        a->acked_number = p->acks[i].number;
+        if (a->acked_number == a->last_number) {
+            queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
+        }
     }
     return true;
 }
@@ -274,20 +315,31 @@ void step_hello(mu_process *p)
 
 static void unanswered_again(mu_process *p)
 {
+    struct queue *waits = &p->queues[QUEUE_WAIT];
+    if (!waits->first) {
+        return;
+    }
     uint64_t now_ns = mu_clock_ns();
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        struct mu_agent *a = &p->agents[i];
-        if (a->outbox.unsent_seq > a->outbox.first_seq && now_ns - a->progress_ns > RESEND_NS) {
-            a->progress_ns = now_ns;
-            outbox_again(&a->outbox);
+    while (waits->first && now_ns - waits->first->progress_ns > RESEND_NS) {
+        struct mu_agent *a = waits->first;
+        queue_remove(waits, QUEUE_WAIT, a);
+        outbox_again(&a->outbox);
+        if (a->registered) {
+            queue_add(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         }
     }
+}
+
+static bool is_anything_to_say(const mu_process *p)
+{
+    return p->queues[QUEUE_SEND].first || p->queues[QUEUE_ACK].first;
 }
 
 void step_flush(mu_process *p)
 {
     unanswered_again(p);
-    while (step_retry(p) && bus_writer_matches(&p->up) > 0 && up_fill(p, muster_STEP_NOW)) {
+    while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
+           up_fill(p, muster_STEP_NOW)) {
         p->out_pending = true;
     }
 }

@@ -106,26 +106,66 @@ static void samples_lay_out(struct session *s)
     }
 }
 
+static bool process_holds(const struct session *s, const struct session_robot *robot,
+                          const char *process)
+{
+    return robot->process >= 0 && strcmp(s->processes[robot->process].name, process) == 0;
+}
+
+/* @return whether a robot has got or lost its controller */
+static bool entry_take(struct session *s, const muster_Registration *r, uint32_t index)
+{
+    const muster_Entry *e = &r->agents._buffer[index];
+    uint32_t slot = r->part * MU_PART_AGENTS + index;
+    struct session_robot *robot = robot_find(s, e->name);
+    if (!robot || !robot->controlled) {
+        return false;
+    }
+    bool holds = process_holds(s, robot, r->process);
+    if (e->state == muster_STATE_ABSENT) {
+        bool left = holds && robot->slot == slot;
+        robot->process = left ? -1 : robot->process;
+        return left;
+    }
+    /* A body that has a controller: another one must wait until that has gone. */
+    if (e->kind != muster_KIND_ROBOT || (robot->process >= 0 && !holds)) {
+        return false;
+    }
+    robot->process = holds ? robot->process : process_add(s, r->process);
+    robot->slot = slot;
+    return !holds && robot->process >= 0;
+}
+
+/* A part of a process, or (lost) all of it, is no longer there. */
+static bool process_leave(struct session *s, const muster_Registration *r, bool lost)
+{
+    bool changed = false;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *robot = &s->robots[i];
+        if (process_holds(s, robot, r->process) &&
+            (lost || robot->slot / MU_PART_AGENTS == r->part)) {
+            robot->process = -1;
+            changed = true;
+        }
+    }
+    return changed;
+}
+
 static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
 {
-    struct session_robot *robot = robot_find(s, r->name);
-    if (!robot || !robot->controlled || (life == BUS_DATA && r->kind != muster_KIND_ROBOT)) {
-        return;
-    }
-    int32_t before = robot->process;
-    bool holds = before >= 0 && strcmp(s->processes[before].name, r->process) == 0;
-    if (life == BUS_DATA && before >= 0 && !holds) {
-        return; /* the body has a controller: another one must wait until that has gone */
-    }
+    bool changed = false;
     if (life == BUS_DATA) {
-        robot->process = process_add(s, r->process);
-        if (robot->process >= 0) {
-            s->processes[robot->process].ready = r->ready;
+        for (uint32_t i = 0; i < r->agents._length; i++) {
+            changed = entry_take(s, r, i) || changed;
         }
-    } else if (holds) {
-        robot->process = -1;
+        int32_t process = process_find(s, r->process);
+        if (process >= 0 && r->part == 0) { /* the others are not written for that */
+            s->processes[process].ready = r->ready;
+        }
+    } else {
+        changed = process_leave(s, r, life == BUS_LOST);
     }
-    if (s->step >= 0 && robot->process != before) {
+    if (s->step >= 0 && changed) {
         samples_lay_out(s); /* free running: the others keep their own robots' percepts */
     }
 }

@@ -24,6 +24,7 @@ struct session_robot {
     const char *name;
     bool controlled; /* the run waits for its controller; else it is an obstacle */
     int32_t process; /* index of the process that controls it; -1: none */
+    uint32_t slot;   /* of its controller in that process */
     bool drives;     /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     uint32_t quiet_steps; /* since a speed was set */

@@ -13,11 +13,13 @@
  *     NAME welcome SEQ             an accepted registration, and the last mail of that name
  *     NAME: REASON                 a refused one
  *     outside SRC/SEQ              to the simulator
+ *     roll call
  */
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
 
 #include "broker/broker.h"
+#include "core/table.h"
 #include "core/text.h"
 
 #include <CUnit/Basic.h>
@@ -64,23 +66,69 @@ static inline void story_begin(void)
     story_begin_with(0, false);
 }
 
+/* Each name has the same slot in whatever process it is. */
+static inline uint32_t story_slot(const char *name)
+{
+    static char names[2 * MU_AGENTS_MAX][MU_PROCESS_MAX + 1];
+    static struct mu_table slots;
+    if (!slots.slots) {
+        mu_table_init(&slots, 2 * MU_AGENTS_MAX);
+    }
+    uint32_t slot = name ? mu_table_find(&slots, name) : 0;
+    if (slot == MU_NONE) {
+        slot = slots.count;
+        (void)mu_text_copy(names[slot], sizeof names[slot], name);
+        CU_ASSERT_EQUAL_FATAL(mu_table_put(&slots, names[slot], slot), MU_OK);
+    }
+    return slot % MU_LOCAL_AGENTS_MAX;
+}
+
+/* A part that says something of one agent alone. */
 static inline muster_Registration registration(const char *name, const char *process)
 {
-    return (muster_Registration){.name = words(name),
-                                 .process = words(process),
-                                 .incarnation = 1,
-                                 .kind = muster_KIND_ROBOT,
-                                 .state = muster_STATE_RUNNING,
-                                 .host = words("here"),
-                                 .pid = 1};
+    static muster_Entry parts[16][MU_PART_AGENTS];
+    static unsigned turn;
+    muster_Entry *entries = parts[turn++ % 16];
+    uint32_t slot = story_slot(name);
+    for (uint32_t i = 0; i < MU_PART_AGENTS; i++) {
+        entries[i] =
+            (muster_Entry){.name = words(""), .state = muster_STATE_ABSENT, .home = words("")};
+    }
+    entries[slot % MU_PART_AGENTS] = (muster_Entry){.name = words(name),
+                                                    .kind = muster_KIND_ROBOT,
+                                                    .state = muster_STATE_RUNNING,
+                                                    .home = words("")};
+    muster_Registration r = {.process = words(process),
+                             .part = slot / MU_PART_AGENTS,
+                             .broker = words(""),
+                             .incarnation = 1,
+                             .host = words("here"),
+                             .pid = 1};
+    r.agents._buffer = entries;
+    r.agents._length = r.agents._maximum = slot % MU_PART_AGENTS + 1;
+    return r;
+}
+
+/* The one entry of a registration. */
+static inline muster_Entry *entry_of(const muster_Registration *r)
+{
+    return &r->agents._buffer[r->agents._length - 1];
 }
 
 static inline void story_register(const char *name, const char *process)
 {
     muster_Registration r = registration(name, process);
     if (strcmp(name, "operator") == 0 || strcmp(name, "observer") == 0) {
-        r.kind = muster_KIND_SPECIAL;
+        entry_of(&r)->kind = muster_KIND_SPECIAL;
     }
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* An agent leaves its process. */
+static inline void story_leave(const char *name, const char *process)
+{
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->state = muster_STATE_ABSENT;
     broker_registration(story.b, &r, story.now_ns);
 }
 
@@ -89,7 +137,7 @@ static inline void story_state(const char *name, muster_State state)
     char process[MU_PROCESS_MAX + 1];
     snprintf(process, sizeof process, "p-%s", name);
     muster_Registration r = registration(name, process);
-    r.state = state;
+    entry_of(&r)->state = state;
     broker_registration(story.b, &r, story.now_ns);
 }
 
@@ -98,9 +146,10 @@ static inline void story_match(const char *process)
     broker_matched(story.b, process, true, story.now_ns);
 }
 
-static inline void story_gone(const char *name, const char *process)
+/* A process crashes. */
+static inline void story_gone(const char *process)
 {
-    broker_gone(story.b, name, process, true, story.now_ns);
+    broker_gone(story.b, process, 0, true, story.now_ns);
 }
 
 /* --- what the broker hands out ---------------------------------------------------------------- */
@@ -152,6 +201,10 @@ static inline void story_note(const muster_Delivery *d)
                  (unsigned long long)d->outside._buffer[i].seq);
         story_line(line);
     }
+    if (d->roll_call) {
+        story_line("roll call");
+    }
+    CU_ASSERT_STRING_EQUAL(d->broker, "alpha");
     story.members += d->members._length;
 }
 

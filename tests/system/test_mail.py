@@ -158,3 +158,26 @@ def test_a_broker_that_is_killed_is_replaced_and_agents_register_by_themselves()
         check_equal((done.returncode, done.stdout.strip()), (0, "delivered"), "receipt")
         check_equal([line.split()[2] for line in record_lines(out / "record")],
                     ["before", "after"], "the receiver's mail")
+
+
+CROWD = 200
+
+
+def crowd_states(domain):
+    return {m["state"] for name, m in members(domain).items() if name.startswith("c")}
+
+
+def test_a_process_of_many_agents_is_stopped_continued_and_killed():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        crowd = processes.start(program("crowd"), domain, CROWD, stdout=subprocess.PIPE)
+        check_equal(crowd.stdout.readline().decode().strip(), "all confirmed", "registrations")
+        check_equal(crowd_states(domain), {"running"}, "states of all")
+        crowd.send_signal(signal.SIGSTOP)
+        wait_for(lambda: crowd_states(domain) == {"absent"}, 10, "all are absent")
+        crowd.send_signal(signal.SIGCONT)
+        wait_for(lambda: crowd_states(domain) == {"running"}, 10, "all are back")
+        crowd.kill()
+        wait_for(lambda: crowd_states(domain) == {"absent"}, 10, "all are gone")
+        check_equal(len([n for n in members(domain) if n.startswith("c")]), CROWD, "names")

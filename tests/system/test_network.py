@@ -98,14 +98,14 @@ def test_dds_tools_list_and_decode_the_topics():
         ps = tool_run("ps", *options)
         check("broker" in ps and "red" in ps, f"cyclonedds ps: {ps}")
         ls = tool_run("ls", *options)
-        for topic in ("Registration", "Up", "Delivery", "Member", "BrokerStatus"):
+        for topic in ("Registration", "Up", "Delivery", "Pages", "BrokerStatus"):
             check(topic in ls, f"{topic} in cyclonedds ls: {ls}")
-        for topic, member in (("Up", "sequence<muster::Act> acts"), ("Member", "string name"),
+        for topic, member in (("Up", "sequence<muster::Act> acts"), ("Pages", "sequence<muster::Member> lines"),
                               ("Delivery", "sequence<muster::Parcel> parcels")):
             typeof = tool_run("typeof", topic, *options)
             words = re.sub(r"\s+", " ", typeof).replace("muster::", "")
             check(member.replace("muster::", "") in words, f"typeof {topic}: {typeof}")
-        subscribe = processes.start(*tool, "subscribe", "Member", *options,
+        subscribe = processes.start(*tool, "subscribe", "Pages", *options,
                                     stdout=subprocess.PIPE, env=observer_environment())
         seen = b""
         os.set_blocking(subscribe.stdout.fileno(), False)

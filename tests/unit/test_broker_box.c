@@ -353,7 +353,7 @@ static void test_every_wait_ends(void)
     team();
     story_state("blue", muster_STATE_MOVING);
     story_join("grey");
-    story_gone("grey", "p-grey");
+    story_gone("p-grey");
     (void)story_collect();
     muster_Mail m = next_letter("red", "green,blue,grey", "suspended, moving, absent");
     m.ttl_ns = 50 * MS;

@@ -55,7 +55,7 @@ static uint64_t crowd_send(uint32_t agents, const char *const *dst, uint32_t dst
         snprintf(process, sizeof process, "p-s%u", i);
         story_register(name, process);
         sent += send_until_full(name, dst, dsts, content);
-        story_gone(name, process);
+        story_gone(process);
     }
     return sent;
 }

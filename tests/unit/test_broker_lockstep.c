@@ -80,7 +80,7 @@ static void test_outside_mail_waits_for_the_step(void)
     EXPECT("p-red@0; red #1 green/1 hi; red #2 operator/1 stop; operator #2 green/1 hi; "
            "p-green@0; green 1-1 stored; sim@0; outside operator/1");
     story_send("operator", 3, "all", "hi");
-    story_gone("operator", "p-operator"); /* it has left; what it said stands */
+    story_gone("p-operator"); /* it has left; what it said stands */
     story_up("red", 1, muster_STATE_RUNNING, NULL, 0, 2);
     answer("green", 1);
     EXPECT("p-green@1; green #1 operator/3 hi; p-red@1; red #3 operator/3 hi; sim@1; "
@@ -143,7 +143,7 @@ static void test_deaths_are_the_simulators_business(void)
 {
     run_begin();
     answer_with(letter("red", 1, "green", "last words"), 0);
-    story_gone("red", "p-red");
+    story_gone("p-red");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
     EXPECT("");
     roster_say(true, 0, "p-green"); /* none of what red did in this step exists */
@@ -181,7 +181,7 @@ static void test_a_process_joins_a_run(void)
 static void test_the_end_of_lock_step(void)
 {
     run_begin();
-    story_gone("green", "p-green");
+    story_gone("p-green");
     answer_with(letter("red", 1, "operator,green", "half a step"), 0);
     story_send("operator", 1, "red", "hi");
     roster_say(false, 1, "");

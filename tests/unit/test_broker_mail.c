@@ -54,7 +54,7 @@ static void test_broadcast_reaches_who_is_there(void)
     story_join("operator");
     story_join("grey");
     story_state("blue", muster_STATE_SUSPENDED);
-    story_gone("grey", "p-grey");
+    story_gone("p-grey");
     (void)story_collect();
     story_send("red", 1, "all", "hi");
     EXPECT("green #1 red/1 hi; operator #1 red/1 hi; red 1-1 stored");
@@ -74,7 +74,7 @@ static void test_broadcast_reaches_who_is_there(void)
 static void test_mail_waits_for_the_absent(void)
 {
     team();
-    story_gone("green", "p-green");
+    story_gone("p-green");
     (void)story_collect();
     story_send("red", 1, "green", "one");
     story_send("red", 2, "green", "two");
@@ -83,7 +83,7 @@ static void test_mail_waits_for_the_absent(void)
     EXPECT("");
     story_match("p-new");
     EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
-    story_gone("green", "p-new"); /* a crash before it has acknowledged */
+    story_gone("p-new"); /* a crash before it has acknowledged */
     story_register("green", "p-green");
     EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
     CU_ASSERT_EQUAL(story_status().resent, 2);
@@ -354,7 +354,7 @@ static void test_malformed_samples(void)
     roster.step = INT64_MAX;
     broker_roster(story.b, &roster, 0);
     CU_ASSERT_EQUAL(story_status().malformed, 8);
-    broker_gone(story.b, NULL, NULL, true, 0);
+    broker_gone(story.b, NULL, 0, true, 0);
     broker_matched(story.b, NULL, true, 0);
     EXPECT("");
 }
@@ -363,7 +363,7 @@ static void test_a_sender_that_has_left_is_told_nothing(void)
 {
     team();
     story_send("red", 1, "green", "bye");
-    story_gone("red", "p-red");
+    story_gone("p-red");
     EXPECT("green #1 red/1 bye");
     story_ack("green", 1);
     story_register("red", "p-red");

@@ -108,7 +108,7 @@ static void op_register(uint32_t agent)
         snprintf(a->process, sizeof a->process, "p%u-%s", ++a->lives, names[agent]);
     }
     muster_Registration r = registration(names[agent], a->process);
-    r.state = a->suspended ? muster_STATE_SUSPENDED : muster_STATE_RUNNING;
+    entry_of(&r)->state = a->suspended ? muster_STATE_SUSPENDED : muster_STATE_RUNNING;
     broker_registration(story.b, &r, story.now_ns);
     broker_matched(story.b, a->process, true, story.now_ns);
 }
@@ -126,7 +126,7 @@ static void op_crash(uint32_t agent)
     struct model_agent *a = &agents[agent];
     if (a->there) {
         a->there = false;
-        broker_gone(story.b, names[agent], a->process, true, story.now_ns);
+        broker_gone(story.b, a->process, 0, true, story.now_ns);
         broker_matched(story.b, a->process, false, story.now_ns);
     }
 }

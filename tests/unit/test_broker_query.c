@@ -25,7 +25,7 @@ static void test_lookup(void)
     story_mail(question(1, "lookup", "green"));
     EXPECT("red #1 broker/4611686018427387905 member green robot running alpha here 1; "
            "red 1-1 delivered");
-    story_gone("green", "p-green");
+    story_gone("p-green");
     story_mail(question(2, "lookup", " \"green\" "));
     EXPECT("red #2 broker/4611686018427387906 member green robot absent alpha here 1; "
            "red 2-2 delivered");

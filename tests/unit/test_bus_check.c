@@ -65,9 +65,17 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .receipts = LIST(receipts),
                                    .verdicts = LIST(verdicts),
                                    .members = LIST(members),
-                                   .outside = LIST(outside)};
+                                   .outside = LIST(outside),
+                                   .broker = W("b1")};
 
-static muster_Registration registration = {.name = W("red"), .process = W("p1"), .host = W("here")};
+static muster_Entry entries[MU_PART_AGENTS + 1] = {
+    {.name = W("red"), .home = W("")},
+    {.name = W("blue"), .home = W("beta")},
+};
+static muster_Registration registration = {.process = W("p1"),
+                                           .broker = W("main"),
+                                           .host = W("here"),
+                                           .agents = {._length = 2, ._buffer = entries}};
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {.simulator = W("sim"), .processes = LIST(processes)};
 static muster_RunCommand command = {.simulator = W("sim")};
@@ -75,7 +83,8 @@ static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
-static muster_Member member = A_MEMBER;
+static muster_Member lines[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 static muster_Counter counters[FEW] = {
     {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
@@ -125,7 +134,11 @@ static const struct field {
         label ".host", check, sample, &(m).host, A_TEXT, MU_FIELD_MAX            \
     }
 
-    {"registration.name", check_registration, &registration, &registration.name, A_WORD,
+    {"registration.broker", check_registration, &registration, &registration.broker, A_TEXT,
+     MU_FIELD_MAX},
+    {"registration.agents", check_registration, &registration, &registration.agents._length,
+     A_LENGTH, MU_PART_AGENTS},
+    {"registration.entry.home", check_registration, &registration, &entries[1].home, A_TEXT,
      MU_FIELD_MAX},
     {"registration.process", check_registration, &registration, &registration.process, A_WORD,
      MU_PROCESS_MAX},
@@ -161,6 +174,7 @@ static const struct field {
     {"sense.robot.last sonar", check_sense, &sense, &sonar_m[2], A_FLOAT, 0},
 
     {"delivery.process", check_delivery, &delivery, &delivery.process, A_WORD, MU_PROCESS_MAX},
+    {"delivery.broker", check_delivery, &delivery, &delivery.broker, A_TEXT, MU_FIELD_MAX},
     {"delivery.parcel.box", check_delivery, &delivery, &parcels[2].box, A_NAME, 0},
     {"delivery.first parcel.box", check_delivery, &delivery, &parcels[0].box, A_NAME, 0},
     {"delivery.parcel.number", check_delivery, &delivery, &parcels[2].number, A_COUNT, 0},
@@ -191,7 +205,8 @@ static const struct field {
     {"status.robot", check_run_status, &status, &totals[2].robot, A_NAME, 0},
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
-    MEMBER("member", check_member, &member, member),
+    {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
+    MEMBER("page.line", check_page, &page, lines[2]),
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
     {"part status.broker", check_part_status, &part_status, &part_status.broker, A_WORD,
@@ -310,6 +325,9 @@ static int lists_fill(void)
         acks[i] = acks[0];
         percepts[i] = percepts[0];
     }
+    for (size_t i = 2; i <= MU_PART_AGENTS; i++) {
+        entries[i] = entries[0];
+    }
     for (size_t i = FEW; i <= MU_PROCESSES_MAX; i++) {
         processes[i] = processes[0];
     }
@@ -350,12 +368,15 @@ static void test_each_field_is_checked(void)
 /* The broker says why it refuses such a name; so it must get to see it. */
 static void test_bad_names_of_agents_reach_the_broker(void)
 {
-    static char *const names[] = {W("9"), W("a b"), W("\xff"), W("-"), W("broker")};
+    static char long_name[10001];
+    memset(long_name, 'n', sizeof long_name - 1);
+    char *const names[] = {W(""),   W("9"), W("a b"),  W("a\"b"),   W("a\nb"),
+                           W("a*"), W("-"), W("\xff"), W("broker"), long_name};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        registration.name = names[i];
+        entries[0].name = names[i];
         CU_ASSERT_TRUE(check_registration(&registration));
     }
-    registration.name = W("red");
+    entries[0].name = W("red");
 }
 
 static void test_every_topic_has_its_check(void)
@@ -368,7 +389,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_ROSTER] = check_roster,
         [BUS_RUN_COMMAND] = check_run_command,
         [BUS_RUN_STATUS] = check_run_status,
-        [BUS_MEMBER] = check_member,
+        [BUS_PAGES] = check_page,
         [BUS_BROKER_STATUS] = check_broker_status,
         [BUS_PART_STATUS] = check_part_status,
         [BUS_BROKER_EVENT] = check_broker_event,

@@ -12,7 +12,6 @@
 #include <string.h>
 
 static mu_process process;
-static struct mu_agent agents[MU_LOCAL_AGENTS_MAX];
 static muster_Sense sense;
 static mu_agent *red;
 static uint32_t answers_read;
@@ -123,9 +122,8 @@ static const struct mu_agent_kind child = {
 static void set_up(enum mu_kind kind, const struct mu_agent_kind *of, bool has_on_mail)
 {
     memset(&process, 0, sizeof process);
-    memset(agents, 0, sizeof agents);
     memset(&sense, 0, sizeof sense);
-    process.agents = agents;
+    process_take_memory(&process, 0, 0);
     answers_read = 0;
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     struct mu_handlers handlers = {.self = &process, .on_mail = has_on_mail ? on_mail : NULL};
@@ -441,7 +439,7 @@ static void test_a_child_overrides_the_base_kind(void)
 static void verdict(bool accepted)
 {
     capture_begin();
-    agent_verdict(red, &(muster_Verdict){.accepted = accepted, .reason = heard_buffer}, false);
+    agent_verdict(red, &(muster_Verdict){.accepted = accepted, .reason = heard_buffer});
     capture_end();
 }
 

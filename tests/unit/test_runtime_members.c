@@ -61,12 +61,12 @@ static void test_order_and_update(void)
     set("b", muster_STATE_ABSENT, 99);
     CU_ASSERT_EQUAL_FATAL(members.count, COUNT);
     for (size_t i = 0; i < COUNT; i++) {
-        CU_ASSERT_STRING_EQUAL(members.lines[i].name, order[i]);
-        CU_ASSERT_PTR_EQUAL(members_find(&members, order[i]), &members.lines[i]);
+        CU_ASSERT_STRING_EQUAL(members_at(&members, i)->name, order[i]);
+        CU_ASSERT_PTR_EQUAL(members_find(&members, order[i]), members_at(&members, i));
     }
-    CU_ASSERT_EQUAL(members.lines[3].state, MU_GONE);
-    CU_ASSERT_EQUAL(members.lines[3].pid, 99);
-    CU_ASSERT_EQUAL(members.lines[2].state, MU_RUNNING);
+    CU_ASSERT_EQUAL(members_at(&members, 3)->state, MU_GONE);
+    CU_ASSERT_EQUAL(members_at(&members, 3)->pid, 99);
+    CU_ASSERT_EQUAL(members_at(&members, 2)->state, MU_RUNNING);
     static const char *const absent[] = {"", "A", "aa", "ll", "zz", "mmm"};
     for (size_t i = 0; i < sizeof absent / sizeof absent[0]; i++) {
         CU_ASSERT_PTR_NULL(members_find(&members, absent[i]));
@@ -95,7 +95,8 @@ static void test_limit_lines(void)
     }
     bool in_order = true;
     for (size_t i = 1; i < members.count; i++) {
-        in_order = in_order && strcmp(members.lines[i - 1].name, members.lines[i].name) < 0;
+        in_order = in_order &&
+                   strcmp(members_at(&members, i - 1)->name, members_at(&members, i)->name) < 0;
     }
     CU_ASSERT_TRUE(in_order);
     set("a", muster_STATE_RUNNING, 1);
@@ -103,10 +104,38 @@ static void test_limit_lines(void)
     CU_ASSERT_EQUAL(members.count, MEMBERS_MAX);
     CU_ASSERT_PTR_NULL(members_find(&members, "a"));
     CU_ASSERT_PTR_NULL(members_find(&members, "z"));
-    snprintf(name, sizeof name, "%.15s", members.lines[MEMBERS_MAX - 1].name);
+    snprintf(name, sizeof name, "%.15s", members_at(&members, MEMBERS_MAX - 1)->name);
     set(name, muster_STATE_ABSENT, 77); /* a line that is there can change */
     CU_ASSERT_EQUAL(members_find(&members, name)->pid, 77);
     CU_ASSERT_EQUAL(members.count, MEMBERS_MAX);
+}
+
+/* Who comes takes the place of who is gone longest. */
+static void test_limit_the_absent_make_way(void)
+{
+    char name[16];
+    for (unsigned i = 0; i < MEMBERS_MAX; i++) {
+        snprintf(name, sizeof name, "n%u", i);
+        set(name, muster_STATE_RUNNING, i);
+    }
+    set("n70", muster_STATE_ABSENT, 1);
+    set("n7", muster_STATE_ABSENT, 1);
+    set("n70", muster_STATE_ABSENT, 2); /* still */
+    set("n500", muster_STATE_ABSENT, 1);
+    set("n500", muster_STATE_RUNNING, 1); /* it is back */
+    set("absent", muster_STATE_ABSENT, 1);
+    CU_ASSERT_PTR_NULL(members_find(&members, "absent"));
+    set("new", muster_STATE_RUNNING, 1);
+    CU_ASSERT_PTR_NOT_NULL(members_find(&members, "new"));
+    CU_ASSERT_PTR_NULL(members_find(&members, "n70"));
+    CU_ASSERT_PTR_NOT_NULL(members_find(&members, "n7"));
+    set("newer", muster_STATE_RUNNING, 1);
+    CU_ASSERT_PTR_NULL(members_find(&members, "n7"));
+    set("newest", muster_STATE_RUNNING, 1);
+    CU_ASSERT_PTR_NULL(members_find(&members, "newest"));
+    CU_ASSERT_EQUAL(members.count, MEMBERS_MAX);
+    CU_ASSERT_PTR_NOT_NULL(members_find(&members, "n500"));
+    CU_ASSERT_PTR_NULL(members_at(&members, MEMBERS_MAX));
 }
 
 static void test_limit_fields_are_cut(void)
@@ -128,6 +157,7 @@ int main(void)
         {"order and update", test_order_and_update},
         {"clear", test_clear},
         {"limit: lines", test_limit_lines},
+        {"limit: the absent make way", test_limit_the_absent_make_way},
         {"limit: fields are cut", test_limit_fields_are_cut},
         CU_TEST_INFO_NULL,
     };

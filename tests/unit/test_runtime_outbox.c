@@ -9,11 +9,15 @@
 #include <unistd.h>
 
 static struct outbox box; /* static: leak checkers see its memory */
+enum { TEXT_BYTES = MU_OUTBOX_MAX * OUTBOX_TEXT_EACH };
+
+static struct outbox_slot slots[MU_OUTBOX_MAX];
+static char room[TEXT_BYTES];
 static muster_Mail out[MU_OUTBOX_MAX];
 
 static void set_up(void)
 {
-    outbox_init(&box);
+    outbox_init(&box, MU_OUTBOX_MAX, slots, room);
     alarm(30); /* a loop without end is a failure too */
 }
 
@@ -157,7 +161,7 @@ static void test_continue_numbers_what_waits(void)
     static const uint64_t lasts[] = {1,    2,    3,    4,    5,    6,    1019,     1020,      1021,
                                      1022, 1023, 1024, 1025, 2047, 2048, 1u << 20, 1ull << 40};
     for (size_t i = 0; i < sizeof lasts / sizeof lasts[0]; i++) {
-        outbox_init(&box);
+        outbox_init(&box, MU_OUTBOX_MAX, slots, room);
         put_numbered(5);
         outbox_continue(&box, lasts[i]);
         outbox_confirm(&box, 1, lasts[i]); /* as the runtime does next */
@@ -271,7 +275,7 @@ static void test_limit_text(void)
     while (put(long_text(MU_CONTENT_MAX)) == MU_OK) {
         count++;
     }
-    CU_ASSERT_EQUAL(count, OUTBOX_TEXT_MAX / (MU_CONTENT_MAX + 18));
+    CU_ASSERT_EQUAL(count, TEXT_BYTES / (MU_CONTENT_MAX + 18));
     CU_ASSERT_EQUAL(put(long_text(MU_CONTENT_MAX)), MU_FULL);
     CU_ASSERT_EQUAL(box.next_seq, count + 1);
     CU_ASSERT_EQUAL(put("a small one"), MU_OK);
@@ -286,7 +290,7 @@ static void test_limit_text(void)
 /* A mail to blue takes 16 bytes beside its content; one byte of the ring always stays free. */
 static void test_limit_text_to_the_byte(void)
 {
-    enum { PART = 16 * 1024, PARTS = OUTBOX_TEXT_MAX / PART };
+    enum { PART = 16 * 1024, PARTS = TEXT_BYTES / PART };
     for (int i = 0; i < PARTS - 1; i++) {
         CU_ASSERT_EQUAL(put(long_text(PART - 16)), MU_OK);
     }
@@ -355,7 +359,7 @@ static void model_put(struct mu_random *r, bool long_mails)
         CU_ASSERT_EQUAL_FATAL(got, MU_FULL);
         CU_ASSERT_FATAL(model_bytes() + 2 * (MU_CONTENT_MAX + HEAD_BYTES) +
                             HEAD_BYTES * (model.next - model.first) >
-                        OUTBOX_TEXT_MAX);
+                        TEXT_BYTES);
     }
 }
 

@@ -15,7 +15,6 @@
 enum { PARCELS_MAX = PROCESS_PARCELS + 1 };
 
 static mu_process process;
-static struct mu_agent agents[MU_LOCAL_AGENTS_MAX];
 static muster_Parcel parcels[PARCELS_MAX];
 static muster_Percept percepts[2];
 static float sonar_m[2] = {0.5f, 4.0f};
@@ -97,11 +96,10 @@ static struct mu_agent *join(const char *name, enum mu_kind kind, uint64_t last_
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    memset(agents, 0, sizeof agents);
     memset(&delivery, 0, sizeof delivery);
     memset(&sense, 0, sizeof sense);
-    process.agents = agents;
-    members_init(&process.members);
+    process.with_body = true;
+    process_take_memory(&process, 0, 0);
     mu_text_copy(process.name, sizeof process.name, "p1");
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     delivery.process = sense.process = words("p1");
@@ -467,8 +465,8 @@ static void test_a_percept_is_passed_on_whole(void)
                                    .stalled = true};
     percepts[0].sonar_m._buffer = sonar_m;
     percepts[0].sonar_m._length = 2;
-    agents[0].handlers.self = &got;
-    agents[0].handlers.on_step = on_step_keep;
+    process.agents[0].handlers.self = &got;
+    process.agents[0].handlers.on_step = on_step_keep;
     (void)answer(NULL);
     CU_ASSERT(got.step == 7 && got.time_ns == 700 && got.stalled);
     CU_ASSERT_DOUBLE_EQUAL(got.x_m, 1, 0);
@@ -587,12 +585,95 @@ static void test_limit_agents(void)
     char name[16];
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "9", MU_KIND_AGENT, 0, &handlers), MU_MALFORMED);
     CU_ASSERT_EQUAL(process.agent_count, 0);
-    for (int i = 0; i < MU_LOCAL_AGENTS_MAX; i++) {
+    for (int i = 0; i < MU_LOCAL_AGENTS; i++) {
         snprintf(name, sizeof name, "a%d", i);
         CU_ASSERT_STRING_EQUAL(mu_agent_name(join(name, MU_KIND_AGENT, 0)), name);
     }
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "more", MU_KIND_AGENT, 0, &handlers), MU_FULL);
-    CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS_MAX);
+    CU_ASSERT_EQUAL(process.agent_count, MU_LOCAL_AGENTS);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(agent_find(&process, "a5"), "unsaid"), MU_OK);
+    mu_agent_set_state(agent_find(&process, "a5"), MU_GONE);
+    struct mu_agent *more = join("more", MU_KIND_AGENT, 0);
+    CU_ASSERT_PTR_EQUAL(more, &process.agents[5]);
+    CU_ASSERT_PTR_EQUAL(agent_find(&process, "more"), more);
+    CU_ASSERT_PTR_NULL(agent_find(&process, "a5"));
+    CU_ASSERT(!more->gone && !outbox_has_unsent(&more->outbox));
+    CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "a5", MU_KIND_AGENT, 0, &handlers), MU_FULL);
+}
+
+/* Out of lock step who has nothing to say is not in an Up. */
+static void test_an_up_has_those_who_speak(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    struct mu_agent *blue = join("blue", MU_KIND_AGENT, 0);
+    struct mu_agent *green = join("green", MU_KIND_AGENT, 0);
+    (void)red;
+    CU_ASSERT_EQUAL(mu_agent_broadcast(green, "early"), MU_OK);
+    verdict_deliver(verdict("blue", 5, 0), "blue welcome; ");
+    CU_ASSERT_EQUAL(mu_agent_broadcast(blue, "hello"), MU_OK);
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL_FATAL(process.out.acts._length, 1);
+    CU_ASSERT_STRING_EQUAL(process.out.acts._buffer[0].agent, "blue");
+    process.out_pending = false;
+    verdict_deliver(verdict("green", 5, 0), "green welcome; ");
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_EQUAL(process.out.acts._length, 2);
+}
+
+static void test_a_name_is_taken_up_again(void)
+{
+    struct mu_agent *first = join("red", MU_KIND_AGENT, 0);
+    mu_agent *a = NULL;
+    CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "red", MU_KIND_AGENT, 0, &handlers), MU_EXISTS);
+    mu_agent_set_state(first, MU_GONE);
+    mu_text_clear(&heard);
+    struct mu_agent *second = join("red", MU_KIND_AGENT, 0);
+    CU_ASSERT_PTR_NOT_EQUAL(first, second);
+    CU_ASSERT_PTR_EQUAL(agent_find(&process, "red"), second);
+    expect_numbers(1, 1, "red#1 x; ");
+    CU_ASSERT_EQUAL(second->handed, 1);
+    CU_ASSERT_EQUAL(first->handed, 0);
+}
+
+static void test_a_roll_call(void)
+{
+    process.with_body = false;
+    process_take_memory(&process, 2 * MU_PART_AGENTS + 1, 2);
+    char name[16];
+    for (int i = 0; i < 2 * MU_PART_AGENTS + 1; i++) {
+        snprintf(name, sizeof name, "a%d", i);
+        (void)join(name, MU_KIND_AGENT, 0);
+    }
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+    memset(&process.roll, 0, sizeof process.roll); /* as if written */
+    mu_agent_set_state(agent_find(&process, "a70"), MU_SUSPENDED);
+    mu_text_clear(&heard);
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[1]);
+    delivery.roll_call = true;
+    expect("");
+    CU_ASSERT(process.roll.due_count == 3 && process.roll.due[0] && process.roll.due[2]);
+    delivery.roll_call = false;
+    memset(&process.roll, 0, sizeof process.roll);
+    verdict_deliver(verdict("a0", 5, 0), "a0 welcome; ");
+    CU_ASSERT_EQUAL(process.roll.due_count, 0);
+    verdict_deliver(verdict("a0", 6, 0), ""); /* another broker */
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+}
+
+static void test_limit_outbox_of_an_agent(void)
+{
+    process_take_memory(&process, 3, 2);
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    static char content[MU_CONTENT_MAX + 1];
+    memset(content, 'c', MU_CONTENT_MAX);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, content), MU_OK); /* the largest fits */
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, "two"), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, "three"), MU_FULL);
 }
 
 int main(void)
@@ -629,6 +710,10 @@ int main(void)
         {"limit: mails in one answer", test_limit_mails_in_one_answer},
         {"limit: bytes in one answer", test_limit_bytes_in_one_answer},
         {"limit: agents in one process", test_limit_agents},
+        {"limit: outbox of an agent", test_limit_outbox_of_an_agent},
+        {"an Up has those who speak", test_an_up_has_those_who_speak},
+        {"a name is taken up again", test_a_name_is_taken_up_again},
+        {"a roll call", test_a_roll_call},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/step: boxes", NULL, NULL, set_up, NULL, boxes},

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/roll.h"
+
+#include "runtime/process.h"
+
+#include <unistd.h>
+
+static char nothing[1];
+
+static void part_mark(mu_process *p, uint32_t part)
+{
+    p->roll.due_count += !p->roll.due[part];
+    p->roll.due[part] = true;
+}
+
+static uint32_t parts_used(const mu_process *p)
+{
+    return (p->agent_count + MU_PART_AGENTS - 1) / MU_PART_AGENTS;
+}
+
+void roll_mark(struct mu_agent *a)
+{
+    part_mark(a->process, (uint32_t)(a - a->process->agents) / MU_PART_AGENTS);
+}
+
+void roll_mark_all(mu_process *p)
+{
+    for (uint32_t part = 0; part < parts_used(p); part++) {
+        part_mark(p, part);
+    }
+}
+
+void roll_beat(mu_process *p)
+{
+    if (p->agent_count > 0) {
+        part_mark(p, 0);
+    }
+}
+
+/* Of who was refused nothing is said any more. */
+static muster_Entry entry_of(struct mu_agent *a)
+{
+    if (a->refused) {
+        return (muster_Entry){.name = nothing, .state = muster_STATE_ABSENT, .home = nothing};
+    }
+    return (muster_Entry){.name = a->name,
+                          .kind = (muster_Kind)a->kind,
+                          .state = (muster_State)(a->leaving ? a->last_state : a->state),
+                          .no_broadcasts = a->no_broadcasts,
+                          .full = (muster_BoxPolicy)a->box_policy,
+                          .box_mails = a->box_mails,
+                          .box_bytes = a->box_bytes,
+                          .home = nothing,
+                          .since_wall_ns = a->since_wall_ns};
+}
+
+static muster_Registration part_of(mu_process *p, uint32_t part)
+{
+    muster_Registration r = {.process = p->name,
+                             .part = part,
+                             .broker = nothing,
+                             .incarnation = p->incarnation,
+                             .host = p->host,
+                             .pid = (uint32_t)getpid(),
+                             .ready = p->ready};
+    uint32_t first = part * MU_PART_AGENTS;
+    uint32_t count = p->agent_count - first;
+    count = count < MU_PART_AGENTS ? count : MU_PART_AGENTS;
+    for (uint32_t i = 0; i < count; i++) {
+        p->roll.entries[i] = entry_of(&p->agents[first + i]);
+    }
+    r.agents._buffer = p->roll.entries;
+    r.agents._length = r.agents._maximum = count;
+    return r;
+}
+
+void roll_write(mu_process *p)
+{
+    for (uint32_t part = 0; part < ROLL_PARTS && p->roll.due_count > 0; part++) {
+        if (!p->roll.due[part]) {
+            continue;
+        }
+        muster_Registration r = part_of(p, part);
+        if (bus_write(&p->registration, &r) != MU_OK) {
+            return;
+        }
+        p->roll.due[part] = false;
+        p->roll.due_count--;
+    }
+}
+
+void roll_end(mu_process *p)
+{
+    for (uint32_t part = 0; part < parts_used(p); part++) {
+        muster_Registration r = {.process = p->name, .part = part, .broker = nothing};
+        r.host = nothing;
+        bus_dispose(&p->registration, &r);
+    }
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file roll.h
+ * What the process says of its agents: a part for each 64 of them, written when it has changed.
+ */
+#ifndef MUSTER_RUNTIME_ROLL_H
+#define MUSTER_RUNTIME_ROLL_H
+
+#include "muster/agent.h"
+#include "wire.h"
+
+enum { ROLL_PARTS = MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS };
+
+struct roll {
+    bool due[ROLL_PARTS]; /* not written as it is now */
+    uint32_t due_count;
+    muster_Entry entries[MU_PART_AGENTS]; /* of the part that is being written */
+};
+
+/** The agent's part is to be written. */
+void roll_mark(struct mu_agent *a);
+
+/** Every part is to be written: somebody has not heard them. */
+void roll_mark_all(mu_process *p);
+
+/** Part 0 is to be written, so that the broker hears that the process lives. */
+void roll_beat(mu_process *p);
+
+/** Writes what is to be written; what the network refuses stays. */
+void roll_write(mu_process *p);
+
+/** Takes all parts back. */
+void roll_end(mu_process *p);
+
+#endif
