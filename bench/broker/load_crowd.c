@@ -171,7 +171,7 @@ static void tales_tell(struct telling *t, uint64_t count, uint64_t window)
             load_send("all", text, 0);
             continue;
         }
-        peer_spin(200000);
+        peer_spin(1000000);
         while (done <= t->number && is_heard(t, done)) {
             done++;
         }

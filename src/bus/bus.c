@@ -161,10 +161,11 @@ static void on_arrival(dds_entity_t reader, void *self)
     pthread_mutex_lock(&bus->lock);
     r->arrived++;
     bus->arrived++;
-    if (bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted) {
+    bool enough = bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted;
+    pthread_mutex_unlock(&bus->lock);
+    if (enough) { /* after the lock: who wakes needs it at once */
         pthread_cond_signal(&bus->arrival);
     }
-    pthread_mutex_unlock(&bus->lock);
 }
 
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,

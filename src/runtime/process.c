@@ -59,6 +59,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
 void mu_process_close(mu_process *p)
 {
     /* What was taken is acknowledged before the name goes: its next life must not get it again. */
+    p->closing = true;
     step_flush(p);
     (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
     for (uint32_t i = 0; i < p->agent_count; i++) {
@@ -194,6 +195,8 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);
+        int64_t owed_ns = owed_wait_ns(&p->owed, mu_clock_ns());
+        most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {

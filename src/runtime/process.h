@@ -10,6 +10,7 @@
 #include "muster/agent.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/owed.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -61,6 +62,8 @@ struct mu_process {
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
+    struct owed owed;            /* acknowledgements that wait for mail to go with */
+    bool closing;                /* they wait no longer */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
@@ -110,7 +113,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense);
  */
 void step_hello(mu_process *p);
 
-/** Sends the mails and acknowledgements that wait, outside of lock step. */
+/** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */

@@ -19,6 +19,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
         return false;
     }
     if (number <= a->last_number) {
+        owed_add(&a->process->owed, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
@@ -26,6 +27,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (a->handed > 0 && number != a->last_number + 1) {
         return false;
     }
+    owed_add(&a->process->owed, mu_clock_ns());
     a->last_number = number;
     a->handed++;
     return true;
@@ -184,7 +186,7 @@ static muster_Act act_of(struct mu_agent *a)
                         .rules = a->rules};
 }
 
-/* Puts the next Up together.  @return whether there is anything in it but states */
+/* Puts the next Up together.  @return whether there is anything in it that is to go out now */
 static bool up_fill(mu_process *p, int64_t step)
 {
     uint32_t mails = 0;
@@ -207,7 +209,7 @@ static bool up_fill(mu_process *p, int64_t step)
     p->out.acts._length = p->out.acts._maximum = p->agent_count;
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
-    return mails > 0 || acks > 0;
+    return mails > 0 || (acks > 0 && (p->closing || owed_due(&p->owed, mu_clock_ns())));
 }
 
 bool step_retry(mu_process *p)
@@ -228,6 +230,7 @@ bool step_retry(mu_process *p)
         a->drives = false;
         mu_agent_fired(a, 0, "");
     }
+    owed_clear(&p->owed);
     for (uint32_t i = 0; i < p->out.acks._length; i++) {
         agent_find(p, p->acks[i].box)->acked_number = p->acks[i].number;
     }
