@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { LOAD_BYTES = 128, LOAD_COUNT_MAX = 10000000 };
+enum { LOAD_BYTES = 128, LOAD_CREDIT = 100, LOAD_COUNT_MAX = 10000000 };
 
 /* A mail, read. */
 struct load_mail {

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CROWD_MAX = 200, TALES_MAX = 4096, CREDIT = 100 };
+enum { CROWD_MAX = 200, TALES_MAX = 4096 };
 
 /* What was said to all under one number. */
 struct tale {
@@ -86,7 +86,7 @@ static void on_mail(const char *text)
         answer(&mail, "pong");
     } else if (strcmp(mail.word, "flood") == 0) {
         number_take(&one.flood, mail.number);
-        if (mail.number % CREDIT == 0) {
+        if (mail.number % LOAD_CREDIT == 0) {
             answer(&mail, "credit");
         }
     } else if (strcmp(mail.word, "tale") == 0 && mail.number < TALES_MAX) {

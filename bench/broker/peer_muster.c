@@ -64,7 +64,7 @@ void peer_open(const struct peer_options *options)
     }
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
     while (!peer.registered) {
-        peer_spin(2000000);
+        peer_spin(100000000);
         if (mu_clock_ns() > until_ns) {
             load_die("no broker in domain %s", options->where);
         }

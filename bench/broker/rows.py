@@ -12,7 +12,7 @@ FLOOD = {"ours": 200000, "mqtt": 100000}  # mails: about half a second
 NAMES_MANY, NAMES_FEW = 10000, 100
 
 
-def pair(here):
+def both(here):
     """Ours and mosquitto, each with its prefix, for what is measured of both."""
     return (("ours", here.ours), ("mqtt", here.mosquitto))
 
@@ -23,7 +23,7 @@ def prefixed(prefix, numbers):
 
 def roundtrip(here):
     found = {"direct_us": here.direct_us()}
-    for prefix, start in pair(here):
+    for prefix, start in both(here):
         with start() as broker, broker.crowd(1):
             found.update(prefixed(f"{prefix}_trip", broker.load("ping", PINGS, 1)))
     return found
@@ -31,7 +31,7 @@ def roundtrip(here):
 
 def throughput(here):
     found = {}
-    for prefix, start in pair(here):
+    for prefix, start in both(here):
         with start() as broker, broker.crowd(1):
             count = FLOOD[prefix]
             broker.load("flood", "a0", 5000)
@@ -43,7 +43,7 @@ def throughput(here):
 
 def crowd(here):
     found = {}
-    for prefix, start in pair(here):
+    for prefix, start in both(here):
         with start() as broker:
             with broker.crowd(1):
                 one = broker.load("ping", PINGS, 1)
@@ -66,7 +66,7 @@ def names(here):
             return found
 
         def ask(mode, count):
-            return brokers.measure(brokers.NAMES, mode, broker.where, count)
+            return brokers.measure(brokers.NAMES, broker.where, mode, count)
 
         before_kb = broker.resident_kb()
         found["names_s"] = ask("register", NAMES_MANY)
@@ -107,7 +107,7 @@ POUR_S = 2000  # mails a second to somebody who does not take them
 def bystanders(here):
     """Two who have nothing to do with it, while something happens to others."""
     found = {}
-    for prefix, start in pair(here):
+    for prefix, start in both(here):
         with start() as broker, broker.crowd(2):
 
             def note(what):

@@ -18,6 +18,9 @@ static const uint64_t HEARTBEAT_NS = 300000000;
 /* While something has not matched yet, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
 
+/* While the broker's answer is waited for, the time limit is looked at this often. */
+static const int64_t PATIENT_NS = 20000000;
+
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 static const uint64_t STEP_PATIENCE_NS = 300000000;
 
@@ -188,10 +191,18 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
+/* Matching brings no sample, and has to be looked for; the broker's answer wakes us by itself.  A
+ * crowd of processes that looked before that would keep the broker from answering. */
+static bool process_is_settled(const mu_process *p)
+{
+    bool heard = p->broker_incarnation != 0;
+    return p->with_body ? heard && p->ready : !heard || bus_writer_matches(&p->up) > 0;
+}
+
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     registrations_keep(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
+    bool settled = process_is_settled(p) && step_retry(p);
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);
@@ -214,7 +225,7 @@ mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
         if (mu_clock_ns() - began_ns > patience_ns) {
             return MU_TIMEOUT;
         }
-        mu_result spun = mu_process_spin(p, IMPATIENT_NS);
+        mu_result spun = mu_process_spin(p, PATIENT_NS);
         if (spun != MU_OK) {
             return spun;
         }
