@@ -191,12 +191,12 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
-/* Matching brings no sample, and has to be looked for; the broker's answer wakes us by itself.  A
- * crowd of processes that looked before that would keep the broker from answering. */
+/* Being ready for lock step brings no sample, and has to be looked for; the broker's answer wakes
+ * us by itself.  A crowd of processes that looked before that would keep the broker from answering.
+ */
 static bool process_is_settled(const mu_process *p)
 {
-    bool heard = p->broker_incarnation != 0;
-    return p->with_body ? heard && p->ready : !heard || bus_writer_matches(&p->up) > 0;
+    return !p->with_body || (p->broker_incarnation != 0 && p->ready);
 }
 
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
