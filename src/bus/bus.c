@@ -55,39 +55,34 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     return domain;
 }
 
+/* Tries to bind a socket.  @return 0, or errno; 0 too when the text is no IPv4 address */
+static int bind_try(const char *text, int port)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+    if (!text || inet_pton(AF_INET, text, &address.sin_addr) != 1) {
+        return 0;
+    }
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) {
+        return 0;
+    }
+    int result = bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 ? 0 : errno;
+    close(fd);
+    return result;
+}
+
 /* @return whether the text is an IPv4 address that no interface of this machine has */
 static bool is_elsewhere(const char *text)
 {
-    struct sockaddr_in address = {.sin_family = AF_INET};
-    if (!text || inet_pton(AF_INET, text, &address.sin_addr) != 1) {
-        return false;
-    }
-    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    bool elsewhere = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 &&
-                     errno == EADDRNOTAVAIL;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return elsewhere;
+    return bind_try(text, 0) == EADDRNOTAVAIL;
 }
 
-/* Whether somebody has the port of an index: a look is a hundred times cheaper than an attempt to
- * make a domain, and the hundredth process finds that many taken. */
-static bool index_is_taken(const struct bus_options *options, int index)
+/* A domain that fails for its index costs a hundred times as much as this: where many processes
+ * start, most indices are taken.  @return whether somebody has that index; false may be wrong */
+static bool is_taken(const struct bus_options *options, int index)
 {
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)bus_port(options->domain, index))};
     const char *interface = options->interface ? options->interface : "127.0.0.1";
-    if (inet_pton(AF_INET, interface, &address.sin_addr) != 1) {
-        return false;
-    }
-    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    bool taken = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 &&
-                 errno == EADDRINUSE;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return taken;
+    return bind_try(interface, bus_port(options->domain, index)) == EADDRINUSE;
 }
 
 /* Never goes on after a failure: the participant would come up on all interfaces. */
@@ -105,7 +100,7 @@ static mu_result domain_open(const struct bus_options *options)
     dds_return_t code = DDS_RETCODE_ERROR;
     dds_set_log_sink(log_nothing, NULL);
     for (int index = first; index <= last && code < 0; index++) {
-        code = index_is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
+        code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }
     dds_set_log_sink(NULL, NULL);
     if (code >= 0) {

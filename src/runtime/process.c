@@ -18,6 +18,9 @@ static const uint64_t HEARTBEAT_NS = 300000000;
 /* While something has not matched yet, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
 
+/* While the broker's answer is waited for, the time limit is looked at this often. */
+static const int64_t PATIENT_NS = 20000000;
+
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 static const uint64_t STEP_PATIENCE_NS = 300000000;
 
@@ -100,6 +103,7 @@ void mu_process_close(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
+    p->leaving = true;
     step_flush(p);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
@@ -227,21 +231,30 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
+/* Being ready for lock step brings no sample, and has to be looked for; the broker's answer wakes
+ * us by itself.  A crowd of processes that looked before that would keep the broker from answering.
+ */
+static bool process_is_settled(const mu_process *p)
+{
+    return !p->with_body || (p->broker_incarnation != 0 && p->ready);
+}
+
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     registrations_keep(p);
     roll_write(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p) &&
-                   p->roll.due_count == 0;
+    bool settled = process_is_settled(p) && step_retry(p) && p->roll.due_count == 0;
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);
+        int64_t owed_ns = owed_wait_ns(&p->owed, mu_clock_ns());
+        most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
-    if (!p->in_lockstep && p->queues[QUEUE_SEND].first) {
-        step_flush(p); /* acknowledgements alone wait for the next spin, and what is said by then */
+    if (!p->in_lockstep) {
+        step_flush(p);
     }
     agents_leave(p);
     roll_write(p);
@@ -260,7 +273,7 @@ mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
         if (mu_clock_ns() - began_ns > patience_ns) {
             return MU_TIMEOUT;
         }
-        mu_result spun = mu_process_spin(p, IMPATIENT_NS);
+        mu_result spun = mu_process_spin(p, PATIENT_NS);
         if (spun != MU_OK) {
             return spun;
         }

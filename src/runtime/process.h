@@ -11,6 +11,7 @@
 #include "runtime/kind.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/owed.h"
 #include "runtime/queue.h"
 #include "runtime/roll.h"
 #include "wire.h"
@@ -81,7 +82,8 @@ struct mu_process {
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
-    bool leaving;                /* one of the agents is */
+    struct owed owed;            /* acknowledgements that wait for mail to go with */
+    bool leaving;                /* one of the agents is, or all are */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
@@ -135,7 +137,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense);
  */
 void step_hello(mu_process *p);
 
-/** Sends the mails and acknowledgements that wait, outside of lock step. */
+/** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */

@@ -20,6 +20,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     }
     queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     if (number <= a->last_number) {
+        owed_add(&a->process->owed, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
@@ -27,6 +28,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (a->handed > 0 && number != a->last_number + 1) {
         return false;
     }
+    owed_add(&a->process->owed, mu_clock_ns());
     a->last_number = number;
     a->handed++;
     return true;
@@ -272,6 +274,9 @@ bool step_retry(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
         }
     }
+    if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
+        owed_clear(&p->owed);
+    }
     return true;
 }
 
@@ -330,9 +335,17 @@ static void unanswered_again(mu_process *p)
     }
 }
 
+/* Acknowledgements wait a little for mail to go with, but not when their agent is about to leave,
+ * or when a poll loop of the program's own decides when we are here again. */
+static bool acks_are_due(const mu_process *p)
+{
+    return p->queues[QUEUE_ACK].first &&
+           (p->leaving || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
+}
+
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || p->queues[QUEUE_ACK].first;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p);
 }
 
 void step_flush(mu_process *p)

@@ -7,12 +7,15 @@
 #include "core/clock.h"
 #include "wire.h"
 
+#include <arpa/inet.h>
 #include <CUnit/Basic.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -65,12 +68,31 @@ static int end(void)
     return waitpid(holder, NULL, 0) != holder;
 }
 
+/* Takes the port of an index.  @return a socket, or -1: somebody has it */
+static int index_hold(int index)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET,
+                                  .sin_port = htons((uint16_t)bus_port(domain(), index)),
+                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (bind(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        close(fd);
+        return -1;
+    }
+    return fd;
+}
+
 static void test_a_place_is_taken_once(void)
 {
     struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "test"};
     CU_ASSERT_EQUAL(bus_open(&bus, &options), MU_BUSY);
+    int first = index_hold(10), second = index_hold(11);
+    CU_ASSERT_TRUE_FATAL(first >= 0 && second >= 0);
     options.place = BUS_AGENT;
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
+    CU_ASSERT_EQUAL(index_hold(12), -1); /* the first that was free is ours */
+    close(first);
+    close(second);
 }
 
 static bool await(struct bus_reader *reader, const void **sample, enum bus_life *life)
