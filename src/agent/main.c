@@ -42,7 +42,7 @@ struct robot {
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set->network),
+        MU_JOIN_OPTIONS(set->network),
         {.name = "rules",
          .letter = 'r',
          .kind = MU_OPTION_STRING,
@@ -382,8 +382,9 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
 {
     struct mu_process_options options = {.domain = (int)set->network.domain,
                                          .interface = set->network.interface,
-                                         .peer = set->network.peer,
+                                         .peer = mu_network_peers(&set->network),
                                          .name = set->name,
+                                         .broker = set->network.broker,
                                          .with_body = true};
     MU_TRY(mu_process_open(&r->process, &options));
     struct mu_handlers handlers = {.self = r,

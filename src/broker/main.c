@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
+#include "broker/beacons.h"
 #include "broker/broker.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -24,6 +25,12 @@ static const int64_t IMPATIENT_NS = 2000000;
  */
 static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 
+/* How often a broker says that it is there. */
+static const uint64_t HEARTBEAT_NS = 300000000;
+
+/* So long it listens for another one of its name before it answers anybody. */
+static const uint64_t DOUBT_NS = 300000000;
+
 /* The writer into one process's partition. */
 struct mailbag {
     char process[MU_PROCESS_MAX + 1];
@@ -35,14 +42,17 @@ struct mailbag {
 struct post {
     struct bus bus;
     struct broker *broker;
-    struct bus_reader registrations, ups, rosters;
-    struct bus_writer members, status;
+    struct beacons beacons;
+    struct bus_reader registrations, ups, rosters, heard;
+    struct bus_writer members, status, beacon;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
-    uint64_t began_ns, looked_ns;
+    uint64_t began_ns, looked_ns, beacon_ns;
+    bool sure;   /* no other broker has our name */
+    bool yields; /* another one has it */
     muster_BrokerStatus told; /* the counters that were told last */
 };
 
@@ -62,11 +72,84 @@ static uint64_t post_now(const struct post *p)
 static mu_result post_open(struct post *p)
 {
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
-    MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
+    MU_TRY(bus_writer_open(&p->bus, BUS_BEACON, NULL, NULL, &p->beacon));
+    MU_TRY(bus_reader_open(&p->bus, BUS_BEACON, NULL, &p->heard));
+    char partition[sizeof "broker." + MU_NAME_MAX];
+    snprintf(partition, sizeof partition, "broker.%s", p->beacons.name);
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, partition, &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_STATUS, NULL, NULL, &p->status));
     return MU_OK;
+}
+
+/* --- the other brokers ------------------------------------------------------------------------ */
+
+static void beacon_take(struct post *p, const muster_Beacon *beacon)
+{
+    switch (beacons_hear(&p->beacons, beacon)) {
+    case BEACON_NOTHING: break;
+    case BEACON_MET:
+        mu_log(MU_LOG_INFO, "broker-met", "name=%s host=%s pid=%u index=%u", beacon->broker,
+               beacon->host, beacon->pid, beacon->index);
+        break;
+    case BEACON_LATER:
+        mu_log(MU_LOG_WARNING, "name-claimed", "name=%s host=%s pid=%u", beacon->broker,
+               beacon->host, beacon->pid);
+        break;
+    case BEACON_EARLIER:
+        fprintf(stderr,
+                "muster broker: the network has a broker named %s already, on %s (process %u); "
+                "give this one another name\n",
+                beacon->broker, beacon->host, beacon->pid);
+        p->yields = true;
+        break;
+    }
+}
+
+static void beacons_take(struct post *p)
+{
+    enum bus_life life;
+    const muster_Beacon *beacon;
+    while (!p->yields && (beacon = bus_next(&p->heard, &life))) {
+        if (life == BUS_DATA) {
+            beacon_take(p, beacon);
+        } else if (beacons_lose(&p->beacons, beacon->broker)) {
+            mu_log(MU_LOG_INFO, "broker-lost", "name=%s", beacon->broker);
+        }
+    }
+}
+
+static void beacon_tell(struct post *p)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (p->beacon_ns && now_ns - p->beacon_ns < HEARTBEAT_NS) {
+        return;
+    }
+    p->beacon_ns = now_ns;
+    muster_BrokerStatus status = {0};
+    broker_status(p->broker, &status);
+    muster_Beacon beacon = {.broker = p->beacons.name,
+                            .incarnation = p->beacons.incarnation,
+                            .host = p->beacons.host,
+                            .pid = p->beacons.pid,
+                            .index = p->bus.index > 0 ? (uint32_t)p->bus.index : 0,
+                            .agents = status.agents,
+                            .takes_agents = p->sure && status.agents < MU_AGENTS_MAX};
+    mu_result written = bus_write(&p->beacon, &beacon);
+    (void)written; /* the next heartbeat says it again */
+}
+
+/* Nobody is answered while another broker of this name may be there. */
+static void doubt_settle(struct post *p, bool is_lone)
+{
+    while (!is_lone && !p->yields && !signal_came && post_now(p) < DOUBT_NS) {
+        beacons_take(p);
+        beacon_tell(p);
+        bus_wait(&p->bus, 1, IMPATIENT_NS);
+    }
+    p->sure = true;
+    p->beacon_ns = 0;
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
@@ -76,8 +159,10 @@ static void registrations_take(struct post *p)
     enum bus_life life;
     const muster_Registration *r;
     while ((r = bus_next(&p->registrations, &life))) {
-        if (life == BUS_DATA) {
+        if (life == BUS_DATA && strcmp(r->broker, p->beacons.name) == 0) {
             broker_registration(p->broker, r, post_now(p));
+        } else if (life == BUS_DATA) {
+            broker_gone(p->broker, r->name, r->process, false, post_now(p)); /* it is elsewhere */
         } else {
             broker_gone(p->broker, r->name, r->process, life == BUS_LOST, post_now(p));
         }
@@ -108,10 +193,23 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
     return true;
 }
 
+/* The end of a roster has the simulator's name alone. */
+static bool roster_is_ours(const struct post *p, const muster_Roster *roster, enum bus_life life)
+{
+    if (life != BUS_DATA) {
+        return strcmp(roster->simulator, p->simulator) == 0;
+    }
+    return roster->broker[0] == '\0' || strcmp(roster->broker, p->beacons.name) == 0;
+}
+
 static void rosters_take(struct post *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
+        if (!roster_is_ours(p, p->roster, life)) {
+            p->roster = NULL;
+            continue;
+        }
         p->roster_ns = p->roster_ns ? p->roster_ns : mu_clock_ns();
         bool may_wait = life == BUS_DATA && mu_clock_ns() - p->roster_ns < ROSTER_PATIENCE_NS;
         if (may_wait && !roster_is_heard(p, p->roster)) {
@@ -217,6 +315,7 @@ static bool deliveries_write(struct post *p)
     const char *process;
     muster_Delivery delivery;
     while (broker_next(p->broker, &process, &delivery)) {
+        delivery.broker_incarnation = p->beacons.incarnation;
         const struct mailbag *bag = bag_find(p, process);
         if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
@@ -265,6 +364,8 @@ static int64_t wait_ns(const struct post *p, bool impatient)
 
 static void post_round(struct post *p)
 {
+    beacons_take(p);
+    beacon_tell(p);
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     bags_follow(p);
@@ -277,6 +378,19 @@ static void post_round(struct post *p)
         status_tell(p);
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
+}
+
+/* A broker that gives way leaves the Beacon to the other one: disposed, both would be gone. */
+static int post_close(struct post *p)
+{
+    if (p->yields) {
+        return MU_EXIT_DDS;
+    }
+    muster_Beacon beacon = {.broker = p->beacons.name, .host = p->beacons.host};
+    bus_dispose(&p->beacon, &beacon);
+    status_tell(p);
+    (void)bus_drain(&p->status, 200000000);
+    return MU_EXIT_DONE;
 }
 
 int main(int argc, char **argv)
@@ -317,14 +431,17 @@ int main(int argc, char **argv)
                                     .pid = (uint32_t)getpid(),
                                     .wall_ns = mu_clock_wall_ns()};
     p->broker = broker_open(&broker);
+    p->beacons = (struct beacons){.incarnation = broker.incarnation, .pid = broker.pid};
+    mu_text_copy(p->beacons.name, sizeof p->beacons.name, broker.name);
+    mu_text_copy(p->beacons.host, sizeof p->beacons.host, host);
     struct bus_options bus = {.domain = (int)network.domain,
                               .place = BUS_BROKER,
                               .name = "broker",
                               .interface = network.interface,
-                              .hub = network.peer};
+                              .hub = mu_network_peers(&network)};
     mu_result opened = bus_open(&p->bus, &bus);
     if (opened == MU_BUSY) {
-        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
+        fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
                 bus.domain);
     }
     if (opened != MU_OK || post_open(p) != MU_OK) {
@@ -334,12 +451,13 @@ int main(int argc, char **argv)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", broker.name, bus.domain);
-    while (!signal_came) {
+    doubt_settle(p, network.peers.count == 0 && bus_is_lone_broker(&p->bus, bus.domain));
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", broker.name, bus.domain,
+           p->bus.index);
+    while (!signal_came && !p->yields) {
         post_round(p);
     }
-    status_tell(p);
-    (void)bus_drain(&p->status, 200000000);
+    int code = post_close(p);
     bus_close(&p->bus);
-    return MU_EXIT_DONE;
+    return code;
 }

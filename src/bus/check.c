@@ -79,7 +79,7 @@ bool check_registration(const void *sample)
     const muster_Registration *r = sample;
     /* A name that is not one is passed on, so that the broker can say why it refuses it. */
     return text_fits(r->name, MU_FIELD_MAX) && r->name[0] != '\0' && is_process(r->process) &&
-           text_fits(r->host, MU_FIELD_MAX);
+           is_name(r->broker) && text_fits(r->host, MU_FIELD_MAX);
 }
 
 bool check_up(const void *sample)
@@ -176,7 +176,8 @@ bool check_delivery(const void *sample)
 bool check_roster(const void *sample)
 {
     const muster_Roster *r = sample;
-    if (!is_process(r->simulator) || r->processes._length > MU_PROCESSES_MAX) {
+    if (!is_process(r->simulator) || !text_fits(r->broker, MU_NAME_MAX) ||
+        r->processes._length > MU_PROCESSES_MAX) {
         return false;
     }
     for (uint32_t i = 0; i < r->processes._length; i++) {
@@ -212,4 +213,10 @@ bool check_broker_status(const void *sample)
 {
     const muster_BrokerStatus *s = sample;
     return is_process(s->broker);
+}
+
+bool check_beacon(const void *sample)
+{
+    const muster_Beacon *b = sample;
+    return is_name(b->broker) && is_count(b->incarnation) && text_fits(b->host, MU_FIELD_MAX);
 }

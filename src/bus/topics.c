@@ -11,7 +11,7 @@ const struct topic topic_table[BUS_TOPICS] = {
          .from_to = "agent's process to broker and simulator",
          .carries = "an agent is there, and in which state; its liveliness is the agent's"},
     [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .check = check_up,
-                .partition = "`broker`; `simulator` too for robots",
+                .partition = "`broker.NAME`; `simulator` too for robots",
                 .from_to = "agent's process to broker and simulator",
                 .carries = "what its agents did in a step: speeds, mails, rules fired"},
     [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense, .partition = "the process",
@@ -37,6 +37,10 @@ const struct topic topic_table[BUS_TOPICS] = {
     [BUS_BROKER_STATUS] = {"BrokerStatus", &muster_BrokerStatus_desc, .for_late_comers = true,
                            .check = check_broker_status, .partition = "default",
                            .from_to = "broker to whoever looks", .carries = "counters of mail"},
+    [BUS_BEACON] = {"Beacon", &muster_Beacon_desc, .for_late_comers = true,
+                    .liveliness_ns = DDS_SECS(1), .check = check_beacon, .partition = "default",
+                    .from_to = "broker to agents' processes and the other brokers",
+                    .carries = "a broker is there; its liveliness is the broker's"},
 };
 
 dds_qos_t *topics_qos(const struct topic *topic)

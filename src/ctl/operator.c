@@ -85,8 +85,9 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     }
     struct mu_process_options process = {.domain = domain,
                                          .interface = options->network.interface,
-                                         .peer = options->network.peer,
-                                         .name = "operator"};
+                                         .peer = mu_network_peers(&options->network),
+                                         .name = "operator",
+                                         .broker = options->network.broker};
     if (mu_process_open(&o->process, &process) != MU_OK) {
         return MU_EXIT_DDS;
     }

@@ -38,7 +38,7 @@ const char *mu_outcome_text(enum mu_outcome outcome)
 void agent_register(struct mu_agent *a)
 {
     mu_process *p = a->process;
-    if (a->refused || a->gone) {
+    if (a->refused || a->gone || p->link.broker[0] == '\0') {
         return;
     }
     muster_Registration r = {.name = a->name,
@@ -48,6 +48,7 @@ void agent_register(struct mu_agent *a)
                              .state = (muster_State)a->state,
                              .host = p->host,
                              .pid = (uint32_t)getpid(),
+                             .broker = p->link.broker,
                              .no_broadcasts = a->no_broadcasts,
                              .ready = p->ready};
     mu_result written = bus_write(&p->registration, &r);
@@ -87,9 +88,12 @@ struct mu_agent *agent_find(mu_process *p, const char *name)
     return NULL;
 }
 
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker)
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
     if (v->accepted) {
+        bool other_broker =
+            a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation;
+        a->broker_incarnation = v->broker_incarnation;
         a->progress_ns = mu_clock_ns();
         outbox_continue(&a->outbox, v->last_seq);
         if (other_broker) {
@@ -98,9 +102,10 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broke
         }
         outbox_confirm(&a->outbox, 1, v->last_seq);
     }
-    bool is_news = v->accepted ? !a->registered : !a->refused;
+    bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;
     a->refused = !v->accepted;
+    a->welcomed = v->accepted;
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }

@@ -27,7 +27,6 @@ static const int64_t CLOSE_PATIENCE_NS = 200000000;
 static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
-    MU_TRY(bus_writer_open(&p->bus, BUS_UP, "broker", p->with_body ? "simulator" : NULL, &p->up));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
     if (p->with_body) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
@@ -51,6 +50,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
                               .interface = options->interface,
                               .hub = options->peer};
     MU_TRY(bus_open(&p->bus, &bus));
+    MU_TRY(link_open(p, options->broker));
     MU_TRY(endpoints_open(p));
     *out = p;
     return MU_OK;
@@ -70,14 +70,32 @@ void mu_process_close(mu_process *p)
 
 bool mu_process_has_broker(const mu_process *p)
 {
-    return bus_reader_matches(&p->delivery) > 0;
+    return p->link.broker[0] && !p->link.silent && bus_reader_matches(&p->delivery) > 0;
+}
+
+const char *mu_process_broker(const mu_process *p)
+{
+    bool answered = p->broker_incarnation != 0 && p->broker_incarnation == p->link.incarnation;
+    return answered && !p->link.silent ? p->link.broker : NULL;
+}
+
+void process_register(mu_process *p)
+{
+    p->ready = false;
+    p->heartbeat_ns = mu_clock_ns();
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        a->registered = false;
+        a->incarnation = mu_clock_wall_ns();
+        agent_register(a);
+    }
 }
 
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
     return p->with_body && p->greeted && p->broker_incarnation != 0 &&
-           bus_writer_reaches(&p->up, "broker") && bus_writer_reaches(&p->up, "simulator") &&
+           bus_writer_reaches(&p->up, p->link.partition) && bus_writer_reaches(&p->up, "simulator") &&
            bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
 }
 
@@ -111,7 +129,8 @@ void process_next_delivery(mu_process *p)
     enum bus_life life;
     do {
         p->mail = bus_next(&p->delivery, &life);
-    } while (p->mail && life != BUS_DATA);
+    } while (p->mail &&
+             (life != BUS_DATA || p->mail->broker_incarnation != p->link.incarnation));
 }
 
 /* Takes the step that is there: the reader keeps only the newest. */
@@ -189,6 +208,7 @@ static bool handle_one(mu_process *p)
 
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
+    MU_TRY(link_look(p));
     registrations_keep(p);
     bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;

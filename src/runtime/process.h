@@ -8,6 +8,7 @@
 
 #include "bus/bus.h"
 #include "muster/agent.h"
+#include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
 #include "wire.h"
@@ -29,6 +30,8 @@ struct mu_agent {
     struct mu_handlers handlers;
     uint64_t incarnation;
     bool registered, refused;
+    bool welcomed;               /* has been told that its name is accepted */
+    uint64_t broker_incarnation; /* of the one that accepted it last; 0: none */
     bool no_broadcasts;
     bool gone; /* has left */
     struct outbox outbox;
@@ -47,7 +50,9 @@ struct mu_process {
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
     bool with_body;
-    struct bus_writer registration, up;
+    struct link link;
+    struct bus_writer registration;
+    struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, sense;
     struct mu_agent *agents; /* MU_LOCAL_AGENTS_MAX of them */
     uint32_t agent_count;
@@ -75,7 +80,10 @@ struct mu_process {
 
 /* process.c */
 
-/** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
+/** Says every agent to the broker anew; none may send before it has answered. */
+void process_register(mu_process *p);
+
+/** Takes the next delivery of our broker, on loan, into p->mail; NULL: there is none. */
 void process_next_delivery(mu_process *p);
 
 /* agent.c */
@@ -84,7 +92,7 @@ void process_next_delivery(mu_process *p);
 void agent_register(struct mu_agent *a);
 
 /** Takes the broker's answer to a registration. */
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker);
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

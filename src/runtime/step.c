@@ -64,17 +64,13 @@ static void notices_take(mu_process *p, const muster_Delivery *d)
     for (uint32_t i = 0; i < d->verdicts._length; i++) {
         const muster_Verdict *v = &d->verdicts._buffer[i];
         struct mu_agent *a = agent_find(p, v->agent);
-        bool other_broker =
-            p->broker_incarnation != 0 && p->broker_incarnation != v->broker_incarnation;
-        if (other_broker) {
+        if (p->broker_incarnation != 0 && p->broker_incarnation != v->broker_incarnation) {
             members_clear(&p->members);
         }
+        p->broker_incarnation = v->broker_incarnation;
         if (a) {
-            agent_verdict(a, v, other_broker);
+            agent_verdict(a, v);
         }
-    }
-    if (d->verdicts._length > 0) {
-        p->broker_incarnation = d->verdicts._buffer[0].broker_incarnation;
     }
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
@@ -150,7 +146,7 @@ static uint32_t acks_fill(mu_process *p)
     uint32_t count = 0;
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        if (a->acked_number != a->last_number) {
+        if (a->registered && a->acked_number != a->last_number) {
             p->acks[count++] =
                 (muster_Ack){.box = a->name, .number = a->last_number, .handed = a->handed};
         }
