@@ -89,6 +89,7 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
      * default of 500 kB would refuse writes long before. */
     mu_text_add(xml, "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
                      "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
+                     "<HeartbeatInterval>20ms</HeartbeatInterval>"
                      "<Watermarks><WhcHigh>8MB</WhcHigh></Watermarks></Internal>"
                      "</Domain></CycloneDDS>");
 }

@@ -35,8 +35,8 @@ static void beacons_take(struct link *l)
     }
 }
 
-/* Goes to a broker: another one, or another life of the same, or the same after a silence.  A
- * higher incarnation of the agents makes it answer, even if it has never missed them. */
+/* Goes to a broker: another one, or another life of the same.  A higher incarnation of the agents
+ * makes it answer, even if it knows them from before and has never missed them. */
 static mu_result broker_enter(mu_process *p, const struct choice_broker *to)
 {
     struct link *l = &p->link;
@@ -82,8 +82,8 @@ mu_result link_look(mu_process *p)
     }
     const struct choice_broker *now = choice_find(&l->choice, l->broker);
     if (now && now->there) {
-        bool news = l->silent || now->incarnation != l->incarnation;
-        return news ? broker_enter(p, now) : MU_OK;
+        l->silent = false; /* if it has missed us, our next heartbeat tells it */
+        return now->incarnation != l->incarnation ? broker_enter(p, now) : MU_OK;
     }
     if (now_ns < l->patient_until_ns) {
         return MU_OK;

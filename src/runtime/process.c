@@ -15,8 +15,11 @@
  * broker that its writer lives. */
 static const uint64_t HEARTBEAT_NS = 300000000;
 
-/* While something has not matched yet, look again this often. */
+/* While something has not matched yet, or the network is busy, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
+
+/* While no broker has answered: what comes of it is a sample, which wakes us; time is looked at. */
+static const int64_t EXPECTANT_NS = 20000000;
 
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 static const uint64_t STEP_PATIENCE_NS = 300000000;
@@ -206,12 +209,22 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
+static int64_t patience_ns(mu_process *p)
+{
+    if (!step_retry(p)) {
+        return IMPATIENT_NS;
+    }
+    if (!mu_process_broker(p)) {
+        return EXPECTANT_NS;
+    }
+    return p->ready || !p->with_body ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
+}
+
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     MU_TRY(link_look(p));
     registrations_keep(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p);
-    int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
+    int64_t most_ns = patience_ns(p);
     if (!p->in_lockstep) {
         step_flush(p);
     }
@@ -231,7 +244,7 @@ mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
         if (mu_clock_ns() - began_ns > patience_ns) {
             return MU_TIMEOUT;
         }
-        mu_result spun = mu_process_spin(p, IMPATIENT_NS);
+        mu_result spun = mu_process_spin(p, EXPECTANT_NS);
         if (spun != MU_OK) {
             return spun;
         }
