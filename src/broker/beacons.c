@@ -52,6 +52,11 @@ enum beacon_news beacons_hear(struct beacons *b, const muster_Beacon *beacon)
         return namesake_hear(b, beacon);
     }
     struct beacon_other *other = other_find(b, beacon->broker);
+    /* A second one of its name, which is not sure of it yet: the first goes on. */
+    if (other && other->there && other->incarnation != beacon->incarnation &&
+        !beacon->takes_agents) {
+        return BEACON_NOTHING;
+    }
     other = other ? other : other_add(b, beacon->broker);
     if (!other) {
         b->refused++;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The network, on loopback: readers and writers of one participant, and another process that holds
- * the broker's place.
+ * the simulator's place.
  */
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -19,7 +19,7 @@ static const uint64_t PATIENCE_NS = 5000000000u;
 static const int64_t WAIT_NS = 5000000;
 
 static struct bus bus; /* static: DDS keeps pointers into it */
-static pid_t holder;   /* of the broker's place */
+static pid_t holder;   /* of the simulator's place */
 
 static int domain(void)
 {
@@ -39,7 +39,7 @@ static int begin(void)
     char up = 0;
     unsetenv("CYCLONEDDS_URI");
     alarm(60);
-    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "holder"};
+    struct bus_options options = {.domain = domain(), .place = BUS_SIMULATOR, .name = "holder"};
     if (pipe(ends) != 0) {
         return 1;
     }
@@ -66,10 +66,11 @@ static int end(void)
 
 static void test_a_place_is_taken_once(void)
 {
-    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "test"};
+    struct bus_options options = {.domain = domain(), .place = BUS_SIMULATOR, .name = "test"};
     CU_ASSERT_EQUAL(bus_open(&bus, &options), MU_BUSY);
     options.place = BUS_AGENT;
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
+    CU_ASSERT_EQUAL(bus.index, 10);
 }
 
 static bool await(struct bus_reader *reader, const void **sample, enum bus_life *life)

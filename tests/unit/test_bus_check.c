@@ -67,15 +67,16 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .members = LIST(members),
                                    .outside = LIST(outside)};
 
-static muster_Registration registration = {.name = W("red"), .process = W("p1"), .host = W("here")};
+static muster_Registration registration = {.name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here")};
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
-static muster_Roster roster = {.simulator = W("sim"), .processes = LIST(processes)};
+static muster_Roster roster = {.simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
 static muster_RunCommand command = {.simulator = W("sim")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
 static muster_Member member = A_MEMBER;
+static muster_Beacon beacon = {.broker = W("b1"), .incarnation = 1, .host = W("here")};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 
 enum field_kind {
@@ -123,6 +124,7 @@ static const struct field {
      MU_FIELD_MAX},
     {"registration.process", check_registration, &registration, &registration.process, A_WORD,
      MU_PROCESS_MAX},
+    {"registration.broker", check_registration, &registration, &registration.broker, A_NAME, 0},
     {"registration.host", check_registration, &registration, &registration.host, A_TEXT,
      MU_FIELD_MAX},
 
@@ -172,6 +174,7 @@ static const struct field {
     MAIL("delivery.outside", check_delivery, &delivery, outside[2]),
 
     {"roster.simulator", check_roster, &roster, &roster.simulator, A_WORD, MU_PROCESS_MAX},
+    {"roster.broker", check_roster, &roster, &roster.broker, A_TEXT, MU_NAME_MAX},
     {"roster.processes", check_roster, &roster, &roster.processes._length, A_LENGTH,
      MU_PROCESSES_MAX},
     {"roster.process", check_roster, &roster, &processes[2], A_WORD, MU_PROCESS_MAX},
@@ -186,6 +189,9 @@ static const struct field {
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
     MEMBER("member", check_member, &member, member),
+    {"beacon.broker", check_beacon, &beacon, &beacon.broker, A_NAME, 0},
+    {"beacon.incarnation", check_beacon, &beacon, &beacon.incarnation, A_COUNT, 0},
+    {"beacon.host", check_beacon, &beacon, &beacon.host, A_TEXT, MU_FIELD_MAX},
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
 };
@@ -352,6 +358,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_RUN_STATUS] = check_run_status,
         [BUS_MEMBER] = check_member,
         [BUS_BROKER_STATUS] = check_broker_status,
+        [BUS_BEACON] = check_beacon,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);
