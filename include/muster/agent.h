@@ -79,7 +79,7 @@ struct mu_mail {
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    uint64_t reply_by_ns;      /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
     enum mu_priority priority;
     enum mu_level level;
     bool timed;      /* wait for due_ns; else it goes at once */

@@ -51,8 +51,8 @@ struct post {
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns, beacon_ns;
-    bool sure;   /* no other broker has our name */
-    bool yields; /* another one has it */
+    bool sure;                /* no other broker has our name */
+    bool yields;              /* another one has it */
     muster_BrokerStatus told; /* the counters that were told last */
 };
 

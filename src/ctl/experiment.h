@@ -17,7 +17,7 @@ enum {
     EXPERIMENT_EXPECTATIONS_MAX = 64,
     EXPERIMENT_GLOBALS_MAX = 64,
     EXPERIMENT_OVERRIDES_MAX = 64,
-    EXPERIMENT_BROKERS_MAX = 4,     /* as many as one host can have */
+    EXPERIMENT_BROKERS_MAX = 4,    /* as many as one host can have */
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
 

@@ -29,9 +29,9 @@ const char *mu_state_text(enum mu_state state)
 
 const char *mu_outcome_text(enum mu_outcome outcome)
 {
-    static const char *const texts[] = {"delivered",    "stored",    "expired", "box-full",
-                                        "unknown-name", "duplicate", "refused", "dropped",
-                                        "no-store"};
+    static const char *const texts[] = {"delivered", "stored",       "expired",
+                                        "box-full",  "unknown-name", "duplicate",
+                                        "refused",   "dropped",      "no-store"};
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 

@@ -98,8 +98,9 @@ void process_register(mu_process *p)
 static bool process_is_ready(const mu_process *p)
 {
     return p->with_body && p->greeted && p->broker_incarnation != 0 &&
-           bus_writer_reaches(&p->up, p->link.partition) && bus_writer_reaches(&p->up, "simulator") &&
-           bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
+           bus_writer_reaches(&p->up, p->link.partition) &&
+           bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
+           bus_reader_matches(&p->sense) > 0;
 }
 
 static void registrations_keep(mu_process *p)
@@ -132,8 +133,7 @@ void process_next_delivery(mu_process *p)
     enum bus_life life;
     do {
         p->mail = bus_next(&p->delivery, &life);
-    } while (p->mail &&
-             (life != BUS_DATA || p->mail->broker_incarnation != p->link.incarnation));
+    } while (p->mail && (life != BUS_DATA || p->mail->broker_incarnation != p->link.incarnation));
 }
 
 /* Takes the step that is there: the reader keeps only the newest. */

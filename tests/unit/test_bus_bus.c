@@ -198,8 +198,11 @@ static void test_waiting(void)
 
 static muster_Registration registration(const char *process, uint32_t pid)
 {
-    return (muster_Registration){
-        .name = words("red"), .process = words(process), .host = words("here"), .pid = pid};
+    return (muster_Registration){.name = words("red"),
+                                 .process = words(process),
+                                 .broker = words("b1"),
+                                 .host = words("here"),
+                                 .pid = pid};
 }
 
 /* Late comers get the newest of each instance, and hear of its end. */

@@ -67,9 +67,11 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .members = LIST(members),
                                    .outside = LIST(outside)};
 
-static muster_Registration registration = {.name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here")};
+static muster_Registration registration = {
+    .name = W("red"), .process = W("p1"), .broker = W("b1"), .host = W("here")};
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
-static muster_Roster roster = {.simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
+static muster_Roster roster = {
+    .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
 static muster_RunCommand command = {.simulator = W("sim")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};

@@ -161,8 +161,10 @@ static void deliver(struct peer *p, const muster_Delivery *d)
 
 static void deliver_verdict(struct peer *p, const char *agent)
 {
-    muster_Verdict v = {
-        .agent = words(agent), .accepted = true, .broker_incarnation = p->process->link.incarnation, .reason = words("")};
+    muster_Verdict v = {.agent = words(agent),
+                        .accepted = true,
+                        .broker_incarnation = p->process->link.incarnation,
+                        .reason = words("")};
     muster_Delivery d = delivery_to(p, muster_STEP_NOW);
     d.verdicts._buffer = &v;
     d.verdicts._length = d.verdicts._maximum = 1;
