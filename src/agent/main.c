@@ -417,8 +417,9 @@ int main(int argc, char **argv)
     if (ready == MU_TIMEOUT) {
         fprintf(stderr,
                 "muster robot: no broker answers in domain %d; start one with: "
-                "muster broker NAME --domain %d\n",
-                (int)set.network.domain, (int)set.network.domain);
+                "muster broker %s --domain %d\n",
+                (int)set.network.domain, set.network.broker ? set.network.broker : "NAME",
+                (int)set.network.domain);
     }
     if (ready != MU_OK) {
         return mu_exit_for(ready);

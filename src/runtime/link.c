@@ -2,6 +2,7 @@
 #include "runtime/link.h"
 
 #include "core/clock.h"
+#include "core/name.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
@@ -18,6 +19,10 @@ static const uint64_t HEARTBEAT_NS = 400000000;
 
 mu_result link_open(mu_process *p, const char *wanted)
 {
+    if (wanted && !mu_name_valid(wanted)) {
+        fprintf(stderr, "'%s' cannot be a broker's name\n", wanted);
+        return MU_FAULT_USAGE;
+    }
     mu_text_copy(p->link.wanted, sizeof p->link.wanted, wanted ? wanted : "");
     return bus_reader_open(&p->bus, BUS_BEACON, NULL, &p->link.beacons);
 }

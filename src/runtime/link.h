@@ -25,7 +25,7 @@ struct link {
     uint64_t patient_until_ns;          /* nobody's silence counts before */
 };
 
-/** Begins to listen.  @param wanted  the broker to begin with, or NULL */
+/** Begins to listen for wanted, or NULL.  @return MU_OK; MU_FAULT_USAGE: no name; MU_FAULT_DDS */
 MU_MUST_USE mu_result link_open(mu_process *p, const char *wanted);
 
 /** Hears brokers, and goes to one, or to another, when it is time. */

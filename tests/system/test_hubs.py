@@ -56,6 +56,7 @@ def test_four_brokers_live_on_a_host():
             check_equal(pages(domain, name)["broker"]["broker"], name, "who answers")
         done = muster("ps", "--domain", domain, "--broker", "nobody", timeout=20)
         check_equal(done.returncode, 4, "a broker that is not there")
+        check("muster broker nobody" in done.stderr, done.stderr)
 
 
 def test_of_two_brokers_with_one_name_the_earlier_one_stays():
