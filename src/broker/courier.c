@@ -232,8 +232,10 @@ static void outside_fill(struct broker *b, muster_Delivery *d)
 static void delivery_begin(struct broker *b, const struct place *at, muster_Delivery *d)
 {
     struct courier *c = &b->courier;
-    *d = (muster_Delivery){
-        .step = muster_STEP_NOW, .broker = b->name, .roll_call = at->roll_call_due};
+    *d = (muster_Delivery){.broker = b->name,
+                           .broker_incarnation = b->incarnation,
+                           .step = muster_STEP_NOW,
+                           .roll_call = at->roll_call_due};
     d->process = (char *)(uintptr_t)at->name; /* idlc has no const; nobody writes there */
     d->parcels._buffer = c->parcels;
     d->receipts._buffer = c->receipts;

@@ -3,6 +3,7 @@
 #include "broker/broker.h"
 #include "broker/files.h"
 #include "broker/health.h"
+#include "broker/herald.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -24,6 +25,9 @@ static const int64_t IMPATIENT_NS = 2000000;
  */
 static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 
+/* So long it listens for another one of its name before it answers anybody. */
+static const uint64_t DOUBT_NS = 300000000;
+
 /* The writer into one process's partition. */
 struct mailbag {
     char process[MU_PROCESS_MAX + 1];
@@ -38,6 +42,7 @@ struct post {
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct health health;
+    struct herald herald;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
@@ -60,10 +65,12 @@ static uint64_t post_now(const struct post *p)
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct post *p)
+static mu_result post_open(struct post *p, const char *name)
 {
+    char partition[sizeof "broker." + MU_NAME_MAX];
+    snprintf(partition, sizeof partition, "broker.%s", name);
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
-    MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, partition, &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
@@ -110,10 +117,23 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
     return true;
 }
 
+/* The end of a roster has the simulator's name alone. */
+static bool roster_is_ours(const struct post *p, const muster_Roster *roster, enum bus_life life)
+{
+    if (life != BUS_DATA) {
+        return strcmp(roster->simulator, p->simulator) == 0;
+    }
+    return roster->broker[0] == '\0' || strcmp(roster->broker, p->herald.beacons.name) == 0;
+}
+
 static void rosters_take(struct post *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
+        if (!roster_is_ours(p, p->roster, life)) {
+            p->roster = NULL;
+            continue;
+        }
         p->roster_ns = p->roster_ns ? p->roster_ns : mu_clock_ns();
         bool may_wait = life == BUS_DATA && mu_clock_ns() - p->roster_ns < ROSTER_PATIENCE_NS;
         if (may_wait && !roster_is_heard(p, p->roster)) {
@@ -273,6 +293,8 @@ static int64_t wait_ns(const struct post *p, bool impatient)
 
 static void post_round(struct post *p)
 {
+    herald_hear(&p->herald);
+    herald_tell(&p->herald, p->broker);
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     bags_follow(p);
@@ -289,27 +311,46 @@ static void post_round(struct post *p)
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
-/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
-static int broker_begin(struct post *p, const struct settings *s, const char *name)
+/* Nobody is answered while another broker of this name may be there. */
+static void doubt_settle(struct post *p, bool is_lone)
 {
-    char host[MU_FIELD_MAX + 1] = "";
-    gethostname(host, sizeof host - 1);
-    struct broker_options broker = {.name = name,
-                                    .incarnation = mu_clock_wall_ns(),
-                                    .host = host,
-                                    .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns(),
-                                    .delivery_interval_ns =
-                                        (uint64_t)(s->delivery_interval_ms * 1e6),
-                                    .audit = s->audit != NULL,
-                                    .box_policy = s->box_policy,
-                                    .box_mails = (uint32_t)s->box_mails,
-                                    .box_bytes = (uint32_t)s->box_bytes};
-    p->broker = broker_open(&broker);
+    struct herald *h = &p->herald;
+    while (!is_lone && !h->yields && !signal_came && post_now(p) < DOUBT_NS) {
+        herald_hear(h);
+        herald_tell(h, p->broker);
+        bus_wait(&p->bus, 1, IMPATIENT_NS);
+    }
+    herald_be_sure(h);
+}
+
+/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
+static int broker_begin(struct post *p, const struct settings *s,
+                        const struct broker_options *broker)
+{
+    p->broker = broker_open(broker);
     if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
         return MU_EXIT_FILE;
     }
     return files_audit_open(&p->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
+}
+
+/* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
+static int network_join(struct post *p, const struct mu_network *network,
+                        const struct broker_options *broker)
+{
+    struct bus_options bus = {.domain = (int)network->domain,
+                              .place = BUS_BROKER,
+                              .name = "broker",
+                              .interface = network->interface,
+                              .hub = mu_network_peers(network)};
+    mu_result opened = bus_open(&p->bus, &bus);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
+                bus.domain);
+    }
+    bool joined = opened == MU_OK && post_open(p, broker->name) == MU_OK &&
+                  herald_open(&p->herald, &p->bus, broker) == MU_OK;
+    return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
 int main(int argc, char **argv)
@@ -324,32 +365,39 @@ int main(int argc, char **argv)
 
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
-    code = broker_begin(p, &settings, name);
+    char host[MU_FIELD_MAX + 1] = "";
+    gethostname(host, sizeof host - 1);
+    struct broker_options broker = {.name = name,
+                                    .incarnation = mu_clock_wall_ns(),
+                                    .host = host,
+                                    .pid = (uint32_t)getpid(),
+                                    .wall_ns = mu_clock_wall_ns(),
+                                    .delivery_interval_ns =
+                                        (uint64_t)(settings.delivery_interval_ms * 1e6),
+                                    .audit = settings.audit != NULL,
+                                    .box_policy = settings.box_policy,
+                                    .box_mails = (uint32_t)settings.box_mails,
+                                    .box_bytes = (uint32_t)settings.box_bytes};
+    const struct mu_network *network = &settings.network;
+    code = broker_begin(p, &settings, &broker);
+    code = code == MU_EXIT_DONE ? network_join(p, network, &broker) : code;
     if (code != MU_EXIT_DONE) {
         return code;
-    }
-    struct bus_options bus = {.domain = (int)settings.network.domain,
-                              .place = BUS_BROKER,
-                              .name = "broker",
-                              .interface = settings.network.interface,
-                              .hub = settings.network.peer};
-    mu_result opened = bus_open(&p->bus, &bus);
-    if (opened == MU_BUSY) {
-        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
-                bus.domain);
-    }
-    if (opened != MU_OK || post_open(p) != MU_OK) {
-        return MU_EXIT_DDS;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", name, bus.domain);
-    while (!signal_came) {
+    doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
+           p->bus.index);
+    while (!signal_came && !p->herald.yields) {
         post_round(p);
     }
-    health_close(&p->health, p->broker);
+    herald_close(&p->herald);
+    if (!p->herald.yields) {
+        health_close(&p->health, p->broker);
+    }
     bus_close(&p->bus);
-    return MU_EXIT_DONE;
+    return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

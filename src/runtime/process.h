@@ -9,6 +9,7 @@
 #include "bus/bus.h"
 #include "muster/agent.h"
 #include "runtime/kind.h"
+#include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
 #include "runtime/owed.h"
@@ -35,6 +36,7 @@ struct mu_agent {
     struct kind_part part;  /* what its kind has come to */
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
+    bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */
     uint32_t box_mails;            /* which holds so many mails, */
@@ -60,7 +62,9 @@ struct mu_process {
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
     bool with_body;
-    struct bus_writer registration, up;
+    struct link link;
+    struct bus_writer registration;
+    struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, sense;
     uint64_t incarnation;
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
@@ -102,7 +106,10 @@ struct mu_process {
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
 
-/** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
+/** Says every agent to the broker anew; none may send before it has answered. */
+void process_register(mu_process *p);
+
+/** Takes the next delivery of our broker, on loan, into p->mail; NULL: there is none. */
 void process_next_delivery(mu_process *p);
 
 /* agent.c */

@@ -69,7 +69,6 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
         uint64_t incarnation = d->verdicts._buffer[0].broker_incarnation;
         if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
             members_clear(&p->members);
-            roll_mark_all(p);
         }
         p->broker_incarnation = incarnation;
     }
@@ -165,6 +164,9 @@ static uint32_t acks_fill(mu_process *p)
         if (a->acked_number == a->last_number) {
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
             continue;
+        }
+        if (!a->registered) {
+            continue; /* a broker that has not said yes does not know the box */
         }
         p->out_ackers[count] = a;
         p->acks[count++] =

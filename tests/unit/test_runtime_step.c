@@ -183,6 +183,8 @@ static void test_duplicates_are_dropped_and_acknowledged_again(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
+    CU_ASSERT_EQUAL(answer(NULL)->acks._length, 0); /* not to a broker that has not said yes */
+    red->registered = true;
     const muster_Up *up = answer(NULL);
     CU_ASSERT_EQUAL_FATAL(up->acks._length, 1);
     CU_ASSERT_STRING_EQUAL(up->acks._buffer[0].box, "red");
@@ -237,8 +239,8 @@ static void test_an_agent_that_keeps_a_record_goes_on(void)
 
 static void test_boxes_are_counted_apart(void)
 {
-    join("red", MU_KIND_AGENT, 0);
-    join("blue", MU_KIND_AGENT, 0);
+    join("red", MU_KIND_AGENT, 0)->registered = true;
+    join("blue", MU_KIND_AGENT, 0)->registered = true;
     parcel("red", 1, "", "a");
     parcel("blue", 1, "", "b");
     parcel("stranger", 1, "", "c");
@@ -661,8 +663,13 @@ static void test_a_roll_call(void)
     memset(&process.roll, 0, sizeof process.roll);
     verdict_deliver(verdict("a0", 5, 0), "a0 welcome; ");
     CU_ASSERT_EQUAL(process.roll.due_count, 0);
-    verdict_deliver(verdict("a0", 6, 0), ""); /* another broker */
+    parcel("a0", 1, "", "x");
+    expect("a0#1 x; ");
+    CU_ASSERT_PTR_NOT_NULL(process.queues[QUEUE_ACK].first);
+    process_register(&process); /* to another broker */
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
+    CU_ASSERT_FALSE(agent_find(&process, "a0")->registered);
+    CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
 }
 
 static void test_limit_outbox_of_an_agent(void)
