@@ -158,12 +158,13 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     }
     verdicts_fill(b, at, d);
     members_fill(b, at, d);
+    pages_fill(b, at, d);
     if (at->simulator) {
         outside_fill(b, d);
     }
     delivery_finish(d);
     return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
-           d->members._length;
+           d->members._length || d->memberships._length || d->offers._length;
 }
 
 static void boxes_take_back(struct broker *b, const struct place *at)
@@ -214,6 +215,7 @@ void courier_delivered(struct broker *b)
         part_delivered(b, at->agents[i], &c->parts[i]);
     }
     at->refusals_count = 0;
+    pages_delivered(b, at);
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }

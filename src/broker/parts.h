@@ -6,6 +6,7 @@
  *   presence   registrations: names come, are claimed, and go     registry, places
  *   router     a mail's way into boxes, and what becomes of it     policy, query, store, mailbox
  *   lockstep   collects a step's mail and lets it take effect      router, presence
+ *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -15,6 +16,7 @@
 #include "broker/courier.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
+#include "broker/pages.h"
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
@@ -42,6 +44,7 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct pages pages;
     struct broker_counters counters;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */

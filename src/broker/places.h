@@ -30,7 +30,9 @@ struct place {
     bool blocked;         /* the network refused it; waits for the next try */
     int64_t step_had;     /* the step of the last Delivery of this lock step */
     uint64_t version_had; /* of the white pages */
-    uint32_t claims;      /* names that it waits for */
+    uint64_t groups_had;
+    uint64_t services_had;
+    uint32_t claims; /* names that it waits for */
     uint32_t agents_count;
     uint32_t agents[MU_LOCAL_AGENTS_MAX]; /* in order of name */
     uint32_t refusals_count;

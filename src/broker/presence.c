@@ -68,6 +68,7 @@ static void seat(struct broker *b, uint32_t agent, uint32_t place, const struct 
     registry_seat(&b->registry, agent, place, at->name, is, presence_wall_ns(b));
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
+    pages_presence(b, agent);
     places_wake(&b->places, place);
 }
 
@@ -81,6 +82,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     mailbox_repeat(&b->mailbox, agent);
     receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
     presence_changed(b);
+    pages_presence(b, agent);
     places_tidy(&b->places, place);
     if (a->claim.process != MU_NONE) {
         uint32_t heir = a->claim.process;
@@ -162,6 +164,7 @@ static void reregister(struct broker *b, uint32_t agent, struct presence *is)
         a->is.incarnation = is->incarnation;
         a->verdict_due = true;
         b->places.at[a->process].version_had = 0;
+        pages_forget_told(&b->places.at[a->process]);
         mailbox_repeat(&b->mailbox, agent);
         places_wake(&b->places, a->process);
     }

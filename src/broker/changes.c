@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/changes.h"
+
+#include "muster/memory.h"
+
+void changes_init(struct changes *c, uint32_t capacity)
+{
+    *c = (struct changes){.head = MU_NONE, .tail = MU_NONE};
+    c->lines = mu_startup_array(capacity, sizeof *c->lines);
+}
+
+void changes_remove(struct changes *c, uint32_t line)
+{
+    struct change *l = &c->lines[line];
+    if (l->version == 0) {
+        return;
+    }
+    l->version = 0;
+    if (l->prev == MU_NONE) {
+        c->head = l->next;
+    } else {
+        c->lines[l->prev].next = l->next;
+    }
+    if (l->next == MU_NONE) {
+        c->tail = l->prev;
+    } else {
+        c->lines[l->next].prev = l->prev;
+    }
+}
+
+void changes_touch(struct changes *c, uint32_t line)
+{
+    changes_remove(c, line);
+    c->lines[line] = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->tail};
+    if (c->tail == MU_NONE) {
+        c->head = line;
+    } else {
+        c->lines[c->tail].next = line;
+    }
+    c->tail = line;
+}
+
+uint32_t changes_after(const struct changes *c, uint64_t version)
+{
+    uint32_t found = MU_NONE;
+    for (uint32_t line = c->tail; line != MU_NONE && c->lines[line].version > version;
+         line = c->lines[line].prev) {
+        found = line;
+    }
+    return found;
+}
+
+uint32_t changes_next(const struct changes *c, uint32_t line)
+{
+    return c->lines[line].next;
+}
