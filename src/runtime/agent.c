@@ -29,9 +29,9 @@ const char *mu_state_text(enum mu_state state)
 
 const char *mu_outcome_text(enum mu_outcome outcome)
 {
-    static const char *const texts[] = {"delivered",    "stored",    "expired", "box-full",
-                                        "unknown-name", "duplicate", "refused", "dropped",
-                                        "no-store"};
+    static const char *const texts[] = {"delivered", "stored",       "expired",
+                                        "box-full",  "unknown-name", "duplicate",
+                                        "refused",   "dropped",      "no-store"};
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 
@@ -156,7 +156,7 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
 
 void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
 {
-    if (a->handlers.on_mail) {
+    if (!directory_take_answer(a, &parcel->letter) && a->handlers.on_mail) {
         struct mu_mail mail = mail_of(parcel);
         a->handlers.on_mail(a->handlers.self, a, &mail);
     }

@@ -41,6 +41,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     p->with_body = options->with_body;
     p->agents = mu_startup_array(MU_LOCAL_AGENTS_MAX, sizeof *p->agents);
     members_init(&p->members);
+    directory_init(&p->directory);
     gethostname(p->host, sizeof p->host - 1);
     /* The clock makes it unique where process ids are reused. */
     snprintf(p->name, sizeof p->name, "p%ld.%llx", (long)getpid(),

@@ -8,6 +8,7 @@
 
 #include "bus/bus.h"
 #include "muster/agent.h"
+#include "runtime/directory.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
 #include "wire.h"
@@ -52,6 +53,7 @@ struct mu_process {
     struct mu_agent *agents; /* MU_LOCAL_AGENTS_MAX of them */
     uint32_t agent_count;
     struct members members;
+    struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
     bool greeted;                /* the simulator's first Sense has come, which is no step */

@@ -59,6 +59,18 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     }
 }
 
+/* Changes of the groups and the yellow pages, and who has come and gone by them. */
+static void directory_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->memberships._length; i++) {
+        directory_set_membership(&p->directory, &d->memberships._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->offers._length; i++) {
+        directory_set_offer(&p->directory, &d->offers._buffer[i]);
+    }
+    directory_settle(&p->directory);
+}
+
 static void notices_take(mu_process *p, const muster_Delivery *d)
 {
     for (uint32_t i = 0; i < d->verdicts._length; i++) {
@@ -68,6 +80,7 @@ static void notices_take(mu_process *p, const muster_Delivery *d)
             p->broker_incarnation != 0 && p->broker_incarnation != v->broker_incarnation;
         if (other_broker) {
             members_clear(&p->members);
+            directory_clear(&p->directory, false);
         }
         if (a) {
             agent_verdict(a, v, other_broker);
@@ -79,6 +92,7 @@ static void notices_take(mu_process *p, const muster_Delivery *d)
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
     }
+    directory_take(p, d);
     for (uint32_t i = 0; i < d->receipts._length; i++) {
         const muster_Receipt *r = &d->receipts._buffer[i];
         struct mu_agent *a = agent_find(p, r->agent);
@@ -245,6 +259,7 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
 {
     if (!p->lived_in_lockstep) {
         members_clear(&p->members); /* the first mail of a lock step has the whole pages */
+        directory_clear(&p->directory, true);
         p->lived_in_lockstep = true;
     }
     step_take_delivery(p, d, sense);
@@ -286,6 +301,7 @@ static void unanswered_again(mu_process *p)
 
 void step_flush(mu_process *p)
 {
+    directory_settle(&p->directory);
     unanswered_again(p);
     while (step_retry(p) && bus_writer_matches(&p->up) > 0 && up_fill(p, muster_STEP_NOW)) {
         p->out_pending = true;
