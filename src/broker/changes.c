@@ -5,7 +5,7 @@
 
 void changes_init(struct changes *c, uint32_t capacity)
 {
-    *c = (struct changes){.head = MU_NONE, .tail = MU_NONE};
+    *c = (struct changes){.first = MU_NONE, .last = MU_NONE};
     c->lines = mu_startup_array(capacity, sizeof *c->lines);
 }
 
@@ -17,12 +17,12 @@ void changes_remove(struct changes *c, uint32_t line)
     }
     l->version = 0;
     if (l->prev == MU_NONE) {
-        c->head = l->next;
+        c->first = l->next;
     } else {
         c->lines[l->prev].next = l->next;
     }
     if (l->next == MU_NONE) {
-        c->tail = l->prev;
+        c->last = l->prev;
     } else {
         c->lines[l->next].prev = l->prev;
     }
@@ -31,19 +31,24 @@ void changes_remove(struct changes *c, uint32_t line)
 void changes_touch(struct changes *c, uint32_t line)
 {
     changes_remove(c, line);
-    c->lines[line] = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->tail};
-    if (c->tail == MU_NONE) {
-        c->head = line;
+    c->lines[line] = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->last};
+    if (c->last == MU_NONE) {
+        c->first = line;
     } else {
-        c->lines[c->tail].next = line;
+        c->lines[c->last].next = line;
     }
-    c->tail = line;
+    c->last = line;
+}
+
+uint64_t changes_version(const struct changes *c, uint32_t line)
+{
+    return c->lines[line].version;
 }
 
 uint32_t changes_after(const struct changes *c, uint64_t version)
 {
     uint32_t found = MU_NONE;
-    for (uint32_t line = c->tail; line != MU_NONE && c->lines[line].version > version;
+    for (uint32_t line = c->last; line != MU_NONE && c->lines[line].version > version;
          line = c->lines[line].prev) {
         found = line;
     }

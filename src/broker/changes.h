@@ -16,8 +16,8 @@ struct change {
 
 struct changes {
     struct change *lines; /* one for each line of the table */
-    uint32_t head, tail;
-    uint64_t version; /* of the last change; the first is 1 */
+    uint32_t first, last; /* the oldest, the youngest */
+    uint64_t version;     /* of the last change; the first is 1 */
 };
 
 /** Takes memory at start-up. */
@@ -25,6 +25,9 @@ void changes_init(struct changes *c, uint32_t capacity);
 
 /** A line has changed, or is new: it is now the youngest. */
 void changes_touch(struct changes *c, uint32_t line);
+
+/** @return the version at which the line last changed; 0: never, or it is no more */
+uint64_t changes_version(const struct changes *c, uint32_t line);
 
 /** A line is no more; nobody is told of that. */
 void changes_remove(struct changes *c, uint32_t line);

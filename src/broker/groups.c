@@ -41,13 +41,14 @@ static void line_forget(struct groups *g, uint32_t line)
 static bool line_is_spare(const struct groups *g, uint32_t line)
 {
     const struct group_line *l = &g->lines[line];
-    return !l->joined && !l->joined_inside && g->changes.lines[line].version <= g->told;
+    return !l->joined && !l->joined_inside && changes_version(&g->changes, line) <= g->told;
 }
 
 /* @return whether a line has made room, the oldest first */
 static bool line_spare(struct groups *g)
 {
-    for (uint32_t line = g->changes.head; line != MU_NONE; line = changes_next(&g->changes, line)) {
+    for (uint32_t line = g->changes.first; line != MU_NONE;
+         line = changes_next(&g->changes, line)) {
         if (line_is_spare(g, line)) {
             line_forget(g, line);
             return true;
@@ -69,7 +70,7 @@ static bool group_is_spare(const struct groups *g, const char *group)
 static bool group_spare(struct groups *g)
 {
     char group[MU_NAME_MAX + 1];
-    uint32_t line = g->changes.head;
+    uint32_t line = g->changes.first;
     while (line != MU_NONE && !group_is_spare(g, mu_pairs_first(&g->pairs, line))) {
         line = changes_next(&g->changes, line);
     }

@@ -209,7 +209,7 @@ static void memberships_fill(struct broker *b, const struct place *at, muster_De
          line != MU_NONE && d->memberships._length < max; line = changes_next(c, line)) {
         groups_line(&p->groups, line, at->rostered,
                     &d->memberships._buffer[d->memberships._length++]);
-        p->groups_open = c->lines[line].version;
+        p->groups_open = changes_version(c, line);
     }
 }
 
@@ -223,7 +223,7 @@ static void offers_fill(struct broker *b, const struct place *at, muster_Deliver
          line != MU_NONE && d->offers._length < max; line = changes_next(c, line)) {
         services_line(&p->services, line, pages_shows(b, line, at->rostered),
                       &d->offers._buffer[d->offers._length++]);
-        p->services_open = c->lines[line].version;
+        p->services_open = changes_version(c, line);
     }
 }
 

@@ -32,8 +32,9 @@ static void line_forget(struct services *s, uint32_t line)
 /* @return whether a line that is withdrawn has made room, the oldest first */
 static bool line_spare(struct services *s)
 {
-    for (uint32_t line = s->changes.head; line != MU_NONE; line = changes_next(&s->changes, line)) {
-        if (!s->lines[line].offered && s->changes.lines[line].version <= s->told) {
+    for (uint32_t line = s->changes.first; line != MU_NONE;
+         line = changes_next(&s->changes, line)) {
+        if (!s->lines[line].offered && changes_version(&s->changes, line) <= s->told) {
             line_forget(s, line);
             return true;
         }
