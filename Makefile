@@ -36,7 +36,9 @@ FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
 $(error BUILD=$(BUILD): use release, asan or coverage)
 endif
-CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) -MD -MP
+# The shared library is made of the same objects as everything else.
+SHARED  := -fPIC -fvisibility=hidden
+CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(SHARED) -MD -MP
 LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD)))
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
@@ -74,7 +76,7 @@ SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/
 
 .DEFAULT_GOAL := all
 .PHONY: all
-all: deps $(PROGRAMS) $(O)/libmuster.a $(EXAMPLES) ## build the programs, the library and the examples
+all: deps $(PROGRAMS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) ## build the programs, the library and the examples
 
 .PHONY: deps
 deps: ## install what is missing (DEPS=skip: never touch the system)
@@ -87,7 +89,14 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 
 $(O)/libmuster.a: $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  AR    $@"
-	$(Q)rm -f $@ && ar rcs $@ $^
+	$(Q)$(CC) -r -nostdlib -o $(O)/libmuster.o $^
+	$(Q)objcopy --localize-hidden $(O)/libmuster.o # a program may have a bus_open of its own
+	$(Q)rm -f $@ && ar rcs $@ $(O)/libmuster.o
+
+$(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
+	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime) -lm
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -96,6 +105,9 @@ $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 $(O)/programs/%: $(O)/tests/programs/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
+
+# It counts what the static library allocates.
+$(O)/programs/memory_counter: LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 # What a test or benchmark needs beside its module comes from tests/support.
 SUPPORT := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/*.c))
@@ -109,15 +121,15 @@ $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
 
-$(O)/%.o: %.c | $(GEN:.o=.h) deps
+$(O)/%.o: %.c Makefile | $(GEN:.o=.h) deps
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
 	$(Q)idlc -l c -o $(@D) $<
-$(O)/gen/%.o: $(O)/gen/%.c
-	$(Q)$(CC) -I$(O)/gen $(FLAGS_$(BUILD)) -w -c -o $@ $<
+$(O)/gen/%.o: $(O)/gen/%.c Makefile
+	$(Q)$(CC) -I$(O)/gen $(FLAGS_$(BUILD)) $(SHARED) -w -c -o $@ $<
 
 # --- use -----------------------------------------------------------------------------------------
 EXPERIMENT ?= experiments/follow.yaml
@@ -181,13 +193,15 @@ $(O)/muster.pc: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' 'prefix=$(PREFIX)' 'Name: muster' \
 	  'Description: Runtime for teams of robots and other agents on DDS' 'Version: $(VERSION)' \
-	  'Cflags: -I$${prefix}/include' 'Libs: -L$${prefix}/lib -lmuster -lddsc -lm' > $@
+	  'libdir=$${prefix}/lib' 'Cflags: -I$${prefix}/include' 'Libs: -L$${libdir} -lmuster' \
+	  'Libs.private: -lddsc -lm' > $@
 
 install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig include/muster share/muster/rules \
 	  share/muster/worlds share/muster/experiments share/man/man1)
 	install -m755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
-	install -m644 $(O)/libmuster.a $(DESTDIR)$(PREFIX)/lib
+	install -m644 $(O)/libmuster.a $(O)/libmuster.so.0 $(DESTDIR)$(PREFIX)/lib
+	ln -sf libmuster.so.0 $(DESTDIR)$(PREFIX)/lib/libmuster.so
 	install -m644 $(O)/muster.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig
 	install -m644 include/muster/*.h $(DESTDIR)$(PREFIX)/include/muster
 	install -m644 rules/* $(DESTDIR)$(PREFIX)/share/muster/rules
@@ -196,7 +210,8 @@ install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds
 	install -m644 docs/man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1
 
 uninstall: ## remove what install put there
-	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,$(notdir $(PROGRAMS))) $(DESTDIR)$(PREFIX)/lib/libmuster.a \
+	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,$(notdir $(PROGRAMS))) \
+	  $(addprefix $(DESTDIR)$(PREFIX)/lib/libmuster.,a so so.0) \
 	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/muster.pc $(DESTDIR)$(PREFIX)/share/man/man1/muster*.1
 	rm -rf $(DESTDIR)$(PREFIX)/include/muster $(DESTDIR)$(PREFIX)/share/muster
 

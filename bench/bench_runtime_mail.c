@@ -3,6 +3,8 @@
  * Mail by name, through a broker that runs already.
  *   bench_runtime_mail echo DOMAIN           the agent `echo`: answers every mail that says ping
  *   bench_runtime_mail ping DOMAIN COUNT     prints the median round trip in microseconds
+ *   bench_runtime_mail pace DOMAIN COUNT     a mail each millisecond from one agent to another;
+ *                                            prints their mean delay in microseconds
  *   bench_runtime_mail flood DOMAIN COUNT    prints mails a second, from first send to last receipt
  */
 #include "core/clock.h"
@@ -110,6 +112,60 @@ static void flood(struct caller *c, uint64_t count)
     printf("%.1f\n", (double)count * 1e9 / (double)(mu_clock_ns() - began_ns));
 }
 
+/* --- one way ---------------------------------------------------------------------------------- */
+
+struct taker {
+    uint64_t taken, late_ns;
+};
+
+static void taker_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct taker *t = self;
+    t->taken++;
+    t->late_ns += mu_clock_ns() - strtoull(mail->content, NULL, 10);
+}
+
+static const uint64_t PACE_NS = 1000000;
+
+static void pace(struct caller *c, uint64_t count)
+{
+    static struct taker taker;
+    mu_agent *a;
+    struct mu_handlers handlers = {.self = &taker, .on_mail = taker_on_mail};
+    if (mu_agent_join(c->process, &a, "taker", MU_KIND_AGENT, 0, &handlers) != MU_OK) {
+        exit(1);
+    }
+    while (!mu_process_lookup(c->process, "taker")) {
+        if (mu_process_spin(c->process, 10000000) != MU_OK) {
+            exit(1);
+        }
+    }
+    struct mu_mail first = {.dst = "taker", .content = "0"}; /* until then paths are made */
+    if (mu_agent_send(c->agent, &first, NULL) != MU_OK) {
+        exit(1);
+    }
+    await(c, &taker.taken, 1);
+    taker.late_ns = 0;
+    uint64_t next_ns = mu_clock_ns();
+    for (uint64_t sent = 0; sent < count;) {
+        uint64_t now_ns = mu_clock_ns();
+        if (now_ns >= next_ns) {
+            char content[24];
+            snprintf(content, sizeof content, "%llu", (unsigned long long)now_ns);
+            struct mu_mail mail = {.dst = "taker", .content = content};
+            sent += mu_agent_send(c->agent, &mail, NULL) == MU_OK;
+            next_ns += PACE_NS;
+        }
+        int64_t wait_ns = (int64_t)(next_ns - mu_clock_ns());
+        if (mu_process_spin(c->process, wait_ns > 0 ? wait_ns : 0) != MU_OK) {
+            exit(1);
+        }
+    }
+    await(c, &taker.taken, count + 1);
+    printf("%.3f\n", (double)taker.late_ns * 1e-3 / (double)count);
+}
+
 int main(int argc, char **argv)
 {
     static struct caller c;
@@ -132,6 +188,8 @@ int main(int argc, char **argv)
     }
     if (strcmp(argv[1], "ping") == 0) {
         ping(&c, count);
+    } else if (strcmp(argv[1], "pace") == 0) {
+        pace(&c, count);
     } else {
         flood(&c, count);
     }

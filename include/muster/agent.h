@@ -21,6 +21,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#pragma GCC visibility push(default)
+
 typedef struct mu_process mu_process;
 typedef struct mu_agent mu_agent;
 
@@ -79,7 +81,7 @@ struct mu_mail {
     const char *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    uint64_t reply_by_ns;      /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
     enum mu_priority priority;
     enum mu_level level;
     bool timed;      /* wait for due_ns; else it goes at once */
@@ -143,10 +145,10 @@ struct mu_process_options {
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
 };
 
-/** Connects to the bus.  @return MU_OK or MU_FAULT_DDS */
+/** Connects to the bus.  @return MU_OK; MU_FAULT_DDS; MU_FAULT_USAGE: no address, or no host */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
-/** Lets every agent leave and disconnects. */
+/** Lets every agent leave and disconnects; NULL: nothing to do. */
 void mu_process_close(mu_process *p);
 
 /**
@@ -156,7 +158,20 @@ void mu_process_close(mu_process *p);
  */
 MU_MUST_USE mu_result mu_process_spin(mu_process *p, int64_t timeout_ns);
 
-/** Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives. */
+/**
+ * For a program with a poll loop of its own: call mu_process_spin(p, 0) when the descriptor is
+ * readable, and at least every 100 ms, because heartbeats are sent from there.
+ *
+ * @return a file descriptor that is readable when something has arrived; it stays the process's,
+ *         until mu_process_close; -1: the system has none left
+ */
+int mu_process_wake_fd(mu_process *p);
+
+/**
+ * Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives.
+ *
+ * @return MU_OK: it has ended, for whatever reason; MU_FAULT_DDS
+ */
 MU_MUST_USE mu_result mu_process_run(mu_process *p);
 
 /** Ends mu_process_run; may be called from handlers and signal handlers. */
@@ -203,7 +218,10 @@ MU_MUST_USE mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double tur
 /** Says which rules fired in this step, for the run's hash; names separated by spaces, copied. */
 void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
 
+/** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);
+
+/** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);
 
 /** Changes the state, as a directive would; the white pages follow. */
@@ -214,5 +232,7 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 
 /** @return the index-th line in order of name, valid until the next spin; NULL past the last */
 const struct mu_member *mu_process_member(const mu_process *p, size_t index);
+
+#pragma GCC visibility pop
 
 #endif

@@ -16,6 +16,8 @@
 
 #include "muster/agent.h"
 
+#pragma GCC visibility push(default)
+
 /** Results of all changes: as mu_agent_send; MU_MALFORMED also for what is not a name. */
 
 /** Makes a group without members.  The broker refuses it when the group is there. */
@@ -74,5 +76,7 @@ MU_MUST_USE mu_result mu_agent_watch_service(mu_agent *a, const char *query);
  */
 const struct mu_service *mu_process_find_service(const mu_process *p, const char *query,
                                                  size_t index);
+
+#pragma GCC visibility pop
 
 #endif

@@ -4,19 +4,26 @@
  * Layers of mail, and kinds of agents that take them.
  *
  * A kind names its parent and defines only what differs.  A mail of layer L goes to the kind's own
- * handlers for L, then to its parent's, until one takes it; what nobody takes is answered
- * `not-understood`.  A directive never comes here: the runtime carries it out.
+ * handlers for L and its performative, in the order of their table, then to its parent's, until one
+ * takes it.  What no kind takes goes to mu_handlers.on_mail, if the agent has one; else it is
+ * answered `not-understood`, unless it was for many, or was itself an answer.  Layers are numbers:
+ * a new one needs a handler and nothing else.  A directive never comes here: the runtime carries it
+ * out.
+ *
+ * Kinds are constant and outlive their agents; self is mu_handlers.self.
  */
 #ifndef MUSTER_KIND_H
 #define MUSTER_KIND_H
 
 #include "muster/agent.h"
 
+#pragma GCC visibility push(default)
+
 /* What a handler did with a mail. */
 enum mu_take {
     MU_PASS,    /* not mine: ask the next one */
     MU_TAKEN,   /* done, answered if an answer was wanted */
-    MU_DECLINE, /* mine, and refused: the runtime answers `refuse` */
+    MU_DECLINE, /* mine, and refused: the runtime answers `refuse`, unless the mail was an answer */
 };
 
 struct mu_layer_handler {
@@ -27,42 +34,59 @@ struct mu_layer_handler {
 
 /* What an agent lives through. */
 enum mu_event {
-    MU_ON_CREATE,
-    MU_ON_RUN,
-    MU_ON_ARRIVE,
-    MU_ON_LEAVE,
-    MU_ON_CLONE,
-    MU_ON_DISPOSE,
+    MU_ON_CREATE,  /* the broker has accepted its name for the first time */
+    MU_ON_RUN,     /* it begins to run: when it is created, or when it is started */
+    MU_ON_ARRIVE,  /* it has moved here */
+    MU_ON_LEAVE,   /* it is about to move */
+    MU_ON_CLONE,   /* it is a copy of another one */
+    MU_ON_DISPOSE, /* it is about to go for good; what it sends now still goes out */
     MU_EVENTS
 };
 
 struct mu_agent_kind {
     const char *name;
-    const struct mu_agent_kind *parent;       /* NULL: mu_base_kind */
-    const struct mu_layer_handler *handlers;  /* ends with layer 0; NULL: none of its own */
+    const struct mu_agent_kind *parent;      /* NULL: mu_base_kind */
+    const struct mu_layer_handler *handlers; /* ends with layer 0; NULL: none of its own */
     void (*hooks[MU_EVENTS])(void *self, mu_agent *a); /* NULL: the parent's is called */
 };
 
 /**
- * What every agent can do: layer 1, requests to suspend, resume and dispose, which it grants;
- * layer 2, questions for its state, its groups and its services, which it answers.
+ * What every agent can do.
+ *
+ * Layer 1: suspend, resume and dispose are granted, and answered `agree`, where the agent's state
+ * allows them and it is not of MU_KIND_SPECIAL; they are refused else.  dispatch, retract and clone
+ * are refused: `no-mobility`.  Mail waits for who is suspended, a request to resume, too: the
+ * directive does not.  Layer 2: a question `state` is answered with `inform`, `state running`.
  */
 extern const struct mu_agent_kind mu_base_kind;
 
-/** Makes an agent one of a kind; before it has joined others it is of mu_base_kind. */
+/** Makes an agent one of a kind; until then it is of mu_base_kind.  Call it before it spins. */
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
 
-/** Asks the parent of the kind whose handler is running.  @return what it did */
+/**
+ * In a handler of a kind: asks its parent.
+ *
+ * @return what that did; MU_PASS also when nobody took it, and outside of a kind's handler
+ */
 enum mu_take mu_agent_take_parent(mu_agent *a, const struct mu_mail *mail);
 
+/** In a hook of a kind: calls the parent's, if there is one; outside of a hook, nothing. */
+void mu_agent_event_parent(mu_agent *a);
+
 /**
- * Answers a mail: to its sender, in its layer, conversation, language and ontology, in-reply-to its
- * reply-with.  Results as mu_agent_send.
+ * Answers a mail: to its sender, in its layer, conversation, language and ontology; in-reply-to is
+ * its reply-with, or its number (seq) when it has none.
+ *
+ * @return as mu_agent_send; MU_REFUSED: it is itself an answer, and asks for none by a reply-with,
+ *         so that two agents do not answer each other for ever; MU_TIMEOUT: the step at hand is
+ *         past its reply_by_ns.  Nothing is sent then.
  */
 MU_MUST_USE mu_result mu_agent_reply(mu_agent *a, const struct mu_mail *mail,
                                      const char *performative, const char *content);
 
-/** @return whether KQML or FIPA know that performative */
+/** @return whether KQML or FIPA know that performative; others are sent all the same */
 bool mu_performative_known(const char *performative);
+
+#pragma GCC visibility pop
 
 #endif

@@ -65,6 +65,9 @@
 #define MU_AGENTS_MAX 1024
 #endif
 
+/** Lines of the white pages beside them: the broker and its parts. */
+#define MU_BROKER_LINES 9
+
 /** Processes that one broker or simulator can serve. */
 #ifndef MU_PROCESSES_MAX
 #define MU_PROCESSES_MAX 512
@@ -103,6 +106,16 @@
 /** Mails that an agent has sent and the broker has not yet answered for. */
 #ifndef MU_OUTBOX_MAX
 #define MU_OUTBOX_MAX 1024
+#endif
+
+/** Lines of a trust policy. */
+#ifndef MU_TRUST_LINES_MAX
+#define MU_TRUST_LINES_MAX 1024
+#endif
+
+/** Audit records that wait to be written. */
+#ifndef MU_AUDIT_MAX
+#define MU_AUDIT_MAX 4096
 #endif
 
 /** Robots in one world. */

@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#pragma GCC visibility push(default)
+
 /** Takes zeroed memory for the life of the process.  Aborts after the seal, or when there is none.
  */
 void *mu_startup_alloc(size_t bytes);
@@ -24,5 +26,7 @@ void mu_memory_seal(void);
 
 /** @return whether the start-up phase is over */
 bool mu_memory_sealed(void);
+
+#pragma GCC visibility pop
 
 #endif

@@ -15,6 +15,8 @@
 #ifndef MUSTER_RESULT_H
 #define MUSTER_RESULT_H
 
+#pragma GCC visibility push(default)
+
 /* The one list: enumerators, and the words that people and rules see. */
 #define MU_RESULTS(X)                       \
     X(FAULT_FILE, -4, "bad-file")           \
@@ -53,13 +55,17 @@ const char *mu_result_text(mu_result r);
         }                                                                       \
     } while (0)
 
+/** Prints the line of trace for MU_TRY.  @return r */
 mu_result mu_fault_trace(mu_result r, const char *function, const char *file, int line);
 
 /** Checks a precondition, in every build.  Prints the expression and aborts. */
 #define MU_ASSERT(condition) \
     ((condition) ? (void)0 : mu_assert_failed(#condition, __func__, __FILE__, __LINE__))
 
+/** Prints the expression and where it stands, and aborts. */
 _Noreturn void mu_assert_failed(const char *expression, const char *function, const char *file,
                                 int line);
+
+#pragma GCC visibility pop
 
 #endif

@@ -251,16 +251,26 @@ static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
         mu_text_add_bytes(&quoted, c, 1);
     }
     mu_text_add(&quoted, "\"");
-    struct mu_mail mail = {.dst = asked->src,
-                           .layer = MU_LAYER_SPEECH,
-                           .performative = done ? "inform" : "failure",
-                           .in_reply_to = asked->reply_with,
-                           .conversation = asked->conversation,
-                           .content = r->quoted};
-    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+    if (mu_agent_reply(r->agent, asked, done ? "inform" : "failure", r->quoted) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
     }
 }
+
+/* What this robot knows, for whoever asks. */
+static enum mu_take take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct robot *r = self;
+    struct mu_text answer;
+    mu_text_init(&answer, r->answer, sizeof r->answer);
+    bool done = mind_line(r->mind, "(facts)", &answer) == MU_OK;
+    line_answer(r, mail, done);
+    return MU_TAKEN;
+}
+
+static const struct mu_layer_handler robot_handlers[] = {{MU_LAYER_QUERY, "facts", take_facts},
+                                                         {0, NULL, NULL}};
+static const struct mu_agent_kind robot_kind = {.name = "robot", .handlers = robot_handlers};
 
 static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
@@ -394,6 +404,7 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
                                    .on_step = on_step,
                                    .on_act = on_act};
     MU_TRY(mu_agent_join(r->process, &r->agent, set->name, MU_KIND_ROBOT, 0, &handlers));
+    mu_agent_be(r->agent, &robot_kind);
     return mu_process_await_broker(r->process, BROKER_PATIENCE_NS);
 }
 

@@ -13,15 +13,23 @@
 static const uint64_t RESEND_AFTER_NS = 1000000000;
 static const uint64_t HOLD_NS = 1500000000;
 
-/* The broker's own line of the white pages. */
+/* The broker's own lines of the white pages: itself, and its parts, whom those in a lock step are
+ * not shown. */
 static void broker_enlist(struct broker *b, const struct broker_options *options)
 {
     struct presence is = {
         .kind = muster_KIND_SPECIAL, .state = muster_STATE_RUNNING, .pid = options->pid};
     (void)mu_text_copy(is.host, sizeof is.host, options->host);
-    uint32_t self = registry_add(&b->registry, "broker");
-    MU_ASSERT(self == REGISTRY_BROKER);
-    registry_seat(&b->registry, self, MU_NONE, "", &is, options->wall_ns);
+    for (uint32_t own = 0; own < REGISTRY_OWN; own++) {
+        char name[MU_NAME_MAX + 1];
+        struct mu_text text;
+        mu_text_init(&text, name, sizeof name);
+        mu_text_format(&text, own ? "broker.%s" : "broker", counters_part_name(own));
+        uint32_t index = registry_add(&b->registry, name);
+        MU_ASSERT(index == own);
+        registry_seat(&b->registry, own, MU_NONE, "", &is, options->wall_ns);
+        is.no_broadcasts = true;
+    }
 }
 
 struct broker *broker_open(const struct broker_options *options)
@@ -42,6 +50,9 @@ struct broker *broker_open(const struct broker_options *options)
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
     pages_init(&b->pages);
+    trust_init(&b->trust);
+    audit_init(&b->audit, options->audit);
+    courier_set_interval(b, options->delivery_interval_ns);
     broker_enlist(b, options);
     return b;
 }
@@ -64,7 +75,7 @@ void broker_gone(struct broker *b, const char *name, const char *process, bool c
 {
     broker_enter(b, now_ns);
     uint32_t agent = border_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
-    if (agent == MU_NONE || agent == REGISTRY_BROKER) {
+    if (agent == MU_NONE || registry_is_own(agent)) {
         return;
     }
     if (!process || process[0] == '\0') {
@@ -312,18 +323,58 @@ bool broker_serves(const struct broker *b, const char *process)
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
     const struct broker_counters *c = &b->counters;
-    *status = (muster_BrokerStatus){.agents = b->registry.present,
-                                    .sent = c->sent,
-                                    .delivered = c->delivered,
-                                    .waiting = c->waiting,
-                                    .expired = c->expired,
-                                    .box_full = c->box_full,
-                                    .unknown_name = c->unknown_name,
-                                    .refused = c->refused,
-                                    .duplicates_dropped = c->duplicates_dropped,
-                                    .resent = c->resent,
-                                    .malformed = c->malformed};
+    *status =
+        (muster_BrokerStatus){.agents = b->registry.present,
+                              .sent = c->sent,
+                              .delivered = c->delivered,
+                              .waiting = c->waiting,
+                              .expired = c->expired,
+                              .box_full = c->box_full,
+                              .unknown_name = c->unknown_name,
+                              .refused = c->refused,
+                              .duplicates_dropped = c->duplicates_dropped,
+                              .resent = c->resent,
+                              .malformed = c->malformed,
+                              .dropped = c->dropped,
+                              .over_share = c->over_share,
+                              .stored = b->store.mails,
+                              .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
     status->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
+}
+
+bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
+{
+    const struct counter *c;
+    uint32_t count = 0;
+    if (part < 1 || part >= PARTS_END) {
+        return false;
+    }
+    for (size_t i = 0; (c = counters_at(i)); i++) {
+        if (c->part == part) {
+            b->part_counters[count++] =
+                (muster_Counter){.name = (char *)(uintptr_t)c->name, .value = counters_value(b, c)};
+        }
+    }
+    *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
+    status->counters._buffer = b->part_counters;
+    status->counters._length = status->counters._maximum = count;
+    return true;
+}
+
+mu_result broker_policy(struct broker *b, const char *text, const char *file,
+                        struct mu_fault *fault)
+{
+    return trust_read(&b->trust, text, file, fault);
+}
+
+bool broker_audit_next(struct broker *b, struct audit_record *out)
+{
+    return audit_next(&b->audit, out);
+}
+
+void broker_audit_failed(struct broker *b)
+{
+    b->audit.failed++;
 }
 
 bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)

@@ -12,6 +12,8 @@
 #ifndef MUSTER_BROKER_BROKER_H
 #define MUSTER_BROKER_BROKER_H
 
+#include "broker/audit.h"
+#include "core/fault.h"
 #include "muster/limits.h"
 #include "muster/result.h"
 #include "wire.h"
@@ -28,7 +30,9 @@ struct broker_options {
     uint32_t pid;
     uint64_t wall_ns;         /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t resend_after_ns; /* an unacknowledged parcel goes out again after this; 1 s when 0 */
-    uint64_t hold_ns;         /* so long a new holder waits for the old one; 1.5 s when 0 */
+    uint64_t delivery_interval_ns; /* between two rounds of the courier; 0: at once */
+    bool audit;                    /* directives are recorded for broker_audit_next */
+    uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
 };
 
 /** Takes all memory that the broker will ever use.  One broker in a process. */
@@ -79,8 +83,26 @@ const char *broker_process(const struct broker *b, uint32_t index);
 /** @return whether the broker still has business with a process */
 bool broker_serves(const struct broker *b, const char *process);
 
-/** Fills the counters. */
+/** Fills the counters; what only the process knows (processor time, memory) stays 0. */
 void broker_status(const struct broker *b, muster_BrokerStatus *status);
+
+/**
+ * Fills the counters of one of the broker's parts, which are numbered from 1.
+ *
+ * @param status  out: valid until the next call
+ * @return false past the last part
+ */
+bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status);
+
+/** Sets the trust policy from the text of a file, before anything else.  As trust_read. */
+MU_MUST_USE mu_result broker_policy(struct broker *b, const char *text, const char *file,
+                                    struct mu_fault *fault);
+
+/** Takes the oldest record of a directive.  @return false when there is none */
+bool broker_audit_next(struct broker *b, struct audit_record *out);
+
+/** A record that was taken could not be written. */
+void broker_audit_failed(struct broker *b);
 
 /** The index-th line of the white pages in order of name.  @return false past the last */
 bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);

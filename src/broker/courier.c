@@ -13,6 +13,94 @@ void courier_init(struct courier *c)
     c->receipts = mu_startup_array(COURIER_RECEIPTS, sizeof *c->receipts);
 }
 
+/* --- the interval ----------------------------------------------------------------------------- */
+
+static uint64_t interval_steps(const struct broker *b)
+{
+    uint64_t step_ns = b->lockstep.step_ns;
+    return b->courier.interval_ns / step_ns + (b->courier.interval_ns % step_ns > 0);
+}
+
+/* @return whether ordinary mail may go out, to members of the lock step or to others */
+static bool is_awake(const struct broker *b, bool lockstep)
+{
+    if (b->courier.interval_ns == 0 || !lockstep) {
+        return b->courier.interval_ns == 0 || b->courier.awake;
+    }
+    return (uint64_t)b->lockstep.step % interval_steps(b) == 0;
+}
+
+/* What cannot wait: an answer to a registration, a directive, what goes out once more. */
+static bool place_is_urgent(struct broker *b, const struct place *at)
+{
+    bool urgent = at->refusals_count > 0;
+    for (uint32_t i = 0; i < at->agents_count && !urgent; i++) {
+        const struct box *box = mailbox_box(&b->mailbox, at->agents[i]);
+        urgent = b->registry.agents[at->agents[i]].verdict_due || box->out != MU_NONE ||
+                 (box->lists[POST_URGENT].count > 0 && router_gate(b, at->agents[i]) != GATE_SHUT);
+    }
+    return urgent;
+}
+
+/* @return whether the process is held until the courier wakes */
+static bool place_hold(struct broker *b, struct place *at)
+{
+    struct courier *c = &b->courier;
+    if (at->rostered || at->simulator || is_awake(b, false) || place_is_urgent(b, at)) {
+        return false;
+    }
+    c->held += !at->held;
+    at->held = true;
+    return true;
+}
+
+static void courier_wake(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    if (c->awake || b->clock.now_ns < c->wake_ns) {
+        return;
+    }
+    c->awake = true;
+    for (uint32_t i = 0; i < b->places.top && c->held > 0; i++) {
+        if (b->places.at[i].held) {
+            b->places.at[i].held = false;
+            places_wake(&b->places, i);
+        }
+    }
+    c->held = 0;
+}
+
+/* All who may be served have been. */
+static void courier_sleep(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    if (c->awake && c->worked) {
+        c->count.wakings += c->interval_ns > 0;
+        c->slept_ns = runclock_mail_ns(&b->clock);
+        c->wake_ns = b->clock.now_ns + c->interval_ns;
+        c->wake_ns = c->wake_ns < c->interval_ns ? UINT64_MAX : c->wake_ns;
+    }
+    c->awake = c->worked = false;
+}
+
+void courier_set_interval(struct broker *b, uint64_t interval_ns)
+{
+    b->courier.interval_ns = interval_ns;
+    b->courier.wake_ns = b->clock.now_ns;
+}
+
+/* @return how much longer a mail has waited than it had without an interval, at most */
+static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
+{
+    uint64_t now_ns = runclock_mail_ns(&b->clock), since_ns = b->courier.slept_ns;
+    if (b->courier.open_lockstep) {
+        uint64_t round_ns = interval_steps(b) * b->lockstep.step_ns;
+        since_ns = now_ns > round_ns ? now_ns - round_ns : 0;
+    }
+    since_ns = since_ns > m->came_ns ? since_ns : m->came_ns;
+    return m->letter.layer > 0 && now_ns > since_ns ? now_ns - since_ns : 0;
+}
+
 /* --- putting together ------------------------------------------------------------------------- */
 
 /* Room that is left in a Delivery. */
@@ -25,7 +113,9 @@ static uint32_t parcels_fill(struct broker *b, uint32_t agent, struct room *room
                              muster_Delivery *d)
 {
     struct box *box = mailbox_box(&b->mailbox, agent);
-    mailbox_hand_out(&b->mailbox, agent, router_gate(b, agent));
+    enum mailbox_gate gate = router_gate(b, agent);
+    bool awake = is_awake(b, b->courier.open_lockstep);
+    mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT);
     uint64_t number = box->acked + box->written;
     uint32_t count = 0;
     for (uint32_t i = box->out; i != MU_NONE && room->parcels > 0; i = b->mailbox.posts[i].next) {
@@ -37,6 +127,9 @@ static uint32_t parcels_fill(struct broker *b, uint32_t agent, struct room *room
         room->bytes -= m->bytes;
         room->parcels--;
         count++;
+        if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
+            b->courier.open_delay_ns += mail_delay_ns(b, m);
+        }
         d->parcels._buffer[d->parcels._length++] = (muster_Parcel){
             .box = b->registry.agents[agent].name, .number = number + count, .letter = m->letter};
     }
@@ -143,6 +236,7 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
         return false;
     }
     c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.version;
+    c->open_delay_ns = 0;
     delivery_begin(c, at, d);
     if (c->open_lockstep) {
         d->step = b->lockstep.step - 1;
@@ -177,9 +271,10 @@ static void boxes_take_back(struct broker *b, const struct place *at)
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 {
     uint32_t place;
+    courier_wake(b);
     while ((place = places_next(&b->places)) != MU_NONE) {
-        const struct place *at = &b->places.at[place];
-        if (!at->used || !at->matched || at->blocked) {
+        struct place *at = &b->places.at[place];
+        if (!at->used || !at->matched || at->blocked || place_hold(b, at)) {
             continue;
         }
         if (delivery_fill(b, place, d)) {
@@ -188,6 +283,7 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
             return true;
         }
     }
+    courier_sleep(b);
     return false;
 }
 
@@ -206,14 +302,28 @@ static void part_delivered(struct broker *b, uint32_t agent, const struct courie
     b->registry.agents[agent].verdict_due = false;
 }
 
+static void delivery_count(struct courier *c, uint32_t parcels)
+{
+    c->worked = c->worked || !c->open_lockstep;
+    c->count.deliveries++;
+    c->count.parcels += parcels;
+    c->count.delay_ns += c->open_delay_ns;
+    if (parcels > c->count.most_parcels) {
+        c->count.most_parcels = parcels;
+    }
+}
+
 void courier_delivered(struct broker *b)
 {
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
     struct place *at = &b->places.at[c->open];
+    uint32_t parcels = 0;
     for (uint32_t i = 0; i < at->agents_count; i++) {
+        parcels += c->parts[i].parcels;
         part_delivered(b, at->agents[i], &c->parts[i]);
     }
+    delivery_count(c, parcels);
     at->refusals_count = 0;
     pages_delivered(b, at);
     if (c->open_version > at->version_had) {
@@ -235,6 +345,7 @@ void courier_undelivered(struct broker *b)
 {
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
+    c->count.blocked++;
     boxes_take_back(b, &b->places.at[c->open]);
     if (b->places.blocked == 0) {
         uint64_t now_ns = b->clock.now_ns;
@@ -247,7 +358,7 @@ void courier_undelivered(struct broker *b)
 
 void courier_tick(struct broker *b)
 {
-    if (courier_deadline_ns(b) > b->clock.now_ns) {
+    if (b->places.blocked == 0 || b->courier.retry_ns > b->clock.now_ns) {
         return;
     }
     for (uint32_t i = 0; i < b->places.top; i++) {
@@ -260,5 +371,7 @@ void courier_tick(struct broker *b)
 
 uint64_t courier_deadline_ns(const struct broker *b)
 {
-    return b->places.blocked > 0 ? b->courier.retry_ns : UINT64_MAX;
+    uint64_t wake_ns = b->courier.held > 0 ? b->courier.wake_ns : UINT64_MAX;
+    uint64_t retry_ns = b->places.blocked > 0 ? b->courier.retry_ns : UINT64_MAX;
+    return wake_ns < retry_ns ? wake_ns : retry_ns;
 }

@@ -3,6 +3,10 @@
  * @file courier.h
  * Puts together what is ready for a process.  Nothing is taken from anywhere before the network
  * has taken it.
+ *
+ * With a delivery interval the courier sleeps between its rounds.  A process that something
+ * ordinary is ready for is held until it wakes; then it gets everything, in one Delivery if that
+ * can hold it.
  */
 #ifndef MUSTER_BROKER_COURIER_H
 #define MUSTER_BROKER_COURIER_H
@@ -18,7 +22,13 @@ enum {
     COURIER_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
     COURIER_RECEIPTS = 8192,
     COURIER_PARCELS = MU_LOCAL_AGENTS_MAX * (MU_WINDOW_MAX + MAILBOX_RESERVE),
+    COURIER_INTERVAL_MAX_MS = 60000,
     COURIER_RETRY_NS = 1000000, /* after the network has refused */
+};
+
+/* What it has done; see counters.c. */
+struct courier_counts {
+    uint64_t deliveries, parcels, most_parcels, blocked, wakings, delay_ns;
 };
 
 /* What of one agent is in the open Delivery. */
@@ -31,6 +41,14 @@ struct courier {
     uint32_t open; /* whose Delivery is out with the caller, or MU_NONE */
     bool open_lockstep;
     uint64_t open_version;
+    uint64_t open_delay_ns; /* that the interval has added to the mails in it, together */
+    uint64_t interval_ns;   /* between two wakings; 0: it never sleeps */
+    uint64_t wake_ns;       /* of the broker's clock: it does not wake before this */
+    uint64_t slept_ns;      /* of the mail clock: since when */
+    bool awake;             /* ordinary mail goes out just now */
+    bool worked;            /* something has gone out since it woke */
+    uint32_t held;          /* processes that wait for it to wake, at most */
+    struct courier_counts count;
     uint64_t retry_ns; /* when blocked processes are tried again */
     struct courier_part parts[MU_LOCAL_AGENTS_MAX];
     muster_Parcel *parcels;
@@ -46,6 +64,13 @@ void courier_init(struct courier *c);
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d);
 void courier_delivered(struct broker *b);
 void courier_undelivered(struct broker *b);
+
+/**
+ * Sets the delivery interval: from now on ordinary mail goes to a process at most once in so long;
+ * directives and answers to registrations go at once.  In lock step it is rounded up to whole steps
+ * of simulated time.
+ */
+void courier_set_interval(struct broker *b, uint64_t interval_ns);
 
 /** Tries blocked processes again, when it is time. */
 void courier_tick(struct broker *b);

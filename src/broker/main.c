@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
+#include "broker/counters.h"
+#include "broker/files.h"
+#include "broker/health.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/exits.h"
@@ -17,7 +20,7 @@
 #include <unistd.h>
 
 /* How often, by the wall, matched writers are looked at and counters are told. */
-static const uint64_t LOOK_NS = 100000000;
+static const uint64_t LOOK_NS = HEALTH_NEWS_NS;
 static const int64_t IMPATIENT_NS = 2000000;
 
 /* How long a lock step waits for its paths to be warm: busy mail must not keep it from beginning.
@@ -36,14 +39,15 @@ struct post {
     struct bus bus;
     struct broker *broker;
     struct bus_reader registrations, ups, rosters;
-    struct bus_writer members, status;
+    struct bus_writer members;
+    struct health health;
+    struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
-    muster_BrokerStatus told; /* the counters that were told last */
 };
 
 static volatile sig_atomic_t signal_came;
@@ -65,7 +69,7 @@ static mu_result post_open(struct post *p)
     MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
-    MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_STATUS, NULL, NULL, &p->status));
+    MU_TRY(health_open(&p->health, &p->bus));
     return MU_OK;
 }
 
@@ -236,16 +240,6 @@ static void members_tell(struct post *p)
     }
 }
 
-static void status_tell(struct post *p)
-{
-    muster_BrokerStatus status = {0};
-    broker_status(p->broker, &status);
-    status.malformed += p->bus.malformed;
-    if (memcmp(&status, &p->told, sizeof status) != 0 && bus_write(&p->status, &status) == MU_OK) {
-        p->told = status;
-    }
-}
-
 /* --- the loop --------------------------------------------------------------------------------- */
 
 /* While it waits for a whole step, whoever is not in the lock step waits for at most so long. */
@@ -272,24 +266,56 @@ static void post_round(struct post *p)
     broker_tick(p->broker, post_now(p));
     impatient = !deliveries_write(p) || impatient;
     members_tell(p);
+    files_audit_write(&p->audit, p->broker);
     if (look) {
         p->looked_ns = mu_clock_ns();
-        status_tell(p);
+        health_tell(&p->health, p->broker, p->looked_ns);
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
-int main(int argc, char **argv)
+/* What the command line says. */
+struct settings {
+    struct mu_network network;
+    bool verbose, counters;
+    double delivery_interval_ms;
+    const char *policy, *audit;
+};
+
+/* @return MU_EXIT_DONE: go on; else the exit code.  name: out; NULL: there is nothing to do */
+static int settings_read(struct settings *s, const char **name, int argc, char **argv)
 {
-    struct mu_network network = {0};
-    bool verbose = false;
     struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(network),
+        MU_NETWORK_OPTIONS(s->network),
+        {.name = "delivery-interval",
+         .kind = MU_OPTION_REAL,
+         .unit = "MS",
+         .fallback = "0",
+         .environment = "MUSTER_DELIVERY_INTERVAL",
+         .help = "hand a process mail at most this often; 0: at once",
+         .target = &s->delivery_interval_ms,
+         .max = 60000},
+        {.name = "policy",
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .environment = "MUSTER_POLICY",
+         .help = "who may direct whom (default: observer and operator all)",
+         .target = &s->policy},
+        {.name = "audit",
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .environment = "MUSTER_AUDIT",
+         .help = "append every directive to this file, a line of JSON each",
+         .target = &s->audit},
+        {.name = "counters",
+         .kind = MU_OPTION_FLAG,
+         .help = "list what each part counts, as Markdown, and end",
+         .target = &s->counters},
         {.name = "verbose",
          .letter = 'v',
          .kind = MU_OPTION_FLAG,
          .help = "log what happens",
-         .target = &verbose},
+         .target = &s->verbose},
     };
     static struct mu_options options;
     options = (struct mu_options){.program = "muster broker",
@@ -298,30 +324,63 @@ int main(int argc, char **argv)
                                   .table = table,
                                   .count = sizeof table / sizeof table[0]};
     mu_result parsed = mu_options_parse(&options, argc, argv);
+    *name = NULL;
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
+    }
+    if (s->counters) {
+        counters_print();
+        return MU_EXIT_DONE;
     }
     if (options.words_count != 1 || !mu_name_valid(options.words[0])) {
         fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
         return MU_EXIT_USAGE;
     }
-    mu_log_open("broker", verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    *name = options.words[0];
+    return MU_EXIT_DONE;
+}
 
-    struct post *p = mu_startup_alloc(sizeof *p);
-    p->began_ns = mu_clock_ns();
+/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
+static int broker_begin(struct post *p, const struct settings *s, const char *name)
+{
     char host[MU_FIELD_MAX + 1] = "";
     gethostname(host, sizeof host - 1);
-    struct broker_options broker = {.name = options.words[0],
+    struct broker_options broker = {.name = name,
                                     .incarnation = mu_clock_wall_ns(),
                                     .host = host,
                                     .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns()};
+                                    .wall_ns = mu_clock_wall_ns(),
+                                    .delivery_interval_ns =
+                                        (uint64_t)(s->delivery_interval_ms * 1e6),
+                                    .audit = s->audit != NULL};
     p->broker = broker_open(&broker);
-    struct bus_options bus = {.domain = (int)network.domain,
+    if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
+        return MU_EXIT_FILE;
+    }
+    return files_audit_open(&p->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
+}
+
+int main(int argc, char **argv)
+{
+    static struct settings settings;
+    const char *name;
+    int code = settings_read(&settings, &name, argc, argv);
+    if (!name) {
+        return code;
+    }
+    mu_log_open("broker", settings.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+
+    struct post *p = mu_startup_alloc(sizeof *p);
+    p->began_ns = mu_clock_ns();
+    code = broker_begin(p, &settings, name);
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    struct bus_options bus = {.domain = (int)settings.network.domain,
                               .place = BUS_BROKER,
                               .name = "broker",
-                              .interface = network.interface,
-                              .hub = network.peer};
+                              .interface = settings.network.interface,
+                              .hub = settings.network.peer};
     mu_result opened = bus_open(&p->bus, &bus);
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
@@ -334,12 +393,11 @@ int main(int argc, char **argv)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", broker.name, bus.domain);
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", name, bus.domain);
     while (!signal_came) {
         post_round(p);
     }
-    status_tell(p);
-    (void)bus_drain(&p->status, 200000000);
+    health_close(&p->health, p->broker);
     bus_close(&p->bus);
     return MU_EXIT_DONE;
 }

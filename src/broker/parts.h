@@ -4,7 +4,9 @@
  * How the parts of the broker hang together.
  *
  *   presence   registrations: names come, are claimed, and go     registry, places
- *   router     a mail's way into boxes, and what becomes of it     policy, query, store, mailbox
+ *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, mailbox
+ *   guard      whose directives go on to whom                      trust, audit
+ *   desk       mail to the broker itself and its parts             directive, query, counters
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
@@ -12,7 +14,10 @@
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
 
+#include "broker/ages.h"
+#include "broker/audit.h"
 #include "broker/broker.h"
+#include "broker/counters.h"
 #include "broker/courier.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
@@ -23,10 +28,12 @@
 #include "broker/runclock.h"
 #include "broker/schedule.h"
 #include "broker/store.h"
+#include "broker/trust.h"
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed;
+    uint64_t duplicates_dropped, resent, malformed, dropped, over_share;
+    uint64_t directed; /* directives let through, one a receiver */
 };
 
 struct broker {
@@ -45,10 +52,14 @@ struct broker {
     struct lockstep lockstep;
     struct courier courier;
     struct pages pages;
+    struct ages ages;
+    struct trust trust;
+    struct audit audit;
     struct broker_counters counters;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
-    char text[MU_CONTENT_MAX + 1]; /* in which an answer is put together */
+    muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */
+    char text[MU_CONTENT_MAX + 1];              /* in which an answer is put together */
 };
 
 #endif

@@ -27,6 +27,7 @@ struct place {
     bool answered;        /* its Up of the current step is in */
     bool step_due;        /* the Delivery of the last step has not gone out to it */
     bool queued;          /* in the queue of those to look at */
+    bool held;            /* waits for the courier to wake */
     bool blocked;         /* the network refused it; waits for the next try */
     int64_t step_had;     /* the step of the last Delivery of this lock step */
     uint64_t version_had; /* of the white pages */

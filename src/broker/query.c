@@ -26,26 +26,32 @@ static char *words(const char *s)
     return (char *)(uintptr_t)s;
 }
 
-static void answer_post(struct broker *b, uint32_t receiver, muster_Mail *m)
+static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
 {
     bool inside = presence_in_lockstep(b, receiver);
-    m->src = b->registry.agents[REGISTRY_BROKER].name;
+    m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;
     m->language = m->reply_with = words("");
     m->due_ns = -1;
-    m->content = b->text;
     m->seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
     router_post(b, receiver, m);
 }
 
-void query_reply(struct broker *b, const struct mail *question, const char *performative)
+void query_reply(struct broker *b, uint32_t own, const struct mail *question,
+                 const char *performative, char *content)
 {
     muster_Mail m = {.performative = words(performative),
                      .ontology = question->letter.ontology,
                      .in_reply_to = question->letter.reply_with,
-                     .conversation = question->letter.conversation};
-    answer_post(b, question->sender, &m);
+                     .conversation = question->letter.conversation,
+                     .content = content};
+    answer_post(b, own, question->sender, &m);
+}
+
+void query_send(struct broker *b, const struct mail *question, const char *performative)
+{
+    query_reply(b, REGISTRY_BROKER, question, performative, b->text);
 }
 
 void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
@@ -54,8 +60,9 @@ void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
     muster_Mail m = {.performative = words("inform"),
                      .ontology = words(""),
                      .in_reply_to = words(in_reply_to),
-                     .conversation = words(conversation)};
-    answer_post(b, receiver, &m);
+                     .conversation = words(conversation),
+                     .content = b->text};
+    answer_post(b, REGISTRY_BROKER, receiver, &m);
 }
 
 bool query_field(const char *content, struct mu_text *out)
@@ -67,7 +74,7 @@ void query_not_understood(struct broker *b, const struct mail *question)
 {
     struct mu_text t;
     query_begin(b, &t, question->letter.performative);
-    query_reply(b, question, "not-understood");
+    query_send(b, question, "not-understood");
 }
 
 void query_changed(struct broker *b, const struct mail *question, const char *refusal,
@@ -80,7 +87,7 @@ void query_changed(struct broker *b, const struct mail *question, const char *re
     }
     query_begin(b, &t, refusal ? refusal : question->letter.performative);
     fields_add(&t, name);
-    query_reply(b, question, refusal ? "failure" : "inform");
+    query_send(b, question, refusal ? "failure" : "inform");
 }
 
 /* --- the white pages -------------------------------------------------------------------------- */
@@ -106,7 +113,7 @@ static void query_lookup(struct broker *b, const struct mail *question)
     if (agent == MU_NONE || !is_shown(b, question, agent)) {
         query_begin(b, &t, "unknown-name");
         fields_add(&t, name);
-        query_reply(b, question, "failure");
+        query_send(b, question, "failure");
         return;
     }
     const struct agent *a = &b->registry.agents[agent];
@@ -118,7 +125,7 @@ static void query_lookup(struct broker *b, const struct mail *question)
     bool inside = presence_in_lockstep(b, question->sender);
     fields_add(&t, inside ? "nil" : a->is.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
-    query_reply(b, question, "inform");
+    query_send(b, question, "inform");
 }
 
 static void query_listing(struct broker *b, const struct mail *question)
@@ -131,20 +138,20 @@ static void query_listing(struct broker *b, const struct mail *question)
             continue;
         }
         if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_reply(b, question, "inform");
+            query_send(b, question, "inform");
             query_begin(b, &t, "members");
         }
         fields_add(&t, name);
     }
-    query_reply(b, question, "inform");
+    query_send(b, question, "inform");
 }
 
-static void query_otherwise(struct broker *b, const struct mail *question)
+void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
     query_begin(b, &t, "performative");
     fields_add(&t, question->letter.performative);
-    query_reply(b, question, "not-understood");
+    query_reply(b, own, question, "not-understood", b->text);
 }
 
 void query_answer(struct broker *b, const struct mail *question)
@@ -173,5 +180,5 @@ void query_answer(struct broker *b, const struct mail *question)
             return;
         }
     }
-    query_otherwise(b, question);
+    query_refuse(b, REGISTRY_BROKER, question);
 }

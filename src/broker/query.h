@@ -35,13 +35,20 @@ struct broker;
 
 void query_answer(struct broker *b, const struct mail *question);
 
+/** Answers that this is not understood. */
+void query_refuse(struct broker *b, uint32_t own, const struct mail *question);
+
+/** Answers a mail; own is who was asked, performative is inform, failure or not-understood. */
+void query_reply(struct broker *b, uint32_t own, const struct mail *question,
+                 const char *performative, char *content);
+
 /* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
 
 /** Begins an answer with a word. */
 void query_begin(struct broker *b, struct mu_text *t, const char *word);
 
-/** Sends b->text in answer to a question. */
-void query_reply(struct broker *b, const struct mail *question, const char *performative);
+/** Sends b->text in answer to a question that was put to the broker itself. */
+void query_send(struct broker *b, const struct mail *question, const char *performative);
 
 /** Sends b->text to an agent that has asked earlier. */
 void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,

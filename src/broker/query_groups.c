@@ -68,12 +68,12 @@ void query_groups(struct broker *b, const struct mail *question)
     query_begin(b, &t, "groups");
     for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
         if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_reply(b, question, "inform");
+            query_send(b, question, "inform");
             query_begin(b, &t, "groups");
         }
         fields_add(&t, name);
     }
-    query_reply(b, question, "inform");
+    query_send(b, question, "inform");
 }
 
 static void members_begin(struct broker *b, struct mu_text *t, const char *group)
@@ -93,17 +93,17 @@ void query_members(struct broker *b, const struct mail *question)
     if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
         query_begin(b, &t, "unknown-group");
         fields_add(&t, group);
-        query_reply(b, question, "failure");
+        query_send(b, question, "failure");
         return;
     }
     uint32_t place = 0;
     members_begin(b, &t, group);
     for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
         if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_reply(b, question, "inform");
+            query_send(b, question, "inform");
             members_begin(b, &t, group);
         }
         fields_add(&t, name);
     }
-    query_reply(b, question, "inform");
+    query_send(b, question, "inform");
 }

@@ -115,14 +115,14 @@ void query_find_service(struct broker *b, const struct mail *question)
             continue;
         }
         if (t.len + LINE_MAX_BYTES > MU_CONTENT_MAX) {
-            query_reply(b, question, "inform");
+            query_send(b, question, "inform");
             query_begin(b, &t, "services");
         }
         fields_add(&t, service);
         fields_add(&t, mu_pairs_second(&s->pairs, line));
         fields_add_string(&t, s->lines[line].attributes);
     }
-    query_reply(b, question, "inform");
+    query_send(b, question, "inform");
 }
 
 /* A subscriber that is absent makes room, the oldest first. */

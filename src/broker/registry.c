@@ -22,6 +22,11 @@ uint32_t registry_find(const struct registry *r, const char *name)
     return mu_table_find(&r->names, name);
 }
 
+bool registry_is_own(uint32_t agent)
+{
+    return agent < REGISTRY_OWN;
+}
+
 const char *registry_objection(const char *name, muster_Kind kind)
 {
     if (!mu_name_valid(name)) {
@@ -94,7 +99,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
                    const struct presence *presence, uint64_t wall_ns)
 {
     struct agent *a = &r->agents[agent];
-    r->present += a->process == MU_NONE && agent != REGISTRY_BROKER;
+    r->present += a->process == MU_NONE && !registry_is_own(agent);
     a->process = process;
     (void)mu_text_copy(a->place, sizeof a->place, place);
     a->is = *presence;

@@ -15,8 +15,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/** The broker itself stands first in the white pages. */
-enum { REGISTRY_BROKER = 0, REGISTRY_MAX = MU_AGENTS_MAX + 1 };
+/** The broker itself stands first in the white pages, its parts after it (counters.h). */
+enum {
+    REGISTRY_BROKER = 0,
+    REGISTRY_OWN = MU_BROKER_LINES,
+    REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN
+};
 
 /* What a registration says of an agent. */
 struct presence {
@@ -53,7 +57,7 @@ struct agent {
 struct registry {
     struct agent *agents; /* REGISTRY_MAX of them */
     uint32_t count;
-    uint32_t present; /* agents that are there, the broker not counted */
+    uint32_t present; /* agents that are there, the broker and its parts not counted */
     uint32_t *order;  /* indices in order of name */
     uint32_t *claims; /* agents whose names are claimed, the oldest claim first */
     uint32_t claims_count;
@@ -69,6 +73,9 @@ void registry_init(struct registry *r);
 
 /** @return the index of a name, or MU_NONE */
 uint32_t registry_find(const struct registry *r, const char *name);
+
+/** @return whether it is the broker or one of its parts */
+bool registry_is_own(uint32_t agent);
 
 /** @return why nobody may register that name as that kind, or NULL */
 const char *registry_objection(const char *name, muster_Kind kind);

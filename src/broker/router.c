@@ -3,10 +3,10 @@
 
 #include "broker/address.h"
 #include "broker/border.h"
+#include "broker/desk.h"
+#include "broker/guard.h"
 #include "broker/parts.h"
-#include "broker/policy.h"
 #include "broker/presence.h"
-#include "broker/query.h"
 
 #include <string.h>
 
@@ -15,6 +15,7 @@ struct audience {
     uint32_t agents[REGISTRY_MAX];
     uint32_t count;
     uint32_t unknown; /* names that nobody ever had */
+    uint32_t refused; /* those whom the sender may not direct: not among the agents */
 };
 
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent)
@@ -35,13 +36,20 @@ enum mailbox_gate router_gate(const struct broker *b, uint32_t agent)
 
 /* --- receivers -------------------------------------------------------------------------------- */
 
-static void audience_of_names(struct broker *b, const char *names, struct audience *to)
+/* Who is in the lock step does not see the broker's parts. */
+static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
+{
+    return agent != REGISTRY_BROKER && registry_is_own(agent) && presence_in_lockstep(b, sender);
+}
+
+static void audience_of_names(struct broker *b, const char *names, uint32_t sender,
+                              struct audience *to)
 {
     char name[MU_NAME_MAX + 1];
     uint64_t mark = ++b->registry.mark;
     while (*names && address_next(&names, name)) {
         uint32_t agent = registry_find(&b->registry, name);
-        if (agent == MU_NONE) {
+        if (agent == MU_NONE || is_hidden(b, agent, sender)) {
             to->unknown++;
         } else if (b->registry.agents[agent].mark != mark) {
             b->registry.agents[agent].mark = mark;
@@ -79,10 +87,10 @@ static void audience_of_group(struct broker *b, const char *group, uint32_t send
 static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t sender,
                         struct audience *to)
 {
-    to->count = to->unknown = 0;
+    to->count = to->unknown = to->refused = 0;
     enum address_kind kind = address_kind(letter->dst);
     if (kind == ADDRESS_NAMES) {
-        audience_of_names(b, letter->dst, to);
+        audience_of_names(b, letter->dst, sender, to);
         return;
     }
     if (kind == ADDRESS_GROUP) {
@@ -96,7 +104,7 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
     for (uint32_t i = 0; i < b->registry.count; i++) {
         uint32_t agent = b->registry.order[i];
         const struct agent *a = &b->registry.agents[agent];
-        if (agent != REGISTRY_BROKER && agent != sender && a->process != MU_NONE &&
+        if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
             kind_is_addressed(kind, a->is.kind) &&
             !(kind == ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0)) {
             to->agents[to->count++] = agent;
@@ -110,7 +118,9 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
     audience_of(b, &m->letter, m->sender, &to);
     bool meets = false;
     for (uint32_t i = 0; i < to.count && !meets; i++) {
-        meets = presence_in_lockstep(b, to.agents[i]);
+        /* What changes the broker itself takes effect between steps, too. */
+        meets = presence_in_lockstep(b, to.agents[i]) ||
+                (m->letter.layer == 0 && registry_is_own(to.agents[i]));
     }
     return meets;
 }
@@ -143,6 +153,7 @@ static void settle(struct broker *b, struct mail *m)
     if (--m->unsettled == 0) {
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
+        ages_remove(&b->ages, m);
         answer(b, m, m->expired ? muster_OUTCOME_EXPIRED : muster_OUTCOME_DELIVERED);
         store_release(&b->store, m);
     }
@@ -237,6 +248,7 @@ static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
 static void put_on_schedules(struct broker *b, struct mail *m, bool held)
 {
     uint64_t now_ns = runclock_mail_ns(&b->clock);
+    ages_add(&b->ages, m, now_ns);
     if (held) {
         m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
         schedule_add(&b->due, m);
@@ -254,9 +266,9 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
-        if (agent == REGISTRY_BROKER) {
+        if (registry_is_own(agent)) {
             b->counters.delivered++;
-            query_answer(b, m);
+            desk_take(b, agent, m);
         } else if (!post(b, m, agent, held)) {
             all_fit = false;
         } else {
@@ -265,7 +277,9 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
                      (presence_in_lockstep(b, m->sender) && !presence_in_lockstep(b, agent));
         }
     }
-    if (to->unknown > 0) {
+    if (to->refused > 0) {
+        answer(b, m, muster_OUTCOME_REFUSED);
+    } else if (to->unknown > 0) {
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
         answer(b, m, muster_OUTCOME_BOX_FULL);
@@ -286,18 +300,14 @@ bool router_route(struct broker *b, struct mail *m)
     struct audience to;
     audience_of(b, &m->letter, m->sender, &to);
     m->order = ++b->orders;
-    if (m->letter.layer == 0 && !policy_may_direct(m->letter.src)) {
-        uint32_t count = to.count + to.unknown ? to.count + to.unknown : 1;
-        b->counters.sent += count;
-        b->counters.refused += count;
-        answer(b, m, muster_OUTCOME_REFUSED);
-        store_release(&b->store, m);
-        return false;
+    if (m->letter.layer == 0) {
+        to.refused = guard_sift(b, m, to.agents, &to.count);
     }
-    b->counters.sent += to.count + to.unknown;
+    b->counters.sent += to.count + to.unknown + to.refused;
     b->counters.unknown_name += to.unknown;
+    bool goes_on = to.refused == 0 || to.count > 0;
     post_to_all(b, m, &to);
-    return true;
+    return goes_on;
 }
 
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)

@@ -39,8 +39,10 @@ struct mail {
     uint32_t uses;      /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
-    bool answered; /* the last receipt for it is out */
-    bool expired;  /* for one receiver at least */
+    struct mail *older, *newer; /* of those that wait in boxes; see ages.h */
+    uint64_t came_ns;           /* on the mail clock */
+    bool answered;              /* the last receipt for it is out */
+    bool expired;               /* for one receiver at least */
 };
 
 struct store_slab {

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -136,6 +137,10 @@ void bus_close(struct bus *bus)
 {
     dds_delete(bus->participant);
     bus->participant = 0;
+    if (bus->wakes) {
+        close(bus->wake_fd);
+        bus->wakes = false;
+    }
 }
 
 static mu_result topic_open(struct bus *bus, enum bus_topic topic)
@@ -163,6 +168,9 @@ static void on_arrival(dds_entity_t reader, void *self)
     bus->arrived++;
     if (bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted) {
         pthread_cond_signal(&bus->arrival);
+    }
+    if (bus->wakes) {
+        (void)eventfd_write(bus->wake_fd, 1); /* full is readable, too */
     }
     pthread_mutex_unlock(&bus->lock);
 }
@@ -378,6 +386,18 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
     }
 }
 
+int bus_wake_fd(struct bus *bus)
+{
+    pthread_mutex_lock(&bus->lock);
+    if (!bus->wakes) {
+        bus->wake_fd = eventfd(bus->arrived != bus->taken, EFD_NONBLOCK | EFD_CLOEXEC);
+        bus->wakes = bus->wake_fd >= 0;
+    }
+    int fd = bus->wake_fd;
+    pthread_mutex_unlock(&bus->lock);
+    return fd;
+}
+
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
     uint64_t until_ns = mu_clock_ns() + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
@@ -385,6 +405,10 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
     pthread_mutex_lock(&bus->lock);
+    if (bus->wakes) {
+        eventfd_t count;
+        (void)eventfd_read(bus->wake_fd, &count); /* what comes from now on is news */
+    }
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }

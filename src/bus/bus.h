@@ -35,6 +35,7 @@ enum bus_topic {
     BUS_RUN_STATUS,
     BUS_MEMBER,
     BUS_BROKER_STATUS,
+    BUS_PART_STATUS,
     BUS_TOPICS, /* how many */
 };
 
@@ -58,6 +59,8 @@ struct bus {
     uint64_t arrived; /* samples, ever */
     uint64_t taken;   /* of them, no longer in a reader */
     uint64_t wanted;  /* bus_wait wakes when so many are there; 0: nobody waits */
+    bool wakes; /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
+    int wake_fd;
 };
 
 struct bus_writer {
@@ -153,6 +156,13 @@ const void *bus_next(struct bus_reader *reader, enum bus_life *life);
  * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0
  */
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
+
+/**
+ * Gives a file descriptor that is readable when samples have arrived since the last bus_wait.
+ *
+ * @return the bus's own; -1: the system has none left
+ */
+int bus_wake_fd(struct bus *bus);
 
 /** Waits until everything written has been acknowledged by its readers.  @return whether it has */
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);

@@ -11,6 +11,9 @@
 /* Names of rules that fired in one step: MU_FIRINGS_PER_STEP symbols, in bytes. */
 enum { RULES_TEXT_MAX = 64 * 1024 };
 
+/* Counters of one part of a broker. */
+enum { PART_COUNTERS_MAX = 64 };
+
 static bool text_fits(const char *text, size_t max)
 {
     return text && strnlen(text, max + 1) <= max;
@@ -238,4 +241,18 @@ bool check_broker_status(const void *sample)
 {
     const muster_BrokerStatus *s = sample;
     return is_process(s->broker);
+}
+
+bool check_part_status(const void *sample)
+{
+    const muster_PartStatus *s = sample;
+    if (!is_process(s->broker) || !is_name(s->part) || s->counters._length > PART_COUNTERS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < s->counters._length; i++) {
+        if (!is_name(s->counters._buffer[i].name)) {
+            return false;
+        }
+    }
+    return true;
 }

@@ -30,6 +30,10 @@ static int is_udp(int fd)
     return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &len) == 0 && type == SOCK_DGRAM;
 }
 
+/* Seen from outside a shared library, too; libmuster.map gives it no version. */
+__attribute__((visibility("default"))) int bind(int fd, const struct sockaddr *address,
+                                                socklen_t len);
+
 /* Takes the place of the C library's bind in every program that links this file. */
 int bind(int fd, const struct sockaddr *address, socklen_t len)
 {

@@ -37,7 +37,12 @@ const struct topic topic_table[BUS_TOPICS] = {
                     .carries = "the white pages, a line an agent"},
     [BUS_BROKER_STATUS] = {"BrokerStatus", &muster_BrokerStatus_desc, .for_late_comers = true,
                            .check = check_broker_status, .partition = "default",
-                           .from_to = "broker to whoever looks", .carries = "counters of mail"},
+                           .from_to = "broker to whoever looks",
+                           .carries = "counters of mail, its age, processor time, memory"},
+    [BUS_PART_STATUS] = {"PartStatus", &muster_PartStatus_desc, .for_late_comers = true,
+                         .check = check_part_status, .partition = "default",
+                         .from_to = "broker to whoever looks",
+                         .carries = "counters of one part of the broker"},
 };
 
 dds_qos_t *topics_qos(const struct topic *topic)

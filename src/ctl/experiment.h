@@ -62,9 +62,10 @@ struct experiment_expectation {
 enum experiment_on_crash { EXPERIMENT_STOP };
 
 struct experiment {
-    char *name;  /* the file's name without folder and ending, unless it says otherwise;
-                    letters, digits, _ . -, so that a folder may bear it */
-    char *world; /* absolute path; in the file, relative to it */
+    char *name;   /* the file's name without folder and ending, unless it says otherwise;
+                     letters, digits, _ . -, so that a folder may bear it */
+    char *world;  /* absolute path; in the file, relative to it */
+    char *policy; /* likewise: who may direct whom; NULL: the broker's default */
     uint64_t seed;
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
@@ -84,8 +85,8 @@ struct experiment {
  * Loads and checks an experiment.  Lives as long as the process.
  *
  * @param set        overrides as "key=value", e.g. "duration=30" or "robots.red.rules=x.clp"; what
- *                   may be set: name world seed duration step_ms on-crash, and of each robot NAME
- *                   robots.NAME.body, .color, .rules and .globals.G; paths as in the file
+ *                   may be set: name world seed duration step_ms on-crash policy, and of each robot
+ * NAME robots.NAME.body, .color, .rules and .globals.G; paths as in the file
  * @return MU_OK; MU_FAULT_FILE with file, line, column and what was expected; MU_FAULT_USAGE when
  *         an override is wrong (fault->file is "--set key=value")
  */

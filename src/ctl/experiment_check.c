@@ -101,7 +101,10 @@ static mu_result check_top(struct experiment_source *s)
                                     "'%.80s' cannot be a broker's name", e->brokers[i]);
         }
     }
-    return check_file(s, &e->world, check_section(s, "world"), "world");
+    mu_result checked =
+        e->policy ? check_file(s, &e->policy, check_section(s, "policy"), "policy") : MU_OK;
+    return checked != MU_OK ? checked
+                            : check_file(s, &e->world, check_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */

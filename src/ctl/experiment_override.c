@@ -22,6 +22,7 @@ static const struct override_key override_keys[] = {
     {"duration", OVERRIDE_REAL, offsetof(struct experiment, duration)},
     {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},
     {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment, on_crash)},
+    {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
 };
 
 static const struct override_key override_robot_keys[] = {

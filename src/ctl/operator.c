@@ -72,6 +72,10 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     }
     o->answers++;
     o->failures += !understood || strcmp(mail->performative, "failure") == 0;
+    if (o->on_answer) {
+        o->on_answer(o->on_answer_self, mail);
+        return;
+    }
     printf("%s: %s", mail->src, understood ? "" : "not understood: ");
     answer_print(mail->content);
 }

@@ -29,6 +29,9 @@ struct operator
     unsigned answers;        /* mails that came in reply to it */
     unsigned failures;       /* of them, failures */
     char reply_with[32];
+    /* Takes an answer instead of its being printed; may be NULL. */
+    void (*on_answer)(void *self, const struct mu_mail *mail);
+    void *on_answer_self;
 };
 
 /* Rows of an options table that every such verb has. */
@@ -52,7 +55,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
 
 /**
  * Sends one mail, waits for its receipt and, if answers_wanted > 0, for so many answers, which are
- * printed on standard output.
+ * printed on standard output, unless on_answer takes them.
  *
  * @return the exit code
  */

@@ -211,6 +211,7 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     } else if (outcome != MU_MAIL_DELIVERED) {
         fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
                 mu_outcome_text(outcome));
+        r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
     }
 }
 
@@ -420,6 +421,7 @@ static int gather(struct run *r)
     }
     while (code < 0 && r->directives_kept < r->directives_sent) {
         code = round_live(r);
+        code = code < 0 && r->command_refused ? MU_EXIT_REFUSED : code;
         code = code < 0 ? start_patience(r) : code;
     }
     return code;

@@ -47,6 +47,7 @@ struct run {
     uint32_t totals_count;
     muster_BrokerStatus mail;
     bool registered, name_refused;
+    bool command_refused;                      /* by the trust policy, before the run has begun */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
     uint64_t silent_ns; /* since the simulator was heard of last */

@@ -54,6 +54,14 @@ void agent_register(struct mu_agent *a)
     (void)written; /* the next heartbeat says it again */
 }
 
+void agent_leave(struct mu_agent *a)
+{
+    muster_Registration r = {
+        .name = a->name, .process = a->process->name, .host = a->process->host};
+    bus_dispose(&a->process->registration, &r);
+    a->leaving = false;
+}
+
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
                         uint64_t last_number, const struct mu_handlers *handlers)
 {
@@ -104,6 +112,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broke
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }
+    kind_follow(a);
 }
 
 static struct mu_mail mail_of(const muster_Parcel *parcel)
@@ -122,23 +131,12 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
                             .in_reply_to = m->in_reply_to,
                             .conversation = m->conversation,
                             .content = m->content,
+                            .reply_by_ns = m->reply_by_ns,
+                            .priority = (enum mu_priority)m->priority,
+                            .level = (enum mu_level)m->level,
                             .timed = m->due_ns >= 0,
                             .due_ns = m->due_ns > 0 ? (uint64_t)m->due_ns : 0,
                             .ttl_ns = m->ttl_ns};
-}
-
-/* Who asks is not left waiting for an agent that has no handler. */
-static void not_understood(struct mu_agent *a, const struct mu_mail *asked)
-{
-    mu_result sent = mu_agent_send(a,
-                                   &(struct mu_mail){.dst = asked->src,
-                                                     .layer = MU_LAYER_SPEECH,
-                                                     .performative = "not-understood",
-                                                     .in_reply_to = asked->reply_with,
-                                                     .conversation = asked->conversation,
-                                                     .content = asked->performative},
-                                   NULL);
-    (void)sent; /* a full outbox: the asker's own time limit is the answer */
 }
 
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
@@ -150,15 +148,15 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
     } else if (a->handlers.on_directive) {
         a->handlers.on_directive(a->handlers.self, a, &mail);
     } else if (mail.reply_with[0]) {
-        not_understood(a, &mail);
+        kind_not_understood(a, &mail);
     }
 }
 
 void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
 {
-    if (!directory_take_answer(a, &parcel->letter) && a->handlers.on_mail) {
+    if (!directory_take_answer(a, &parcel->letter)) {
         struct mu_mail mail = mail_of(parcel);
-        a->handlers.on_mail(a->handlers.self, a, &mail);
+        kind_mail(a, &mail);
     }
 }
 
@@ -167,18 +165,19 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (state == a->state) {
         return;
     }
+    if (state == MU_GONE) {
+        kind_end(a);
+    }
     a->state = state;
     if (state == MU_GONE) {
-        muster_Registration r = {
-            .name = a->name, .process = a->process->name, .host = a->process->host};
-        bus_dispose(&a->process->registration, &r);
-        a->gone = true;
+        a->gone = a->leaving = a->process->leaving = true;
     } else {
         agent_register(a);
     }
     if (a->handlers.on_state) {
         a->handlers.on_state(a->handlers.self, a, state);
     }
+    kind_follow(a);
 }
 
 void mu_agent_decline_broadcasts(mu_agent *a)

@@ -8,7 +8,7 @@
 
 void members_init(struct members *m)
 {
-    m->lines = mu_startup_array(MU_AGENTS_MAX, sizeof *m->lines);
+    m->lines = mu_startup_array(MEMBERS_MAX, sizeof *m->lines);
     m->count = 0;
 }
 
@@ -44,7 +44,7 @@ void members_set(struct members *m, const muster_Member *line)
 {
     size_t at = members_place(m, line->name);
     if (at == m->count || strcmp(m->lines[at].name, line->name) != 0) {
-        if (m->count == MU_AGENTS_MAX) {
+        if (m->count == MEMBERS_MAX) {
             return;
         }
         memmove(&m->lines[at + 1], &m->lines[at], (m->count - at) * sizeof *m->lines);

@@ -9,8 +9,11 @@
 #include "muster/agent.h"
 #include "wire.h"
 
+/* Lines that a copy can hold: agents, a broker and its parts. */
+enum { MEMBERS_MAX = MU_AGENTS_MAX + MU_BROKER_LINES };
+
 struct members {
-    struct mu_member *lines; /* MU_AGENTS_MAX of them, [0, count) in order of name */
+    struct mu_member *lines; /* MEMBERS_MAX of them, [0, count) in order of name */
     size_t count;
 };
 

@@ -57,14 +57,35 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     return MU_OK;
 }
 
+/* Who is gone leaves the white pages when its last mails and acknowledgements are out: its next
+ * life must not get again what this one took. */
+static void agents_leave(mu_process *p)
+{
+    if (!p->leaving) {
+        return;
+    }
+    (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        if (p->agents[i].leaving) {
+            agent_leave(&p->agents[i]);
+        }
+    }
+    p->leaving = false;
+}
+
 void mu_process_close(mu_process *p)
 {
-    /* What was taken is acknowledged before the name goes: its next life must not get it again. */
+    if (!p) {
+        return;
+    }
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        kind_end(&p->agents[i]); /* the last mails go out with the rest */
+    }
     step_flush(p);
-    (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
+    agents_leave(p);
     (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     bus_close(&p->bus);
 }
@@ -202,7 +223,13 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     if (!p->in_lockstep) {
         step_flush(p);
     }
+    agents_leave(p);
     return p->done ? MU_DONE : MU_OK;
+}
+
+int mu_process_wake_fd(mu_process *p)
+{
+    return bus_wake_fd(&p->bus);
 }
 
 mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)

@@ -9,6 +9,7 @@
 #include "bus/bus.h"
 #include "muster/agent.h"
 #include "runtime/directory.h"
+#include "runtime/kind.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
 #include "wire.h"
@@ -28,10 +29,12 @@ struct mu_agent {
     enum mu_kind kind;
     enum mu_state state;
     struct mu_handlers handlers;
+    struct kind_part part; /* what its kind has come to */
     uint64_t incarnation;
     bool registered, refused;
     bool no_broadcasts;
-    bool gone; /* has left */
+    bool gone;    /* takes no part any more */
+    bool leaving; /* its registration is still there, until its last mails are out */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
     uint64_t last_number;  /* taken from the box */
@@ -63,6 +66,7 @@ struct mu_process {
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
+    bool leaving;                /* one of the agents is */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
@@ -84,6 +88,9 @@ void process_next_delivery(mu_process *p);
 
 /** Tells the broker of an agent's name and state. */
 void agent_register(struct mu_agent *a);
+
+/** Takes the registration of an agent back that is gone. */
+void agent_leave(struct mu_agent *a);
 
 /** Takes the broker's answer to a registration. */
 void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker);

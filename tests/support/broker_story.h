@@ -43,15 +43,25 @@ static inline char *words(const char *s)
     return (char *)(uintptr_t)s;
 }
 
-static inline void story_begin(void)
+static inline void story_begin_with(uint64_t delivery_interval_ns, bool audit)
 {
     static struct broker *all[64]; /* kept, so that leak checkers see them */
     static unsigned count;
-    struct broker_options options = {
-        .name = "alpha", .incarnation = 5, .host = "here", .pid = 9, .wall_ns = 1000};
+    struct broker_options options = {.name = "alpha",
+                                     .incarnation = 5,
+                                     .host = "here",
+                                     .pid = 9,
+                                     .wall_ns = 1000,
+                                     .delivery_interval_ns = delivery_interval_ns,
+                                     .audit = audit};
     story.b = all[count++ % 64] = broker_open(&options);
     story.now_ns = 0;
     mu_text_init(&story.text, story.buffer, sizeof story.buffer);
+}
+
+static inline void story_begin(void)
+{
+    story_begin_with(0, false);
 }
 
 static inline muster_Registration registration(const char *name, const char *process)

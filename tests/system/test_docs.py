@@ -47,6 +47,28 @@ def test_every_verb_and_option_is_in_a_man_page():
             check(option in text, f"{verb} {option} is in no man page")
 
 
+def test_the_library_page_names_every_call_and_its_outcomes():
+    page = (ROOT / "docs/reference/library.md").read_text()
+    sections = {}
+    for section in re.split(r"^#+ ", page, flags=re.M):
+        for name in section.split("\n", 1)[0].split(", "):
+            sections[name] = section
+    headers = re.findall(r'^#include "(muster/\w+\.h)"',
+                         (ROOT / "include/muster/muster.h").read_text(), re.M)
+    count = 0
+    for header in headers:
+        text = re.sub(r"/\*.*?\*/", "", (ROOT / "include" / header).read_text(), flags=re.S)
+        text = re.sub(r"^#.*(\\\n.*)*$", "", text, flags=re.M)
+        for type_name, name in re.findall(r"([\w ]+[ *]+)(mu_\w+)\([^;{]*\);", text):
+            count += 1
+            check(name in sections, f"{header}: {name} is not in library.md: make docs")
+            said = sections[name].split("```")[2]
+            check(said.strip(), f"{header}: nothing is said of {name}")
+            if "mu_result " in type_name and name != "mu_fault_trace":
+                check("MU_" in said or "as `mu_" in said, f"{header}: the outcomes of {name}")
+    check(count >= 30, f"only {count} calls looked at")
+
+
 def scratch_copy(out):
     """The tree without its history, with the programs that are built, so that make has no work."""
     def passed_over(path, names):

@@ -4,7 +4,7 @@ import os
 import signal
 import subprocess
 
-from support import (Processes, broker_start, check, check_equal, folder, members, muster,
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
 
 MAILS = 20000
@@ -99,6 +99,20 @@ def test_broadcast_reaches_the_active_and_not_the_absent():
         processes.start(program("mail_receiver"), domain, "gone", out / "gone")
         wait_for(lambda: members(domain)["gone"]["state"] == "running", 5, "one that is back")
         check_equal(record_lines(out / "gone"), [], "mail of who was absent")
+
+
+def test_a_question_for_facts_is_answered_by_the_rules_engine():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp", "--domain",
+                        domain)
+        wait_for(lambda: "red" in members(domain), 10, "the robot in the white pages")
+        done = subprocess.run([program("ask"), str(domain), "red", "2", "facts"], timeout=30,
+                              capture_output=True, text=True)
+        check_equal(done.returncode, 0, f"an answer: {done.stderr}")
+        check(done.stdout.startswith('2 red talk inform: "f-0 '), done.stdout)
+        check("(initial-fact)" in done.stdout, done.stdout)
 
 
 def test_a_name_that_is_held_is_refused():

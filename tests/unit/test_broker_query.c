@@ -77,7 +77,9 @@ static void test_listing(void)
 {
     team();
     story_mail(question(1, "listing", ""));
-    EXPECT("red #1 broker/4611686018427387905 members broker green red; red 1-1 delivered");
+    EXPECT("red #1 broker/4611686018427387905 members broker broker.courier broker.groups "
+           "broker.journal broker.liaison broker.postmaster broker.registrar broker.services "
+           "broker.trust green red; red 1-1 delivered");
 }
 
 static void test_long_listing_comes_in_several_mails(void)

@@ -8,6 +8,7 @@
 #include "wire.h"
 
 #include <CUnit/Basic.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -195,6 +196,28 @@ static void test_waiting(void)
     expect_steps(&to_p1, 1, 2);
 }
 
+static bool is_readable(int fd, int timeout_ms)
+{
+    struct pollfd wake = {.fd = fd, .events = POLLIN};
+    return poll(&wake, 1, timeout_ms) == 1;
+}
+
+static void test_a_descriptor_wakes_a_poll_loop(void)
+{
+    expect_nothing(&to_p1);
+    int fd = bus_wake_fd(&bus);
+    CU_ASSERT_FATAL(fd >= 0);
+    CU_ASSERT_EQUAL(bus_wake_fd(&bus), fd);
+    bus_wait(&bus, 1, 0);
+    CU_ASSERT_FALSE(is_readable(fd, 0));
+    muster_Delivery d = delivery(1);
+    CU_ASSERT_EQUAL(bus_write(&writer, &d), MU_OK);
+    CU_ASSERT_TRUE(is_readable(fd, 5000));
+    bus_wait(&bus, 1, 0);
+    CU_ASSERT_FALSE(is_readable(fd, 0)); /* told once, although the sample is still there */
+    expect_steps(&to_p1, 1, 1);
+}
+
 static muster_Registration registration(const char *process, uint32_t pid)
 {
     return (muster_Registration){
@@ -286,6 +309,7 @@ int main(void)
         {"what breaks a rule is dropped and counted",
          test_what_breaks_a_rule_is_dropped_and_counted},
         {"waiting", test_waiting},
+        {"a descriptor wakes a poll loop", test_a_descriptor_wakes_a_poll_loop},
         {"registrations", test_registrations},
         {"sockets stay on loopback", test_sockets_stay_on_loopback},
         {"closing", test_closing},

@@ -87,6 +87,10 @@ static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
 static muster_Member member = A_MEMBER;
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
+static muster_Counter counters[FEW] = {
+    {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
+static muster_PartStatus part_status = {
+    .broker = W("b1"), .part = W("broker.postmaster"), .counters = LIST(counters)};
 
 enum field_kind {
     A_NAME,   /* of an agent */
@@ -207,6 +211,10 @@ static const struct field {
     MEMBER("member", check_member, &member, member),
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
+    {"part status.broker", check_part_status, &part_status, &part_status.broker, A_WORD,
+     MU_PROCESS_MAX},
+    {"part status.part", check_part_status, &part_status, &part_status.part, A_NAME, 0},
+    {"part status.counter", check_part_status, &part_status, &counters[0].name, A_NAME, 0},
 };
 
 static unsigned wrong;
@@ -371,6 +379,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_RUN_STATUS] = check_run_status,
         [BUS_MEMBER] = check_member,
         [BUS_BROKER_STATUS] = check_broker_status,
+        [BUS_PART_STATUS] = check_part_status,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);

@@ -255,6 +255,7 @@ static void test_override_faults(void)
         {"on-crash=", "expected stop"},
         {"world=", "expected a text"},
         {"world=no.world", "no.world': No such file"},
+        {"policy=no.policy", "cannot read the policy '"},
         {"name=a b", "expected a name"},
         {"robots.red.rules=no.clp", "no.clp': No such file"},
         {"robots.red.globals.mate=(exit)", "expected one CLIPS field"},

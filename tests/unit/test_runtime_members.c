@@ -89,7 +89,7 @@ static void test_limit_lines(void)
     struct mu_random r;
     char name[16];
     mu_random_seed(&r, 6, "members");
-    while (members.count < MU_AGENTS_MAX) { /* in no order */
+    while (members.count < MEMBERS_MAX) { /* in no order */
         snprintf(name, sizeof name, "n%llu", (unsigned long long)(mu_random_next(&r) % 100000));
         set(name, muster_STATE_RUNNING, 1);
     }
@@ -100,13 +100,13 @@ static void test_limit_lines(void)
     CU_ASSERT_TRUE(in_order);
     set("a", muster_STATE_RUNNING, 1);
     set("z", muster_STATE_RUNNING, 1);
-    CU_ASSERT_EQUAL(members.count, MU_AGENTS_MAX);
+    CU_ASSERT_EQUAL(members.count, MEMBERS_MAX);
     CU_ASSERT_PTR_NULL(members_find(&members, "a"));
     CU_ASSERT_PTR_NULL(members_find(&members, "z"));
-    snprintf(name, sizeof name, "%.15s", members.lines[MU_AGENTS_MAX - 1].name);
+    snprintf(name, sizeof name, "%.15s", members.lines[MEMBERS_MAX - 1].name);
     set(name, muster_STATE_ABSENT, 77); /* a line that is there can change */
     CU_ASSERT_EQUAL(members_find(&members, name)->pid, 77);
-    CU_ASSERT_EQUAL(members.count, MU_AGENTS_MAX);
+    CU_ASSERT_EQUAL(members.count, MEMBERS_MAX);
 }
 
 static void test_limit_fields_are_cut(void)

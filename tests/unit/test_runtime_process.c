@@ -301,12 +301,18 @@ static void test_closing_takes_the_agents_back(void)
 {
     mu_agent *red = agent_find(mind.process, "red");
     forget();
+    CU_ASSERT_EQUAL(mu_agent_send(red, &(struct mu_mail){.dst = "blue", .content = "bye"}, NULL),
+                    MU_OK);
     mu_agent_set_state(red, MU_GONE);
+    look(&mind);
+    CU_ASSERT_EQUAL(seen.registrations_lost, 0);
     SPIN_UNTIL(&mind, seen.registrations_lost == 1);
+    CU_ASSERT_STRING_EQUAL(seen.content, "bye");
     mu_agent_set_state(red, MU_GONE);
     spin_for(&mind, 10000000);
     CU_ASSERT_EQUAL(seen.registrations_lost, 1);
     mu_process_close(mind.process);
+    mu_process_close(NULL);
 }
 
 static void test_a_body_is_ready_when_all_have_matched(void)

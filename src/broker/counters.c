@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/counters.h"
+
+#include "broker/parts.h"
+
+#include <stdio.h>
+#include <string.h>
+
+_Static_assert((int)PARTS_END == (int)REGISTRY_OWN, "each part has its line in the white pages");
+
+static const struct {
+    const char *name, *job;
+} parts[PARTS_END] = {
+    [0] = {"broker", "all of them"},
+    [PART_REGISTRAR] = {"registrar", "who bears which name, in which process, in which state"},
+    [PART_POSTMASTER] = {"postmaster", "a mail's way into boxes, and what becomes of it"},
+    [PART_COURIER] = {"courier", "what is ready for a process, as one delivery"},
+    [PART_GROUPS] = {"groups", "who is a member of what"},
+    [PART_SERVICES] = {"services", "the yellow pages"},
+    [PART_TRUST] = {"trust", "whose directives are carried out"},
+    [PART_JOURNAL] = {"journal", "what must be on disk before anybody is told"},
+    [PART_LIAISON] = {"liaison", "the other brokers"},
+};
+
+static uint64_t oldest_ns(const struct broker *b)
+{
+    return ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock));
+}
+
+#define AT(member) \
+    .offset = offsetof(struct broker, member), .size = sizeof((struct broker *)0)->member
+
+/* Mails are counted per receiver. */
+static const struct counter counters[] = {
+    {PART_REGISTRAR, "agents", "agents that are there now", AT(registry.present)},
+    {PART_REGISTRAR, "names", "names ever registered, the broker and its parts included",
+     AT(registry.count)},
+    {PART_REGISTRAR, "processes", "processes that it serves now", AT(places.used_count)},
+    {PART_REGISTRAR, "claims", "names that another process waits for now",
+     AT(registry.claims_count)},
+    {PART_REGISTRAR, "changes", "changes of the white pages", AT(registry.version)},
+
+    {PART_POSTMASTER, "sent", "mails, one a receiver", AT(counters.sent)},
+    {PART_POSTMASTER, "delivered", "of them, acknowledged", AT(counters.delivered)},
+    {PART_POSTMASTER, "waiting", "of them, in a box now", AT(counters.waiting)},
+    {PART_POSTMASTER, "expired", "of them, older than they might become", AT(counters.expired)},
+    {PART_POSTMASTER, "dropped", "of them, taken out of a full box for others",
+     AT(counters.dropped)},
+    {PART_POSTMASTER, "box-full", "of them, refused for want of room", AT(counters.box_full)},
+    {PART_POSTMASTER, "over-share", "of those, refused for their sender's share",
+     AT(counters.over_share)},
+    {PART_POSTMASTER, "unknown-name", "of them, to a name that nobody ever had",
+     AT(counters.unknown_name)},
+    {PART_POSTMASTER, "duplicates-dropped", "mails that came twice from their sender",
+     AT(counters.duplicates_dropped)},
+    {PART_POSTMASTER, "malformed", "samples and mails that break a rule of the wire",
+     AT(counters.malformed)},
+    {PART_POSTMASTER, "stored", "mails kept now, each once", AT(store.mails)},
+    {PART_POSTMASTER, "oldest-ns", "age of the oldest mail that waits, in nanoseconds",
+     .drifts = true, .read = oldest_ns},
+
+    {PART_COURIER, "deliveries", "samples written to processes", AT(courier.count.deliveries)},
+    {PART_COURIER, "parcels", "mails in them", AT(courier.count.parcels)},
+    {PART_COURIER, "most-parcels", "mails in the fullest of them", AT(courier.count.most_parcels)},
+    {PART_COURIER, "resent", "mails handed out again, for want of an acknowledgement",
+     AT(counters.resent)},
+    {PART_COURIER, "blocked", "times that the network did not take a delivery",
+     AT(courier.count.blocked)},
+    {PART_COURIER, "interval-ns", "the delivery interval, in nanoseconds; 0: at once",
+     AT(courier.interval_ns)},
+    {PART_COURIER, "wakings", "times that it woke to deliver, at an interval",
+     AT(courier.count.wakings)},
+    {PART_COURIER, "delay-ns", "what the interval has added to all mails together, in nanoseconds",
+     AT(courier.count.delay_ns)},
+
+    {PART_TRUST, "lines", "lines of the policy", AT(trust.lines_count)},
+    {PART_TRUST, "allowed", "directives let through, one a receiver", AT(counters.directed)},
+    {PART_TRUST, "refused", "directives refused, one a receiver", AT(counters.refused)},
+    {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
+    {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
+    {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},
+};
+
+enum { COUNTERS = sizeof counters / sizeof counters[0] };
+
+_Static_assert((int)COUNTERS <= (int)COUNTERS_MAX, "every counter has its place");
+
+const char *counters_part_name(uint32_t part)
+{
+    return part < PARTS_END ? parts[part].name : NULL;
+}
+
+const struct counter *counters_at(size_t index)
+{
+    return index < COUNTERS ? &counters[index] : NULL;
+}
+
+uint64_t counters_value(const struct broker *b, const struct counter *c)
+{
+    if (c->read) {
+        return c->read(b);
+    }
+    uint32_t small = 0;
+    uint64_t large = 0;
+    const char *at = (const char *)b + c->offset;
+    memcpy(c->size == sizeof small ? (void *)&small : (void *)&large, at, c->size);
+    return large + small;
+}
+
+void counters_print(void)
+{
+    enum counters_part part = 0;
+    for (size_t i = 0; i < COUNTERS; i++) {
+        const struct counter *c = &counters[i];
+        if (c->part != part) {
+            part = c->part;
+            printf("\n## broker.%s: %s\n\n| Counter | What it counts |\n| --- | --- |\n",
+                   parts[part].name, parts[part].job);
+        }
+        printf("| `%s` | %s |\n", c->name, c->counts);
+    }
+}

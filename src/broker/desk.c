@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/desk.h"
+
+#include "broker/directive.h"
+#include "broker/parts.h"
+#include "broker/query.h"
+#include "broker/query_state.h"
+
+#include <string.h>
+
+void desk_take(struct broker *b, uint32_t own, const struct mail *m)
+{
+    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
+    if (m->letter.layer == 0) {
+        directive_take(b, own, m);
+    } else if (asks_state) {
+        query_state_answer(b, own, m);
+    } else if (own == REGISTRY_BROKER) {
+        query_answer(b, m);
+    } else {
+        query_refuse(b, own, m);
+    }
+}

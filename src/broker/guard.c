@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/guard.h"
+
+#include "broker/parts.h"
+#include "broker/presence.h"
+#include "core/text.h"
+
+static struct audit_record *record_begin(struct broker *b, const struct mail *m, bool allowed)
+{
+    struct audit_record *r = audit_add(&b->audit);
+    if (r) {
+        r->allowed = allowed;
+        r->simulated = b->clock.lockstep;
+        r->time_ns = r->simulated ? runclock_run_ns(&b->clock) : presence_wall_ns(b);
+        (void)mu_text_copy(r->sender, sizeof r->sender, m->letter.src);
+        (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[m->sender].place);
+        (void)mu_text_copy(r->performative, sizeof r->performative, m->letter.performative);
+        (void)mu_text_copy(r->line, sizeof r->line, m->letter.content);
+    }
+    return r;
+}
+
+/* It is for nobody who is there; who may direct nobody is not told so. */
+static uint32_t sift_nobody(struct broker *b, const struct mail *m, const struct trust_agent *who)
+{
+    bool allowed = trust_allows_some(&b->trust, who);
+    struct audit_record *r = record_begin(b, m, allowed);
+    if (r) {
+        (void)mu_text_copy(r->receiver, sizeof r->receiver, m->letter.dst);
+    }
+    return allowed ? 0 : 1;
+}
+
+uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
+{
+    struct trust_agent who = {m->letter.src, b->registry.agents[m->sender].is.kind};
+    struct audit_record *records[2] = {NULL, NULL};
+    uint32_t numbers[2] = {0, 0};
+    if (*count == 0) {
+        numbers[false] = sift_nobody(b, m, &who);
+    }
+    for (uint32_t i = 0; i < *count; i++) {
+        const struct agent *a = &b->registry.agents[agents[i]];
+        struct trust_agent whom = {a->name, a->is.kind};
+        bool allowed = trust_allows(&b->trust, &who, &whom);
+        if (numbers[allowed]++ == 0) {
+            records[allowed] = record_begin(b, m, allowed);
+        }
+        if (records[allowed]) {
+            audit_receiver(records[allowed], a->name);
+        }
+        if (allowed) {
+            agents[numbers[true] - 1] = agents[i];
+        }
+    }
+    *count = numbers[true];
+    b->counters.directed += numbers[true];
+    b->counters.refused += numbers[false];
+    return numbers[false];
+}

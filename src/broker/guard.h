@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file guard.h
+ * Whose directives go on to whom: asks the policy, counts, and keeps the audit.
+ */
+#ifndef MUSTER_BROKER_GUARD_H
+#define MUSTER_BROKER_GUARD_H
+
+#include "broker/store.h"
+
+struct broker;
+
+/**
+ * Takes those out of a directive's receivers whom its sender may not direct.
+ *
+ * @param agents  whom it is for, count of them; those that stay keep their order
+ * @return for how many it is refused; 1 when it is for nobody, and its sender may direct nobody
+ */
+uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
+
+#endif

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/kind.h"
+
+#include "core/performatives.h"
+#include "runtime/process.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct mu_agent_kind *parent_of(const struct mu_agent_kind *kind)
+{
+    if (kind == &mu_base_kind) {
+        return NULL;
+    }
+    return kind->parent ? kind->parent : &mu_base_kind;
+}
+
+static const struct mu_agent_kind *kind_of(const struct mu_agent *a)
+{
+    return a->part.of ? a->part.of : &mu_base_kind;
+}
+
+void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind)
+{
+    a->part.of = kind;
+}
+
+/* --- mail ------------------------------------------------------------------------------------- */
+
+static bool handler_fits(const struct mu_layer_handler *h, const struct mu_mail *mail)
+{
+    return h->layer == mail->layer &&
+           (!h->performative || strcmp(h->performative, mail->performative) == 0);
+}
+
+/* Asks the handlers of one kind, in the order of its table. */
+static enum mu_take kind_take(const struct mu_agent_kind *kind, struct mu_agent *a,
+                              const struct mu_mail *mail)
+{
+    enum mu_take took = MU_PASS;
+    for (const struct mu_layer_handler *h = kind->handlers; h && h->layer && took == MU_PASS; h++) {
+        if (handler_fits(h, mail)) {
+            took = h->take(a->handlers.self, a, mail);
+        }
+    }
+    return took;
+}
+
+/* Asks a kind, its parent, and so on. */
+static enum mu_take chain_take(struct mu_agent *a, const struct mu_agent_kind *kind,
+                               const struct mu_mail *mail)
+{
+    const struct mu_agent_kind *outer = a->part.taking;
+    enum mu_take took = MU_PASS;
+    for (; kind && took == MU_PASS; kind = parent_of(kind)) {
+        a->part.taking = kind;
+        took = kind_take(kind, a, mail);
+    }
+    a->part.taking = outer;
+    return took;
+}
+
+enum mu_take mu_agent_take_parent(mu_agent *a, const struct mu_mail *mail)
+{
+    return a->part.taking ? chain_take(a, parent_of(a->part.taking), mail) : MU_PASS;
+}
+
+static bool is_answer(const struct mu_mail *mail)
+{
+    return mail->in_reply_to[0] != '\0' || mu_performative_answers(mail->performative);
+}
+
+/* @return whether the mail names this agent, not only all, a group or a role that it is in */
+static bool is_personal(const struct mu_agent *a, const struct mu_mail *mail)
+{
+    size_t len = strlen(a->name);
+    for (const char *at = mail->dst; *at;) {
+        size_t word = strcspn(at, ",");
+        if (word == len && memcmp(at, a->name, len) == 0) {
+            return true;
+        }
+        at += word;
+        at += *at == ',';
+    }
+    return false;
+}
+
+/* The time of the run as the step at hand has it.  @return 0: this process is not told */
+static uint64_t run_time_ns(const struct mu_process *p)
+{
+    return p->step ? p->step->time_ns : 0;
+}
+
+mu_result mu_agent_reply(mu_agent *a, const struct mu_mail *mail, const char *performative,
+                         const char *content)
+{
+    if (is_answer(mail) && !mail->reply_with[0]) {
+        return MU_REFUSED;
+    }
+    uint64_t now_ns = run_time_ns(a->process);
+    bool limited = mail->reply_by_ns > 0 && now_ns > 0;
+    if (limited && now_ns >= mail->reply_by_ns) {
+        return MU_TIMEOUT;
+    }
+    char number[24];
+    snprintf(number, sizeof number, "%llu", (unsigned long long)mail->seq);
+    struct mu_mail answer = {.dst = mail->src,
+                             .layer = mail->layer,
+                             .performative = performative,
+                             .language = mail->language,
+                             .ontology = mail->ontology,
+                             .in_reply_to = mail->reply_with[0] ? mail->reply_with : number,
+                             .conversation = mail->conversation,
+                             .content = content,
+                             .ttl_ns = limited ? mail->reply_by_ns - now_ns : 0};
+    return mu_agent_send(a, &answer, NULL);
+}
+
+/* What the runtime answers by itself: the first word of the answer's content is what was asked. */
+static void answer(struct mu_agent *a, const struct mu_mail *mail, const char *performative)
+{
+    mu_result sent = mu_agent_reply(a, mail, performative, mail->performative);
+    (void)sent; /* a full outbox: the asker's own time limit is the answer */
+}
+
+void kind_not_understood(struct mu_agent *a, const struct mu_mail *mail)
+{
+    if (!is_answer(mail) && is_personal(a, mail)) {
+        answer(a, mail, "not-understood");
+    }
+}
+
+void kind_mail(struct mu_agent *a, const struct mu_mail *mail)
+{
+    enum mu_take took = chain_take(a, kind_of(a), mail);
+    if (took == MU_DECLINE && !is_answer(mail) && (is_personal(a, mail) || mail->reply_with[0])) {
+        answer(a, mail, "refuse");
+    }
+    if (took != MU_PASS) {
+        return;
+    }
+    if (a->handlers.on_mail) {
+        a->handlers.on_mail(a->handlers.self, a, mail);
+    } else {
+        kind_not_understood(a, mail);
+    }
+}
+
+/* --- hooks ------------------------------------------------------------------------------------ */
+
+/* Calls the hook of the first kind in the chain that has one. */
+static void chain_event(struct mu_agent *a, const struct mu_agent_kind *kind, enum mu_event event)
+{
+    while (kind && !kind->hooks[event]) {
+        kind = parent_of(kind);
+    }
+    if (!kind) {
+        return;
+    }
+    const struct mu_agent_kind *outer = a->part.hooked;
+    enum mu_event outer_event = a->part.event;
+    a->part.hooked = kind;
+    a->part.event = event;
+    kind->hooks[event](a->handlers.self, a);
+    a->part.hooked = outer;
+    a->part.event = outer_event;
+}
+
+void kind_event(struct mu_agent *a, enum mu_event event)
+{
+    chain_event(a, kind_of(a), event);
+}
+
+void mu_agent_event_parent(mu_agent *a)
+{
+    if (a->part.hooked) {
+        chain_event(a, parent_of(a->part.hooked), a->part.event);
+    }
+}
+
+void kind_follow(struct mu_agent *a)
+{
+    if (a->registered && !a->part.created) {
+        a->part.created = true;
+        kind_event(a, MU_ON_CREATE);
+    }
+    if (a->state == MU_STANDBY) {
+        a->part.begun = false; /* who is put back is started again */
+    } else if (a->part.created && !a->part.begun && a->state == MU_RUNNING) {
+        a->part.begun = true;
+        kind_event(a, MU_ON_RUN);
+    }
+}
+
+void kind_end(struct mu_agent *a)
+{
+    if (a->part.created && !a->part.ended) {
+        a->part.ended = true;
+        kind_event(a, MU_ON_DISPOSE);
+    }
+}

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The library as a stranger has it: what it exports, a program outside the tree, the examples."""
+import os
+import re
+import shutil
+import subprocess
+
+from support import (BUILD, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
+                     members, muster, new_domain, program, wait_for)
+
+TEXT_BYTES_MAX = 96 * 1024
+
+# A name of its own that the library has inside, too, and a kind in a layer that nothing knows of.
+STRANGE = r"""
+#include <muster/muster.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+int bus_open(void);
+int bus_open(void) { return 42; }
+
+static enum mu_take count(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    char content[32];
+    snprintf(content, sizeof content, "%d %s", bus_open(), mail->content);
+    return mu_agent_reply(a, mail, "tell", content) == MU_OK ? MU_TAKEN : MU_DECLINE;
+}
+static void run(void *self, mu_agent *a) { puts("runs"); fflush(stdout); }
+static void dispose(void *self, mu_agent *a) { puts("disposed"); fflush(stdout); }
+static const struct mu_layer_handler handlers[] = {{1000, "count", count}, {0}};
+static const struct mu_agent_kind strange = {
+    .name = "strange", .handlers = handlers,
+    .hooks = {[MU_ON_RUN] = run, [MU_ON_DISPOSE] = dispose}};
+
+int main(int argc, char **argv)
+{
+    struct mu_process_options options = {.domain = atoi(argv[1])};
+    struct mu_handlers nothing = {0};
+    mu_process *p = NULL;
+    mu_agent *a;
+    int failed = mu_process_open(&p, &options) != MU_OK ||
+                 mu_agent_join(p, &a, "strange", MU_KIND_AGENT, 0, &nothing) != MU_OK;
+    if (!failed) {
+        mu_agent_be(a, &strange);
+        mu_memory_seal();
+        failed = mu_process_run(p) != MU_OK;
+    }
+    mu_process_close(p);
+    return failed;
+}
+"""
+
+
+def output_of(*words, **kwargs):
+    return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True,
+                          timeout=60, **kwargs).stdout
+
+
+def declared():
+    """What the headers that muster.h includes declare."""
+    names = set()
+    for header in re.findall(r'^#include "(muster/\w+\.h)"',
+                             (ROOT / "include/muster/muster.h").read_text(), re.M):
+        text = re.sub(r"/\*.*?\*/", "", (ROOT / "include" / header).read_text(), flags=re.S)
+        text = re.sub(r"^#.*(\\\n.*)*$", "", text, flags=re.M)
+        names |= set(re.findall(r"(mu_\w+)\([^;{]*\);", text))
+        names |= set(re.findall(r"^extern .*?(mu_\w+);", text, re.M))
+    return names
+
+
+def test_the_libraries_export_what_the_headers_declare():
+    wanted = declared()
+    check(len(wanted) >= 30, f"declared: {sorted(wanted)}")
+    shared = {line.split()[-1]
+              for line in output_of("nm", "-D", "--defined-only",
+                                    BUILD / "libmuster.so.0").splitlines()}
+    if BUILD.name == "release":
+        exported = {name.split("@")[0] for name in shared if name != "MUSTER_0"}
+        # bind keeps DDS on the interface that was asked for: src/bus/loopback.c.
+        check_equal(sorted(exported - wanted), ["bind"], "exported without being declared")
+        check_equal(sorted(wanted - exported), [], "declared without being exported")
+        check(all("@@MUSTER_0" in name for name in shared if name.startswith("mu_")), shared)
+        static = {line.split()[-1]
+                  for line in output_of("nm", "-g", "--defined-only",
+                                        BUILD / "libmuster.a").splitlines()
+                  if len(line.split()) == 3}
+        check_equal(sorted(static), sorted(exported), "what the static library exports")
+    for name in wanted:
+        check(f"{name}@@MUSTER_0" in shared, f"{name} is not exported")
+
+
+def test_the_shared_library_is_small_and_needs_little():
+    dynamic = output_of("readelf", "-d", BUILD / "libmuster.so.0")
+    check("[libmuster.so.0]" in dynamic, dynamic)
+    needed = re.findall(r"NEEDED.*\[(lib\w+)", dynamic)
+    check("libddsc" in needed, f"it needs {needed}")
+    check(not {"libclips", "libode", "libccd", "libpng16"} & set(needed), f"it needs {needed}")
+    if BUILD.name == "release":
+        sizes = output_of("size", "-A", BUILD / "libmuster.so.0")
+        text = int(re.search(r"^\.text +(\d+)", sizes, re.M)[1])
+        check(10000 < text <= TEXT_BYTES_MAX, f".text of {text} bytes")
+
+
+def install(out):
+    """An installed copy; gives the environment in which pkg-config finds it."""
+    if not shutil.which("pkg-config"):
+        raise Skip("no pkg-config here")
+    output_of("make", "-s", "DEPS=skip", "install", f"BUILD={BUILD.name}", f"DESTDIR={out}",
+              "PREFIX=/usr", cwd=ROOT)
+    return {**os.environ, "PKG_CONFIG_PATH": str(out / "usr/lib/pkgconfig"),
+            "PKG_CONFIG_SYSROOT_DIR": str(out), "LD_LIBRARY_PATH": str(out / "usr/lib")}
+
+
+def build(source, target, environment, static):
+    """Builds a program as the how-to says."""
+    flags = output_of("pkg-config", "--cflags", "--libs", "muster", env=environment).split()
+    if static:
+        root = environment["PKG_CONFIG_SYSROOT_DIR"]
+        private = output_of("pkg-config", "--static", "--libs-only-l", "muster",
+                            env=environment).split()
+        flags = [*output_of("pkg-config", "--cflags", "muster", env=environment).split(),
+                 f"{root}/usr/lib/libmuster.a", *private[1:]]
+    sanitize = ["-fsanitize=address,undefined"] if BUILD.name == "asan" else []
+    built = subprocess.run(["gcc", "-o", str(target), str(source), *flags, *sanitize],
+                           capture_output=True, text=True, cwd=target.parent)
+    check_equal(built.returncode, 0, f"a build of {source.name}: {built.stderr}")
+
+
+def ask(domain, *words):
+    done = subprocess.run([program("ask"), str(domain), *map(str, words)], capture_output=True,
+                          text=True, timeout=30)
+    check_equal(done.returncode, 0, f"an answer to {words}: {done.stdout}{done.stderr}")
+    return done.stdout.strip()
+
+
+def stranger_lives(out, environment, static):
+    target = out / ("static" if static else "shared")
+    build(out / "strange.c", target, environment, static)
+    libraries = output_of("ldd", target, env=environment)
+    check_equal("libmuster.so.0" in libraries, not static, f"linked with {libraries}")
+    check("libclips" not in libraries and "libode" not in libraries, libraries)
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        with (out / "said").open("w") as said:
+            stranger = processes.start(target, domain, env=environment, stdout=said)
+        wait_for(lambda: "strange" in members(domain), 10, "the stranger in the white pages")
+        if shutil.which("ss"):
+            sockets = [line for line in output_of("ss", "-Hanup").splitlines()
+                       if f"pid={stranger.pid}," in line]
+            check(sockets, "sockets of the stranger")
+            for line in sockets:
+                check(line.split()[3].startswith("127.0.0.1:"), f"bound to {line}")
+        check_equal(ask(domain, "strange", 1000, "count", "sheep"),
+                    "1000 strange talk tell: 42 sheep", "a layer of its own")
+        check_equal(ask(domain, "strange", 1, "dispose"), "1 strange talk agree: dispose",
+                    "a request of the system layer")
+        wait_for(lambda: members(domain)["strange"]["state"] == "absent", 5, "its absence")
+        check_equal((out / "said").read_text(), "runs\ndisposed\n", "its hooks")
+
+
+def test_a_strange_program_is_built_and_lives_with_either_library():
+    with folder() as out:
+        environment = install(out)
+        headers = {p.name for p in (out / "usr/include/muster").iterdir()}
+        check_equal(headers, {p.name for p in (ROOT / "include/muster").iterdir()}, "headers")
+        check_equal(os.readlink(out / "usr/lib/libmuster.so"), "libmuster.so.0", "the link")
+        (out / "strange.c").write_text(STRANGE)
+        stranger_lives(out, environment, static=False)
+        stranger_lives(out, environment, static=True)
+
+
+def test_the_library_takes_no_memory_after_joining():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        done = subprocess.run([program("memory_counter"), str(domain), "1000"],
+                              capture_output=True, text=True, timeout=60)
+        check_equal((done.returncode, done.stdout.strip()), (0, "1000 mails, 0 calls"),
+                    f"calls of an allocator: {done.stderr}")
+
+
+def example_start(processes, domain, name, *words):
+    return processes.start(BUILD / "examples" / name, *words, domain)
+
+
+def test_examples_are_short():
+    for name, most in (("spin", 40), ("time_server", 25)):
+        lines = len((ROOT / f"examples/{name}.c").read_text().splitlines())
+        check(lines <= most, f"examples/{name}.c has {lines} lines")
+
+
+def test_the_time_server_and_the_robot():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        server = example_start(processes, domain, "time_server")
+        robot = example_start(processes, domain, "spin", "red")
+        wait_for(lambda: {"clock", "red"} <= set(members(domain)), 10, "both in the white pages")
+        check("3 clock talk inform: " in ask(domain, "clock", 3, "request", "time"), "the time")
+        check_equal(members(domain)["red"]["state"], "standby", "a robot that waits")
+        check_equal(muster("start", "red", "--domain", domain).returncode, 0, "a directive")
+        wait_for(lambda: members(domain)["red"]["state"] == "running", 5, "a robot that runs")
+        check_equal(ask(domain, "red", 3, "tell", "hello"), "3 red talk not-understood: tell",
+                    "a robot without ears")
+        for p in (server, robot):
+            p.terminate()
+            check_equal(p.wait(10), 0, "the end of an example")
+        check_equal(members(domain)["clock"]["state"], "absent", "the server after its end")
+
+
+def test_the_example_of_kinds():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        example_start(processes, domain, "kinds")
+        wait_for(lambda: {"shop", "thrifty"} <= set(members(domain)), 10, "both shops")
+        for words, answer in (
+                (("shop", 4, "cfp"), "4 shop talk propose: price 10"),
+                (("thrifty", 4, "cfp", "20"), "4 thrifty talk propose: price 7"),
+                (("thrifty", 4, "cfp"), "4 thrifty talk propose: price 10"),
+                (("thrifty", 4, "give-back"), "4 thrifty talk refuse: give-back"),
+                (("thrifty", 4, "dance"), "4 thrifty talk not-understood: dance"),
+                (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
+                (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
+                (("shop", 1, "clone"), "1 shop talk refuse: clone no-mobility"),
+                (("shop", 2, "state"), "2 shop talk inform: state running"),
+                (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
+            check_equal(ask(domain, *words), answer, f"the answer to {words}")
+        wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
+        check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
