@@ -93,6 +93,16 @@
 #define MU_BOX_MAX 32768
 #endif
 
+/** Bytes of mail that waits in one box. */
+#ifndef MU_BOX_BYTES_MAX
+#define MU_BOX_BYTES_MAX (32u << 20)
+#endif
+
+/** Bytes of mail that waits for the end of a step of the lock step. */
+#ifndef MU_STEP_BYTES_MAX
+#define MU_STEP_BYTES_MAX (64u << 20)
+#endif
+
 /** Places in all boxes together: a mail takes one in the box of each of its receivers. */
 #ifndef MU_POSTS_MAX
 #define MU_POSTS_MAX (1u << 20)

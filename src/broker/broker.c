@@ -46,6 +46,10 @@ struct broker *broker_open(const struct broker_options *options)
     schedule_init(&b->due, SCHEDULE_DUE);
     schedule_init(&b->expiry, SCHEDULE_EXPIRY);
     mailbox_init(&b->mailbox, REGISTRY_MAX);
+    mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
+    share_init(&b->shares, REGISTRY_MAX);
+    events_init(&b->events, REGISTRY_MAX);
+    pacer_init(&b->pacer, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
@@ -157,13 +161,12 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
     if (!m) {
         return;
     }
-    if (effect == EFFECT_STEP) {
-        lockstep_keep(&b->lockstep, m, false);
-    } else if (effect == EFFECT_STEP_AS_OUTSIDE ||
-               (b->lockstep.on && router_meets_lockstep(b, m))) {
-        lockstep_keep(&b->lockstep, m, true);
-    } else {
+    bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
+                   (effect == EFFECT_NOW && b->lockstep.on && router_meets_lockstep(b, m));
+    if (effect == EFFECT_NOW && !outside) {
         (void)router_route(b, m);
+    } else if (!lockstep_keep(&b->lockstep, m, outside)) {
+        router_turn_away(b, m);
     }
 }
 
@@ -214,6 +217,7 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
         }
         effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
     }
+    lockstep_open_turn(&b->lockstep);
     for (uint32_t i = 0; i < up->acks._length; i++) {
         ack_take(b, place, &up->acks._buffer[i]);
     }
@@ -255,6 +259,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     broker_enter(b, now_ns);
     presence_tick(b);
     resend_tick(b);
+    router_tick(b);
     courier_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
@@ -266,8 +271,9 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX,
-                         UINT64_MAX};
+    uint64_t others[] = {
+        resend_deadline_ns(b),       courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
+        pacer_deadline_ns(&b->pacer)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -393,6 +399,21 @@ bool broker_member_news(struct broker *b, muster_Member *out)
         return false;
     }
     registry_line(&b->registry, agent, b->name, out);
+    return true;
+}
+
+bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
+{
+    struct event event;
+    if (!events_next(&b->events, b->clock.now_ns, &event)) {
+        return false;
+    }
+    *out = (muster_BrokerEvent){.agent = b->registry.agents[event.agent].name,
+                                .sender = b->registry.agents[event.sender].name,
+                                .count = event.count,
+                                .wall_ns = b->wall_ns + event.at_ns};
+    out->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
+    out->kind = (char *)(uintptr_t)events_kind_word(event.kind);
     return true;
 }
 

@@ -33,6 +33,9 @@ struct broker_options {
     uint64_t delivery_interval_ns; /* between two rounds of the courier; 0: at once */
     bool audit;                    /* directives are recorded for broker_audit_next */
     uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
+    muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
+    uint32_t box_mails;            /* MU_BOX_MAX when 0 */
+    uint32_t box_bytes;            /* MU_BOX_BYTES_MAX when 0 */
 };
 
 /** Takes all memory that the broker will ever use.  One broker in a process. */
@@ -113,6 +116,13 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
  * @return false when there is none
  */
 bool broker_member_news(struct broker *b, muster_Member *out);
+
+/**
+ * Gives what has gone wrong with mail; events_next in events.h says how often.
+ *
+ * @return false when there is nothing to tell now
+ */
+bool broker_event_next(struct broker *b, muster_BrokerEvent *out);
 
 /** @return how many samples the broker needs before it can do much: in lock step, the answers that
  *          are missing; else 1 */

@@ -118,7 +118,8 @@ static uint32_t parcels_fill(struct broker *b, uint32_t agent, struct room *room
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT);
     uint64_t number = box->acked + box->written;
     uint32_t count = 0;
-    for (uint32_t i = box->out; i != MU_NONE && room->parcels > 0; i = b->mailbox.posts[i].next) {
+    for (uint32_t i = box->out; i != MU_NONE && room->parcels > 0;
+         i = mailbox_next(&b->mailbox, i)) {
         const struct mail *m = b->mailbox.posts[i].mail;
         if (m->bytes > room->bytes) { /* the content of the largest mail fits an empty Delivery */
             room->parcels = 0;

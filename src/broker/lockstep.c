@@ -8,6 +8,9 @@
 
 #include <string.h>
 
+/* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
+enum { OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4, STEP_BYTES = MU_STEP_BYTES_MAX - OUTSIDE_BYTES };
+
 void lockstep_init(struct lockstep *l, uint32_t agents)
 {
     *l = (struct lockstep){.simulator = MU_NONE};
@@ -39,11 +42,32 @@ static struct mail *list_pop(struct mail_list *list)
     return m;
 }
 
-void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
+void lockstep_open_turn(struct lockstep *l)
 {
+    uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
+    l->turn_bytes = each > STORE_RECORD_MAX ? each : STORE_RECORD_MAX;
+}
+
+bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
+{
+    static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
+    static const struct share_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
     struct turn *turn = &l->turns[m->sender];
+    struct share_use want = {.mails = 1, .bytes = store_bytes(m)};
+    if (from_outside) {
+        if (share_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != SHARE_FITS) {
+            return false;
+        }
+        share_add(&turn->outside_use, &want);
+        share_add(&l->outside_use, &want);
+        l->outside_waiting++;
+    } else if (want.bytes > l->turn_bytes) {
+        return false;
+    } else {
+        l->turn_bytes -= want.bytes;
+    }
     list_append(from_outside ? &turn->outside : &turn->mails, m);
-    l->outside_waiting += from_outside;
+    return true;
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
@@ -119,6 +143,9 @@ static void outside_apply(struct broker *b)
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
+            struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
+            share_subtract(&turn->outside_use, &less);
+            share_subtract(&l->outside_use, &less);
             store_keep(m);
             if (router_route(b, m)) {
                 l->told[l->told_count++] = m;

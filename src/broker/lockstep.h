@@ -11,6 +11,7 @@
 #ifndef MUSTER_BROKER_LOCKSTEP_H
 #define MUSTER_BROKER_LOCKSTEP_H
 
+#include "broker/share.h"
 #include "broker/store.h"
 
 struct broker;
@@ -27,6 +28,7 @@ struct mail_list {
 struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
+    struct share_use outside_use;
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;
@@ -45,6 +47,8 @@ struct lockstep {
     uint64_t version;       /* of the white pages, when the last step ended */
     struct turn *turns;     /* one for each agent of the registry */
     uint32_t outside_waiting;
+    struct share_use outside_use; /* of mails from outside, until they take effect */
+    uint32_t turn_bytes;          /* what the Up that is being taken may still bring */
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[LOCKSTEP_OUTSIDE_MAX];
     uint32_t told_count;
@@ -64,8 +68,16 @@ void lockstep_answered(struct broker *b, uint32_t place);
 /** @return how many answers the step waits for; 1 when there is no lock step */
 uint32_t lockstep_missing(const struct lockstep *l);
 
-/** Keeps an admitted mail for the end of the step. */
-void lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
+/** An Up begins: what it may bring depends on the roster alone, not on what came before it. */
+void lockstep_open_turn(struct lockstep *l);
+
+/**
+ * Keeps an admitted mail for the end of the step; what the store has room for is decided then.
+ *
+ * @return false: it does not fit into its process's part of MU_STEP_BYTES_MAX, or, from outside,
+ *         into its sender's share of a quarter of that
+ */
+bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);

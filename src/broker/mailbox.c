@@ -8,6 +8,8 @@ void mailbox_init(struct mailbox *m, uint32_t agents)
     *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
     m->posts = mu_startup_array(MU_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
+    pairs_init(&m->pairs);
+    mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
 struct box *mailbox_box(struct mailbox *m, uint32_t agent)
@@ -22,70 +24,126 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent)
     return box;
 }
 
-uint32_t mailbox_count(const struct box *box)
+/* --- limits ----------------------------------------------------------------------------------- */
+
+static uint32_t limit_of(uint32_t wanted, uint32_t otherwise, uint32_t most)
 {
-    uint32_t count = 0;
-    for (int i = 0; i <= POST_FLIGHT; i++) {
-        count += box->lists[i].count;
-    }
-    return count;
+    uint32_t limit = wanted ? wanted : otherwise;
+    return limit < most ? limit : most;
+}
+
+void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
+                          uint32_t bytes)
+{
+    m->limits = (struct box_limits){.policy = policy,
+                                    .mails = limit_of(mails, MU_BOX_MAX, MU_BOX_MAX),
+                                    .bytes = limit_of(bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
+}
+
+void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
+                        uint32_t bytes)
+{
+    mailbox_box(m, agent)->limits =
+        (struct box_limits){.policy = policy, .mails = mails, .bytes = bytes};
+}
+
+struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
+{
+    struct box_limits own = box->limits;
+    return (struct box_limits){.policy = own.policy != muster_BOX_REFUSE_NEW ? own.policy
+                                                                             : m->limits.policy,
+                               .mails = limit_of(own.mails, m->limits.mails, MU_BOX_MAX),
+                               .bytes = limit_of(own.bytes, m->limits.bytes, MU_BOX_BYTES_MAX)};
 }
 
 /* --- lists of posts --------------------------------------------------------------------------- */
 
-static void list_append(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
+static void queue_append(struct mailbox *m, struct post_queue *q, uint32_t post,
+                         enum post_links links)
 {
-    struct post_queue *q = &box->lists[list];
-    struct post *p = &m->posts[post];
-    p->list = (uint8_t)list;
-    q->count++;
-    if (list == POST_HELD) {
-        return;
-    }
-    p->next = MU_NONE;
-    p->prev = q->tail;
+    m->posts[post].links[links] = (struct post_link){.next = MU_NONE, .prev = q->tail};
     if (q->tail == MU_NONE) {
         q->head = post;
     } else {
-        m->posts[q->tail].next = post;
+        m->posts[q->tail].links[links].next = post;
     }
     q->tail = post;
+    q->count++;
+    q->bytes += m->posts[post].mail->bytes;
+}
+
+static void queue_prepend(struct mailbox *m, struct post_queue *q, uint32_t post,
+                          enum post_links links)
+{
+    m->posts[post].links[links] = (struct post_link){.next = q->head, .prev = MU_NONE};
+    if (q->head == MU_NONE) {
+        q->tail = post;
+    } else {
+        m->posts[q->head].links[links].prev = post;
+    }
+    q->head = post;
+    q->count++;
+    q->bytes += m->posts[post].mail->bytes;
+}
+
+static void queue_remove(struct mailbox *m, struct post_queue *q, uint32_t post,
+                         enum post_links links)
+{
+    struct post_link at = m->posts[post].links[links];
+    if (at.prev == MU_NONE) {
+        q->head = at.next;
+    } else {
+        m->posts[at.prev].links[links].next = at.next;
+    }
+    if (at.next == MU_NONE) {
+        q->tail = at.prev;
+    } else {
+        m->posts[at.next].links[links].prev = at.prev;
+    }
+    q->count--;
+    q->bytes -= m->posts[post].mail->bytes;
+}
+
+/* @return the sender's part of the queue that the post stands in, or NULL: nobody asks for it */
+static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
+{
+    const struct post *p = &m->posts[post];
+    bool may_be_dropped = p->list >= POST_LOW && p->list <= POST_HIGH;
+    return may_be_dropped ? &m->pairs.pool[p->pair].waiting[p->list - POST_LOW] : NULL;
+}
+
+static void list_append(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
+{
+    m->posts[post].list = (uint8_t)list;
+    queue_append(m, &box->lists[list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_append(m, senders, post, LINKS_PAIR);
+    }
 }
 
 static void list_prepend(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
 {
-    struct post_queue *q = &box->lists[list];
-    struct post *p = &m->posts[post];
-    p->list = (uint8_t)list;
-    q->count++;
-    p->prev = MU_NONE;
-    p->next = q->head;
-    if (q->head == MU_NONE) {
-        q->tail = post;
-    } else {
-        m->posts[q->head].prev = post;
+    m->posts[post].list = (uint8_t)list;
+    queue_prepend(m, &box->lists[list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_prepend(m, senders, post, LINKS_PAIR);
     }
-    q->head = post;
 }
 
 static void list_remove(struct mailbox *m, struct box *box, uint32_t post)
 {
-    struct post *p = &m->posts[post];
-    struct post_queue *q = &box->lists[p->list];
-    q->count--;
-    if (p->list == POST_HELD) {
-        return;
+    queue_remove(m, &box->lists[m->posts[post].list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_remove(m, senders, post, LINKS_PAIR);
     }
-    if (p->prev == MU_NONE) {
-        q->head = p->next;
-    } else {
-        m->posts[p->prev].next = p->next;
-    }
-    if (p->next == MU_NONE) {
-        q->tail = p->prev;
-    } else {
-        m->posts[p->next].prev = p->prev;
-    }
+}
+
+uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
+{
+    return m->posts[post].links[LINKS_BOX].next;
 }
 
 /* --- posts ------------------------------------------------------------------------------------ */
@@ -94,7 +152,7 @@ static uint32_t post_take(struct mailbox *m)
 {
     uint32_t post = m->posts_free;
     if (post != MU_NONE) {
-        m->posts_free = m->posts[post].next;
+        m->posts_free = mailbox_next(m, post);
     } else if (m->posts_used < MU_POSTS_MAX) {
         post = m->posts_used++;
     } else {
@@ -107,6 +165,12 @@ static uint32_t post_take(struct mailbox *m)
 static void post_give(struct mailbox *m, uint32_t post)
 {
     struct post *p = &m->posts[post];
+    struct share_use less = {.mails = 1, .bytes = p->mail->bytes};
+    share_subtract(&m->boxes[p->agent].use, &less);
+    share_subtract(&m->pairs.pool[p->pair].use, &less);
+    if (m->pairs.pool[p->pair].use.mails == 0) {
+        pairs_drop(&m->pairs, p->pair);
+    }
     if (p->sibling_prev == MU_NONE) {
         p->mail->posts = p->sibling_next;
     } else {
@@ -116,35 +180,37 @@ static void post_give(struct mailbox *m, uint32_t post)
         m->posts[p->sibling_next].sibling_prev = p->sibling_prev;
     }
     p->mail = NULL;
-    p->next = m->posts_free;
+    p->links[LINKS_BOX].next = m->posts_free;
     m->posts_free = post;
     m->posts_live--;
 }
 
-static enum post_list mail_queue(const struct mail *mail)
+enum post_list mailbox_queue(const struct mail *mail)
 {
-    return mail->letter.layer == 0 ? POST_URGENT : POST_ORDINARY;
+    return mail->letter.layer == 0 ? POST_URGENT
+                                   : (enum post_list)(POST_NORMAL + mail->letter.priority);
 }
 
 mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held)
 {
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = mailbox_count(box) < MU_BOX_MAX ? post_take(m) : MU_NONE;
+    uint32_t post = post_take(m);
     if (post == MU_NONE) {
         return MU_FULL;
     }
-    struct post *p = &m->posts[post];
-    *p = (struct post){.mail = mail,
-                       .next = MU_NONE,
-                       .prev = MU_NONE,
-                       .sibling_next = mail->posts,
-                       .sibling_prev = MU_NONE,
-                       .agent = agent};
+    m->posts[post] = (struct post){.mail = mail,
+                                   .sibling_next = mail->posts,
+                                   .sibling_prev = MU_NONE,
+                                   .agent = agent,
+                                   .pair = pairs_get(&m->pairs, agent, mail->payer)};
     if (mail->posts != MU_NONE) {
         m->posts[mail->posts].sibling_prev = post;
     }
     mail->posts = post;
-    list_append(m, box, post, held ? POST_HELD : mail_queue(mail));
+    struct share_use more = {.mails = 1, .bytes = mail->bytes};
+    share_add(&box->use, &more);
+    share_add(&m->pairs.pool[m->posts[post].pair].use, &more);
+    list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
     return MU_OK;
 }
 
@@ -154,7 +220,7 @@ void mailbox_admit(struct mailbox *m, uint32_t post)
     MU_ASSERT(p->list == POST_HELD);
     struct box *box = mailbox_box(m, p->agent);
     list_remove(m, box, post);
-    list_append(m, box, post, mail_queue(p->mail));
+    list_append(m, box, post, mailbox_queue(p->mail));
 }
 
 void mailbox_withdraw(struct mailbox *m, uint32_t post)
@@ -184,8 +250,8 @@ void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate)
     if (gate != GATE_SHUT) {
         queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE);
     }
-    if (gate == GATE_OPEN) {
-        queue_hand_out(m, box, POST_ORDINARY, MU_WINDOW_MAX);
+    for (int list = POST_HIGH; gate == GATE_OPEN && list >= POST_LOW; list--) {
+        queue_hand_out(m, box, (enum post_list)list, MU_WINDOW_MAX);
     }
 }
 
@@ -194,12 +260,12 @@ void mailbox_take_back(struct mailbox *m, uint32_t agent)
     struct box *box = mailbox_box(m, agent);
     uint32_t post = box->lists[POST_FLIGHT].tail;
     while (post != MU_NONE && !m->posts[post].sent) {
-        uint32_t before = m->posts[post].prev;
+        uint32_t before = m->posts[post].links[LINKS_BOX].prev;
         if (box->out == post) {
             box->out = MU_NONE;
         }
         list_remove(m, box, post);
-        list_prepend(m, box, post, mail_queue(m->posts[post].mail));
+        list_prepend(m, box, post, mailbox_queue(m->posts[post].mail));
         post = before;
     }
 }
@@ -212,7 +278,7 @@ uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
         struct post *p = &m->posts[box->out];
         again += p->sent;
         p->sent = true;
-        box->out = p->next;
+        box->out = p->links[LINKS_BOX].next;
         box->written++;
     }
     return again;
@@ -238,7 +304,7 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
     MU_ASSERT(post != MU_NONE);
     struct mail *mail = m->posts[post].mail;
     if (box->out == post) { /* acknowledged while it was to go out again */
-        box->out = m->posts[post].next;
+        box->out = mailbox_next(m, post);
     } else {
         box->written--;
     }

@@ -3,36 +3,49 @@
  * @file mailbox.h
  * A box for each agent: what waits for it, what was handed out, and what it has acknowledged.
  *
- * A post is a mail's place in one box.  It waits in the urgent queue (directives) or the ordinary
- * one, is then handed out, which gives it the box's next number, and goes when it is
+ * A post is a mail's place in one box.  It waits in the urgent queue (directives) or in that of its
+ * priority, is then handed out, which gives it the box's next number, and goes when it is
  * acknowledged.  A number that has gone out on the network stays with its mail for ever.
+ *
+ * A box has a limit in mails and bytes; boxroom.h says what happens at it.
  */
 #ifndef MUSTER_BROKER_MAILBOX_H
 #define MUSTER_BROKER_MAILBOX_H
 
+#include "broker/pairs.h"
 #include "broker/store.h"
 #include "muster/result.h"
 
 /* Handed out beyond MU_WINDOW_MAX, and for directives alone: they reach an agent that has stopped
- * acknowledging its mail. */
+ * acknowledging its mail.  And so many have room in a box that other mail has filled. */
 enum { MAILBOX_RESERVE = 8 };
 
 /* What may be handed out just now. */
 enum mailbox_gate { GATE_SHUT, GATE_URGENT, GATE_OPEN };
 
-enum post_list { POST_HELD, POST_URGENT, POST_ORDINARY, POST_FLIGHT };
+enum post_list { POST_HELD, POST_LOW, POST_NORMAL, POST_HIGH, POST_URGENT, POST_FLIGHT };
+
+/* The lists that a post stands in at the same time. */
+enum post_links { LINKS_BOX, LINKS_PAIR, LINKS };
+
+struct post_link {
+    uint32_t next, prev;
+};
 
 struct post {
     struct mail *mail;
-    uint32_t next, prev;                 /* in the list of its box; next also in the free list */
+    struct post_link links[LINKS]; /* in its list of the box, also the free list; in the pair's */
     uint32_t sibling_next, sibling_prev; /* posts of the same mail */
     uint32_t agent;
-    uint8_t list; /* enum post_list */
-    bool sent;    /* has gone out on the network */
+    uint32_t pair; /* of box and sender */
+    uint8_t list;  /* enum post_list */
+    bool sent;     /* has gone out on the network */
 };
 
-struct post_queue {
-    uint32_t head, tail, count;
+/* What a box may hold, and what happens when it is full. */
+struct box_limits {
+    muster_BoxPolicy policy;
+    uint32_t mails, bytes;
 };
 
 struct box {
@@ -44,6 +57,8 @@ struct box {
     uint32_t written; /* how many in flight stand before it */
     uint64_t progress_ns;
     uint32_t watch_next, watch_prev;
+    struct share_use use;     /* waiting, held and in flight */
+    struct box_limits limits; /* 0: the broker's */
 };
 
 struct mailbox {
@@ -53,6 +68,8 @@ struct mailbox {
     uint32_t posts_live;
     struct box *boxes;               /* one for each agent of the registry */
     uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
+    struct pairs pairs;
+    struct box_limits limits; /* of boxes that have none of their own */
 };
 
 void mailbox_init(struct mailbox *m, uint32_t agents);
@@ -60,10 +77,39 @@ void mailbox_init(struct mailbox *m, uint32_t agents);
 /** @return the box of an agent */
 struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 
-/** @return posts in the box, waiting, held and in flight */
-uint32_t mailbox_count(const struct box *box);
+/**
+ * Sets the limits of all boxes that have none of their own.
+ *
+ * @param mails  at most MU_BOX_MAX; 0: that many
+ * @param bytes  at most MU_BOX_BYTES_MAX; 0: that many
+ */
+void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
+                          uint32_t bytes);
 
-/** Puts a mail into a box, or holds it until mailbox_admit.  @return MU_OK, or MU_FULL */
+/**
+ * Sets the limits of one box; what is in it already stays.
+ *
+ * @param policy  BOX_REFUSE_NEW: the broker's default
+ * @param mails   0: the broker's default
+ * @param bytes   0: the broker's default
+ */
+void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
+                        uint32_t bytes);
+
+/** @return the limits of a box, its own or the broker's */
+struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box);
+
+/** @return the queue in which a mail waits */
+enum post_list mailbox_queue(const struct mail *mail);
+
+/** @return the post behind this one in its list of the box, or MU_NONE */
+uint32_t mailbox_next(const struct mailbox *m, uint32_t post);
+
+/**
+ * Puts a mail into a box, or holds it until mailbox_admit, whatever the box's limits say.
+ *
+ * @return MU_OK, or MU_FULL: there are no more posts
+ */
 mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held);
 
 /** A held post may be handed out from now on. */

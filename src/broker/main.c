@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
-#include "broker/counters.h"
 #include "broker/files.h"
 #include "broker/health.h"
+#include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
-#include "core/name.h"
-#include "core/network.h"
-#include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -39,7 +36,7 @@ struct post {
     struct bus bus;
     struct broker *broker;
     struct bus_reader registrations, ups, rosters;
-    struct bus_writer members;
+    struct bus_writer members, events;
     struct health health;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
@@ -69,6 +66,7 @@ static mu_result post_open(struct post *p)
     MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_MEMBER, NULL, NULL, &p->members));
+    MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
     MU_TRY(health_open(&p->health, &p->bus));
     return MU_OK;
 }
@@ -215,20 +213,22 @@ static bool bags_look(struct post *p, bool all)
     return some_missing;
 }
 
-/* @return whether the network took all that was ready */
+/* One that the network does not take holds up no other.  @return whether it took all */
 static bool deliveries_write(struct post *p)
 {
     const char *process;
     muster_Delivery delivery;
+    bool all = true;
     while (broker_next(p->broker, &process, &delivery)) {
         const struct mailbag *bag = bag_find(p, process);
         if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
-            return false;
+            all = false;
+        } else {
+            broker_delivered(p->broker, post_now(p));
         }
-        broker_delivered(p->broker, post_now(p));
     }
-    return true;
+    return all;
 }
 
 static void members_tell(struct post *p)
@@ -237,6 +237,17 @@ static void members_tell(struct post *p)
     while (broker_member_news(p->broker, &member)) {
         mu_result written = bus_write(&p->members, &member);
         (void)written; /* reliable, and the last state of a line is what counts */
+    }
+}
+
+static void events_tell(struct post *p)
+{
+    muster_BrokerEvent event;
+    while (broker_event_next(p->broker, &event)) {
+        mu_result written = bus_write(&p->events, &event);
+        (void)written; /* the counters, which are told again and again, have it too */
+        mu_log(MU_LOG_INFO, event.kind, "agent=%s sender=%s count=%llu", event.agent, event.sender,
+               (unsigned long long)event.count);
     }
 }
 
@@ -266,78 +277,13 @@ static void post_round(struct post *p)
     broker_tick(p->broker, post_now(p));
     impatient = !deliveries_write(p) || impatient;
     members_tell(p);
+    events_tell(p);
     files_audit_write(&p->audit, p->broker);
     if (look) {
         p->looked_ns = mu_clock_ns();
         health_tell(&p->health, p->broker, p->looked_ns);
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
-}
-
-/* What the command line says. */
-struct settings {
-    struct mu_network network;
-    bool verbose, counters;
-    double delivery_interval_ms;
-    const char *policy, *audit;
-};
-
-/* @return MU_EXIT_DONE: go on; else the exit code.  name: out; NULL: there is nothing to do */
-static int settings_read(struct settings *s, const char **name, int argc, char **argv)
-{
-    struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(s->network),
-        {.name = "delivery-interval",
-         .kind = MU_OPTION_REAL,
-         .unit = "MS",
-         .fallback = "0",
-         .environment = "MUSTER_DELIVERY_INTERVAL",
-         .help = "hand a process mail at most this often; 0: at once",
-         .target = &s->delivery_interval_ms,
-         .max = 60000},
-        {.name = "policy",
-         .kind = MU_OPTION_STRING,
-         .unit = "FILE",
-         .environment = "MUSTER_POLICY",
-         .help = "who may direct whom (default: observer and operator all)",
-         .target = &s->policy},
-        {.name = "audit",
-         .kind = MU_OPTION_STRING,
-         .unit = "FILE",
-         .environment = "MUSTER_AUDIT",
-         .help = "append every directive to this file, a line of JSON each",
-         .target = &s->audit},
-        {.name = "counters",
-         .kind = MU_OPTION_FLAG,
-         .help = "list what each part counts, as Markdown, and end",
-         .target = &s->counters},
-        {.name = "verbose",
-         .letter = 'v',
-         .kind = MU_OPTION_FLAG,
-         .help = "log what happens",
-         .target = &s->verbose},
-    };
-    static struct mu_options options;
-    options = (struct mu_options){.program = "muster broker",
-                                  .usage = "NAME [OPTION...]",
-                                  .about = "Knows every agent by name and carries their mail.",
-                                  .table = table,
-                                  .count = sizeof table / sizeof table[0]};
-    mu_result parsed = mu_options_parse(&options, argc, argv);
-    *name = NULL;
-    if (parsed != MU_OK) {
-        return mu_exit_for(parsed);
-    }
-    if (s->counters) {
-        counters_print();
-        return MU_EXIT_DONE;
-    }
-    if (options.words_count != 1 || !mu_name_valid(options.words[0])) {
-        fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
-        return MU_EXIT_USAGE;
-    }
-    *name = options.words[0];
-    return MU_EXIT_DONE;
 }
 
 /* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
@@ -352,7 +298,10 @@ static int broker_begin(struct post *p, const struct settings *s, const char *na
                                     .wall_ns = mu_clock_wall_ns(),
                                     .delivery_interval_ns =
                                         (uint64_t)(s->delivery_interval_ms * 1e6),
-                                    .audit = s->audit != NULL};
+                                    .audit = s->audit != NULL,
+                                    .box_policy = s->box_policy,
+                                    .box_mails = (uint32_t)s->box_mails,
+                                    .box_bytes = (uint32_t)s->box_bytes};
     p->broker = broker_open(&broker);
     if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
         return MU_EXIT_FILE;

@@ -4,7 +4,9 @@
  * How the parts of the broker hang together.
  *
  *   presence   registrations: names come, are claimed, and go     registry, places
- *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, mailbox
+ *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, share,
+ *                                                                  mailbox, boxroom, booking,
+ *                                                                  events, pacer
  *   guard      whose directives go on to whom                      trust, audit
  *   desk       mail to the broker itself and its parts             directive, query, counters
  *   lockstep   collects a step's mail and lets it take effect      router, presence
@@ -19,14 +21,17 @@
 #include "broker/broker.h"
 #include "broker/counters.h"
 #include "broker/courier.h"
+#include "broker/events.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
+#include "broker/pacer.h"
 #include "broker/pages.h"
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
 #include "broker/runclock.h"
 #include "broker/schedule.h"
+#include "broker/share.h"
 #include "broker/store.h"
 #include "broker/trust.h"
 
@@ -46,6 +51,7 @@ struct broker {
     struct registry registry;
     struct places places;
     struct store store;
+    struct share_accounts shares; /* of the store */
     struct schedule due, expiry;
     struct mailbox mailbox;
     struct receipts receipts;
@@ -56,6 +62,8 @@ struct broker {
     struct trust trust;
     struct audit audit;
     struct broker_counters counters;
+    struct events events;
+    struct pacer pacer;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
     muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */

@@ -2,13 +2,18 @@
 #include "broker/router.h"
 
 #include "broker/address.h"
+#include "broker/booking.h"
 #include "broker/border.h"
+#include "broker/boxroom.h"
 #include "broker/desk.h"
 #include "broker/guard.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 
 #include <string.h>
+
+/* Whose mail in the store is so much is told of more that waits at a measured pace. */
+enum { MAILS_THAT_PRESS = 64 };
 
 /* Whom a mail is for, each once. */
 struct audience {
@@ -127,12 +132,36 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
 
 /* --- what becomes of a mail ------------------------------------------------------------------- */
 
+/* @return whether the news can wait: its sender sends more than gets through */
+static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
+{
+    bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
+    if (presence_in_lockstep(b, sender) || (!bad && result != muster_OUTCOME_STORED)) {
+        return false;
+    }
+    bool much = b->shares.senders[SHARE_OUTSIDE][sender].mails > MAILS_THAT_PRESS;
+    return pacer_holds(&b->pacer, sender, b->clock.now_ns, bad || much);
+}
+
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
 {
     uint32_t place = b->registry.agents[sender].process;
-    if (place != MU_NONE) { /* the absent are told nothing, the broker neither */
-        receipts_add(&b->receipts, sender, seq, result);
+    if (place == MU_NONE) { /* the absent are told nothing, the broker neither */
+        return;
+    }
+    receipts_add(&b->receipts, sender, seq, result);
+    if (!news_can_wait(b, sender, result)) {
         places_wake(&b->places, place);
+    }
+}
+
+void router_tick(struct broker *b)
+{
+    uint32_t agent;
+    while ((agent = pacer_next(&b->pacer, b->clock.now_ns)) != MU_NONE) {
+        if (b->registry.agents[agent].process != MU_NONE) {
+            places_wake(&b->places, b->registry.agents[agent].process);
+        }
     }
 }
 
@@ -150,11 +179,16 @@ static void settle(struct broker *b, struct mail *m)
 {
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
-    if (--m->unsettled == 0) {
+    m->unsettled--;
+    booking_give_back(b, m, 1);
+    if (m->unsettled == 0) {
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
         ages_remove(&b->ages, m);
-        answer(b, m, m->expired ? muster_OUTCOME_EXPIRED : muster_OUTCOME_DELIVERED);
+        answer(b, m,
+               m->dropped   ? muster_OUTCOME_DROPPED
+               : m->expired ? muster_OUTCOME_EXPIRED
+                            : muster_OUTCOME_DELIVERED);
         store_release(&b->store, m);
     }
 }
@@ -232,11 +266,27 @@ static bool mail_must_wait(const struct broker *b, const struct mail *m)
            (!b->clock.runs || (uint64_t)m->letter.due_ns > runclock_run_ns(&b->clock));
 }
 
-/* Puts it into one box.  @return false when that is full */
+/* A mail goes out of a box to make room. */
+static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
+{
+    struct mail *m = b->mailbox.posts[victim].mail;
+    mailbox_withdraw(&b->mailbox, victim);
+    b->counters.dropped++;
+    booking_event(b, EVENT_DROPPED, agent, m->sender);
+    m->dropped = true;
+    settle(b, m);
+}
+
+/* Puts it into one box.  @return false when that has no room for it */
 static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
 {
-    if (mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
-        b->counters.box_full++;
+    uint32_t victim = MU_NONE;
+    enum boxroom room = boxroom_ask(&b->mailbox, agent, m, &victim);
+    for (; room == BOXROOM_DROP; room = boxroom_ask(&b->mailbox, agent, m, &victim)) {
+        post_drop(b, victim, agent);
+    }
+    if (room != BOXROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
+        booking_refused(b, m, agent, room == BOXROOM_OVER_SHARE ? SHARE_OVER : SHARE_FULL, 1);
         return false;
     }
     b->counters.waiting++;
@@ -262,27 +312,32 @@ static void put_on_schedules(struct broker *b, struct mail *m, bool held)
 /* Puts it into every box.  @return whether all is well; the sender is told if not */
 static void post_to_all(struct broker *b, struct mail *m, const struct audience *to)
 {
-    bool held = mail_must_wait(b, m), all_fit = true, stored = held;
+    bool held = mail_must_wait(b, m), all_fit = true, stored = held, veiled = false;
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
+        /* What becomes of it outside the lock step, and when, is no business of those inside. */
+        bool unseen = !registry_is_own(agent) && presence_in_lockstep(b, m->sender) &&
+                      !presence_in_lockstep(b, agent);
+        veiled = veiled || unseen;
         if (registry_is_own(agent)) {
             b->counters.delivered++;
             desk_take(b, agent, m);
         } else if (!post(b, m, agent, held)) {
-            all_fit = false;
+            all_fit = all_fit && unseen;
         } else {
-            /* When somebody outside the lock step acknowledges is no business of those inside. */
-            stored = stored || router_gate(b, agent) < needs ||
-                     (presence_in_lockstep(b, m->sender) && !presence_in_lockstep(b, agent));
+            stored = stored || router_gate(b, agent) < needs;
         }
     }
+    booking_give_back(b, m, to->count - m->unsettled);
     if (to->refused > 0) {
         answer(b, m, muster_OUTCOME_REFUSED);
     } else if (to->unknown > 0) {
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
         answer(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (veiled) {
+        answer(b, m, muster_OUTCOME_STORED);
     } else if (m->unsettled == 0) {
         answer(b, m, muster_OUTCOME_DELIVERED);
     } else if (stored && !m->answered) {
@@ -295,6 +350,17 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
     }
 }
 
+/* Books it on its sender's account with the store.  @return false: refused, counted, told */
+static bool mail_book(struct broker *b, struct mail *m, const struct audience *to)
+{
+    if (booking_take(b, m, to->count)) {
+        return true;
+    }
+    answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
+    store_release(&b->store, m);
+    return false;
+}
+
 bool router_route(struct broker *b, struct mail *m)
 {
     struct audience to;
@@ -302,12 +368,28 @@ bool router_route(struct broker *b, struct mail *m)
     m->order = ++b->orders;
     if (m->letter.layer == 0) {
         to.refused = guard_sift(b, m, to.agents, &to.count);
+        if (to.refused > 0) {
+            booking_event(b, EVENT_REFUSED, REGISTRY_BROKER, m->sender);
+        }
     }
     b->counters.sent += to.count + to.unknown + to.refused;
     b->counters.unknown_name += to.unknown;
     bool goes_on = to.refused == 0 || to.count > 0;
-    post_to_all(b, m, &to);
+    if (mail_book(b, m, &to)) {
+        post_to_all(b, m, &to);
+    }
     return goes_on;
+}
+
+void router_turn_away(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    audience_of(b, &m->letter, m->sender, &to);
+    b->counters.sent += to.count + to.unknown;
+    b->counters.unknown_name += to.unknown;
+    booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
+    answer(b, m, to.unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
+    store_release(&b->store, m);
 }
 
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
@@ -318,11 +400,15 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     b->counters.sent++;
     if (!m) {
         b->counters.box_full++;
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
         return;
     }
     m->sender = REGISTRY_BROKER;
+    m->payer = receiver; /* who asks much must not use up what answers to others need */
     m->order = ++b->orders;
-    post_to_all(b, m, &to);
+    if (mail_book(b, m, &to)) {
+        post_to_all(b, m, &to);
+    }
 }
 
 struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *letter)
@@ -349,9 +435,10 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
         audience_of(b, letter, sender, &to);
         b->counters.sent += to.count + to.unknown;
         b->counters.box_full += to.count + to.unknown;
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
         tell_sender(b, sender, letter->seq, muster_OUTCOME_BOX_FULL);
         return NULL;
     }
-    m->sender = sender;
+    m->sender = m->payer = sender;
     return m;
 }

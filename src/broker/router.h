@@ -20,7 +20,10 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool router_route(struct broker *b, struct mail *m);
 
-/** Sends a mail of the broker's own to an agent. */
+/** Refuses an admitted mail for which a lock step has no more room. */
+void router_turn_away(struct broker *b, struct mail *m);
+
+/** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 
 /** @return whether the mail is for an agent in the lock step */
@@ -34,6 +37,9 @@ void router_admit_due(struct broker *b, uint64_t run_ns);
 
 /** Ends the wait of mail whose time to live is over. */
 void router_expire(struct broker *b, uint64_t mail_ns);
+
+/** Tells senders that pressed what became of their mail, when it is time. */
+void router_tick(struct broker *b);
 
 /** @return what may be handed to the agent just now */
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent);

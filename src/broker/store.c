@@ -6,14 +6,15 @@
 
 #include <string.h>
 
-/* Sizes of records, in bytes; the largest holds the largest mail, three to a slab. */
-static const uint32_t class_bytes[STORE_CLASSES] = {320, 512, 1024, 2048, 4096, 8192, 16384, 21824};
+/* Sizes of records, in bytes. */
+static const uint32_t class_bytes[STORE_CLASSES] = {320,  512,  1024,  2048,
+                                                    4096, 8192, 16384, STORE_RECORD_MAX};
 
 enum { LETTER_STRINGS = 9 };
 
 _Static_assert(sizeof(struct mail) + MU_NAME_MAX + MU_DST_MAX + 6 * MU_FIELD_MAX + MU_CONTENT_MAX +
                        LETTER_STRINGS <=
-                   21824,
+                   STORE_RECORD_MAX,
                "the largest mail fits the largest class");
 
 void store_init(struct store *s)
@@ -141,7 +142,7 @@ struct mail *store_put(struct store *s, const muster_Mail *letter)
         size_class++;
         MU_ASSERT(size_class < STORE_CLASSES);
     }
-    struct mail *m = s->mails < MU_MAILS_MAX ? record_take(s, size_class) : NULL;
+    struct mail *m = record_take(s, size_class);
     if (!m) {
         return NULL;
     }
@@ -162,6 +163,11 @@ struct mail *store_put(struct store *s, const muster_Mail *letter)
                        .bytes = (uint32_t)bytes,
                        .size_class = size_class};
     return m;
+}
+
+uint32_t store_bytes(const struct mail *m)
+{
+    return class_bytes[m->size_class];
 }
 
 void store_keep(struct mail *m)

@@ -3,7 +3,8 @@
  * @file store.h
  * The mails themselves: each is kept once, however many receivers it has.
  *
- * MU_MAIL_BYTES_MAX of memory is cut into slabs; a slab holds records of one size class, from its
+ * The memory, for mails that wait in boxes and for those that wait for the end of a lock step, is
+ * cut into slabs; a slab holds records of one size class, from its
  * first use until the last of them goes.  Nothing is touched before it is needed, so that an idle
  * broker stays small.
  */
@@ -20,8 +21,9 @@
 
 enum {
     STORE_SLAB_BYTES = 64 * 1024,
-    STORE_SLABS = MU_MAIL_BYTES_MAX / STORE_SLAB_BYTES,
+    STORE_SLABS = (MU_MAIL_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
     STORE_CLASSES = 8,
+    STORE_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
 };
 
 /* The two schedules that a mail may stand in; see schedule.h. */
@@ -34,6 +36,7 @@ struct mail {
     uint32_t place[SCHEDULE_KINDS]; /* in the schedule's heap; MU_NONE: not there */
     uint64_t order;                 /* in which mails were routed */
     uint32_t sender;                /* an index of the registry */
+    uint32_t payer;                 /* whose share it takes: the sender's, or who asked for it */
     uint32_t posts;                 /* the first of its places in boxes; MU_NONE: none */
     uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */
     uint32_t uses;      /* freed at 0 */
@@ -41,8 +44,10 @@ struct mail {
     uint32_t size_class;
     struct mail *older, *newer; /* of those that wait in boxes; see ages.h */
     uint64_t came_ns;           /* on the mail clock */
+    uint8_t side;               /* enum share_side: the account on which it is booked */
     bool answered;              /* the last receipt for it is out */
     bool expired;               /* for one receiver at least */
+    bool dropped;               /* likewise */
 };
 
 struct store_slab {
@@ -66,6 +71,9 @@ void store_init(struct store *s);
 
 /** Copies a mail that the border has let through, with one use.  @return NULL when full */
 struct mail *store_put(struct store *s, const muster_Mail *letter);
+
+/** @return the bytes of the store that a mail takes */
+uint32_t store_bytes(const struct mail *m);
 
 void store_keep(struct mail *m);
 

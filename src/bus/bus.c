@@ -431,9 +431,12 @@ void bus_print_topics(void)
            "|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         const struct topic *t = &topic_table[i];
+        char history[32] = "keep all";
+        if (!t->keeps_all) {
+            snprintf(history, sizeof history, "keep last %d", (int)topics_depth(t));
+        }
         printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
-               t->keeps_all ? "keep all" : "keep last 1",
-               t->for_late_comers ? "transient local" : "volatile",
+               history, t->for_late_comers ? "transient local" : "volatile",
                t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
                t->carries);
     }

@@ -36,6 +36,7 @@ enum bus_topic {
     BUS_MEMBER,
     BUS_BROKER_STATUS,
     BUS_PART_STATUS,
+    BUS_BROKER_EVENT,
     BUS_TOPICS, /* how many */
 };
 

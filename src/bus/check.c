@@ -256,3 +256,10 @@ bool check_part_status(const void *sample)
     }
     return true;
 }
+
+bool check_broker_event(const void *sample)
+{
+    const muster_BrokerEvent *e = sample;
+    return is_process(e->broker) && text_fits(e->kind, MU_FIELD_MAX) && is_name(e->agent) &&
+           is_name(e->sender);
+}

@@ -24,5 +24,6 @@ bool check_run_status(const void *sample);
 bool check_member(const void *sample);
 bool check_broker_status(const void *sample);
 bool check_part_status(const void *sample);
+bool check_broker_event(const void *sample);
 
 #endif

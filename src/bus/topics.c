@@ -43,7 +43,16 @@ const struct topic topic_table[BUS_TOPICS] = {
                          .check = check_part_status, .partition = "default",
                          .from_to = "broker to whoever looks",
                          .carries = "counters of one part of the broker"},
+    [BUS_BROKER_EVENT] = {"BrokerEvent", &muster_BrokerEvent_desc, .depth = 32,
+                          .check = check_broker_event, .partition = "default",
+                          .from_to = "broker to whoever looks",
+                          .carries = "mail that is refused or dropped, soon after it is"},
 };
+
+int32_t topics_depth(const struct topic *topic)
+{
+    return topic->depth ? topic->depth : 1;
+}
 
 dds_qos_t *topics_qos(const struct topic *topic)
 {
@@ -52,7 +61,7 @@ dds_qos_t *topics_qos(const struct topic *topic)
     /* A write never blocks: a timeout leaves the sample with its owner, who tries again. */
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
     dds_qset_history(qos, topic->keeps_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
-                     topic->keeps_all ? 0 : 1);
+                     topic->keeps_all ? 0 : topics_depth(topic));
     /* A crash must look different from a clean leave. */
     dds_qset_writer_data_lifecycle(qos, false);
     if (topic->for_late_comers) {

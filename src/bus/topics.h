@@ -13,7 +13,8 @@
 struct topic {
     const char *name;
     const dds_topic_descriptor_t *descriptor;
-    bool keeps_all;                    /* history KEEP_ALL; else KEEP_LAST 1 */
+    bool keeps_all;                    /* history KEEP_ALL; else KEEP_LAST */
+    int32_t depth;                     /* of KEEP_LAST; 0: 1 */
     bool for_late_comers;              /* durability TRANSIENT_LOCAL */
     int64_t liveliness_ns;             /* 0: infinite */
     bool (*check)(const void *sample); /* false: breaks a rule of the wire */
@@ -23,6 +24,9 @@ struct topic {
 };
 
 extern const struct topic topic_table[BUS_TOPICS];
+
+/** @return how many samples of an instance KEEP_LAST keeps */
+int32_t topics_depth(const struct topic *topic);
 
 /** Makes the quality of service of a topic; the caller deletes it. */
 dds_qos_t *topics_qos(const struct topic *topic);

@@ -16,7 +16,8 @@ static struct report_mail mail_of(const struct run *r)
                             .delivered = b->delivered,
                             .waiting = b->waiting,
                             .expired = b->expired,
-                            .refused = b->box_full + b->unknown_name + b->refused};
+                            .refused = b->box_full + b->over_share + b->unknown_name + b->refused +
+                                       b->dropped};
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;
     for (uint32_t i = 0; i < r->totals_count; i++) {

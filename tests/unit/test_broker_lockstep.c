@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/broker_story.h"
+#include "broker/parts.h"
 #include "core/random.h"
 
 static void roster_say(bool lockstep, int64_t step, const char *names)
@@ -295,6 +296,117 @@ static void test_limit_outside_mails_in_one_step(void)
     }
 }
 
+/* --- what is refused ------------------------------------------------------------------------ */
+
+static void answer_with_two(const char *name, int64_t step)
+{
+    static uint64_t seq;
+    muster_Mail mails[2];
+    for (int i = 0; i < 2; i++) {
+        mails[i] = letter(name, ++seq, "blue", "m");
+    }
+    story_up(name, step, muster_STATE_RUNNING, mails, 2, 0);
+    seq = 0;
+}
+
+/* The store has room for three mails more.  @return what the two senders are told */
+static const char *share_what_is_left(bool red_first)
+{
+    run_begin();
+    story_join("blue");
+    struct share_use *all = &story.b->shares.all[SHARE_LOCKSTEP];
+    all->mails = MU_MAILS_MAX / 2 - MU_MAILS_MAX / 2 / 64 - 3;
+    answer_with_two(red_first ? "red" : "green", 0);
+    EXPECT("");
+    answer_with_two(red_first ? "green" : "red", 0);
+    CU_ASSERT_EQUAL(story_status().box_full, 1);
+    return story_collect();
+}
+
+static void test_a_full_store_refuses_in_the_order_of_names(void)
+{
+    for (int red_first = 0; red_first < 2; red_first++) {
+        const char *told = share_what_is_left(red_first);
+        CU_ASSERT_PTR_NOT_NULL(strstr(told, "green 1-2 stored"));
+        CU_ASSERT_PTR_NOT_NULL(strstr(told, "red 1-1 stored; red 2-2 box-full"));
+    }
+}
+
+static void test_what_waits_outside_takes_nothing_of_those_inside(void)
+{
+    run_begin();
+    story_join("blue");
+    story_state("blue", muster_STATE_SUSPENDED);
+    for (uint64_t i = 1; i <= MU_MAILS_MAX; i++) {
+        story_send("operator", i, i % 2 ? "blue" : "operator", "flood");
+    }
+    CU_ASSERT_TRUE(story_status().over_share > MU_MAILS_MAX / 2);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_LOCKSTEP].mails, 0);
+    (void)story_collect();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer("green", 0);
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "green #1 red/1 hello; p-red@0; sim@0"));
+}
+
+/* Outside, boxes are emptied by the wall clock: inside, nobody is told how that went. */
+static void test_boxes_outside_tell_nothing_inside(void)
+{
+    run_begin();
+    uint32_t operator= registry_find(&story.b->registry, "operator");
+    mailbox_set_limits(&story.b->mailbox, operator, muster_BOX_REFUSE_NEW, 1, 0);
+    answer_with(letter("red", 1, "operator", "one"), 0);
+    answer_with(letter("green", 1, "operator", "two"), 0);
+    EXPECT("operator #1 green/1 two; p-green@0; green 1-1 stored; p-red@0; red 1-1 stored; sim@0");
+    CU_ASSERT_EQUAL(story_status().box_full, 1);
+    story_ack("operator", 1);
+    answer("green", 1);
+    answer("red", 1);
+    EXPECT("p-green@1; p-red@1; sim@1");
+}
+
+static char large[MU_CONTENT_MAX + 1];
+
+/* A process may bring so much in a step, whoever came before it. */
+static void test_limit_bytes_of_a_step(void)
+{
+    enum { ROOM = MU_STEP_BYTES_MAX / 4 * 3 / 2 / STORE_RECORD_MAX, SENT = ROOM + 3 };
+    static muster_Mail mails[MU_OUTBOX_MAX];
+    memset(large, 'x', MU_CONTENT_MAX);
+    run_begin();
+    uint32_t sent = SENT < MU_OUTBOX_MAX ? SENT : MU_OUTBOX_MAX;
+    for (uint32_t i = 0; i < sent; i++) {
+        mails[i] = letter("red", i + 1, "green", large);
+    }
+    CU_ASSERT_EQUAL_FATAL(sent, MU_OUTBOX_MAX); /* two processes have room for all they can say */
+    roster_say(true, 1, "p-green p-red p-a p-b");
+    (void)story_collect();
+    story_up("red", 1, muster_STATE_RUNNING, mails, sent, 0);
+    CU_ASSERT_EQUAL(story_status().over_share,
+                    MU_OUTBOX_MAX - MU_STEP_BYTES_MAX / 4 * 3 / 4 / STORE_RECORD_MAX);
+    CU_ASSERT_EQUAL(story.b->lockstep.turns[registry_find(&story.b->registry, "red")].mails.count,
+                    MU_STEP_BYTES_MAX / 4 * 3 / 4 / STORE_RECORD_MAX);
+}
+
+/* From outside, each sender has its share of what waits for the step. */
+static void test_limit_bytes_from_outside(void)
+{
+    enum { LONE = MU_STEP_BYTES_MAX / 4 / 2 / STORE_RECORD_MAX };
+    memset(large, 'x', MU_CONTENT_MAX);
+    run_begin();
+    story_join("blue");
+    (void)story_collect();
+    for (uint64_t i = 1; i <= LONE + 1; i++) {
+        story_send("operator", i, "red", large);
+    }
+    CU_ASSERT_EQUAL(story_status().over_share, 1);
+    story_send("blue", 1, "red", large);
+    CU_ASSERT_EQUAL(story_status().over_share, 1);
+    CU_ASSERT_EQUAL(story.b->lockstep.outside_waiting, LONE + 1);
+    answer("red", 0);
+    answer("green", 0);
+    CU_ASSERT_EQUAL(story.b->lockstep.outside_use.bytes, 0);
+}
+
 /* --- the order of arrival --------------------------------------------------------------------- */
 
 enum { PLAYERS = 6, STEPS = 40 };
@@ -423,6 +535,13 @@ int main(void)
         {"a question in a step", test_a_question_in_a_step},
         {"limit: outside mails in one step", test_limit_outside_mails_in_one_step},
         {"the order of arrival does not matter", test_order_of_arrival_does_not_matter},
+        {"a full store refuses in the order of names",
+         test_a_full_store_refuses_in_the_order_of_names},
+        {"what waits outside takes nothing of those inside",
+         test_what_waits_outside_takes_nothing_of_those_inside},
+        {"boxes outside tell nothing inside", test_boxes_outside_tell_nothing_inside},
+        {"limit: bytes of a step", test_limit_bytes_of_a_step},
+        {"limit: bytes from outside", test_limit_bytes_from_outside},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/lockstep", tests);

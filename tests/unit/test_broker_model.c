@@ -20,8 +20,8 @@ struct model_agent {
     uint64_t numbers;                   /* handed out, each at least once */
     uint64_t seen;                      /* the last number that this life has had */
     uint64_t acked;
-    uint64_t last_seq_from[AGENTS];
-    bool expected[MAILS_MAX]; /* to come, once */
+    uint64_t last_seq_from[AGENTS][3]; /* of each priority */
+    bool expected[MAILS_MAX];          /* to come, once */
     uint32_t expected_count;
 };
 
@@ -43,6 +43,7 @@ static void check_parcel(const muster_Parcel *p, const char *process)
     uint32_t to = (uint32_t)(p->box[0] - 'a'), from = (uint32_t)(p->letter.src[0] - 'a');
     struct model_agent *a = &agents[to];
     uint32_t mail = (uint32_t)strtoul(p->letter.content, NULL, 10);
+    uint64_t *last_seq = &a->last_seq_from[from][p->letter.priority + 1];
     CU_ASSERT_TRUE_FATAL(a->there && strcmp(process, a->process) == 0);
     if (p->number <= a->numbers) { /* again: as it was */
         CU_ASSERT_EQUAL_FATAL(a->mail_of_number[p->number], mail);
@@ -51,10 +52,10 @@ static void check_parcel(const muster_Parcel *p, const char *process)
     } else {
         CU_ASSERT_EQUAL_FATAL(p->number, a->numbers + 1);
         CU_ASSERT_TRUE_FATAL(a->expected[mail] && !a->suspended);
-        CU_ASSERT_TRUE_FATAL(p->letter.seq > a->last_seq_from[from]);
+        CU_ASSERT_TRUE_FATAL(p->letter.seq > *last_seq);
         a->expected[mail] = false;
         a->expected_count--;
-        a->last_seq_from[from] = p->letter.seq;
+        *last_seq = p->letter.seq;
         a->mail_of_number[++a->numbers] = mail;
     }
     /* A life that has had a number has had all before, or they were acknowledged earlier. */
@@ -139,6 +140,7 @@ static void op_send(uint32_t agent)
     char content[16];
     uint32_t to = roll(8);
     muster_Mail m = letter(names[agent], ++agents[agent].seq, dst[to], content);
+    m.priority = (int32_t)roll(3) - 1;
     snprintf(content, sizeof content, "%u", ++mails);
     for (uint32_t i = 0; i < AGENTS; i++) {
         struct model_agent *r = &agents[i];

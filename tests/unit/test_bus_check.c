@@ -91,6 +91,8 @@ static muster_Counter counters[FEW] = {
     {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
 static muster_PartStatus part_status = {
     .broker = W("b1"), .part = W("broker.postmaster"), .counters = LIST(counters)};
+static muster_BrokerEvent broker_event = {
+    .broker = W("b1"), .kind = W("dropped"), .agent = W("red"), .sender = W("blue")};
 
 enum field_kind {
     A_NAME,   /* of an agent */
@@ -215,6 +217,14 @@ static const struct field {
      MU_PROCESS_MAX},
     {"part status.part", check_part_status, &part_status, &part_status.part, A_NAME, 0},
     {"part status.counter", check_part_status, &part_status, &counters[0].name, A_NAME, 0},
+    {"broker event.broker", check_broker_event, &broker_event, &broker_event.broker, A_WORD,
+     MU_PROCESS_MAX},
+    {"broker event.kind", check_broker_event, &broker_event, &broker_event.kind, A_TEXT,
+     MU_FIELD_MAX},
+    {"broker event.agent", check_broker_event, &broker_event, &broker_event.agent, A_NAME,
+     MU_NAME_MAX},
+    {"broker event.sender", check_broker_event, &broker_event, &broker_event.sender, A_NAME,
+     MU_NAME_MAX},
 };
 
 static unsigned wrong;
@@ -380,6 +390,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_MEMBER] = check_member,
         [BUS_BROKER_STATUS] = check_broker_status,
         [BUS_PART_STATUS] = check_part_status,
+        [BUS_BROKER_EVENT] = check_broker_event,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file booking.h
+ * What mail takes of the store is booked on its sender's account, and what is refused is counted
+ * and told to whoever looks.
+ */
+#ifndef MUSTER_BROKER_BOOKING_H
+#define MUSTER_BROKER_BOOKING_H
+
+#include "broker/events.h"
+#include "broker/share.h"
+#include "broker/store.h"
+
+struct broker;
+
+/** Books a mail and its places in boxes.  @return false: refused and counted */
+bool booking_take(struct broker *b, struct mail *m, uint32_t posts);
+
+/** Takes places off its account, and with the last of its posts the mail. */
+void booking_give_back(struct broker *b, const struct mail *m, uint32_t posts);
+
+/** Counts receivers that a mail does not reach; agent is whose box, or the broker itself. */
+void booking_refused(struct broker *b, const struct mail *m, uint32_t agent, enum share_answer why,
+                     uint64_t receivers);
+
+/** One more event of a kind, now. */
+void booking_event(struct broker *b, enum event_kind kind, uint32_t agent, uint32_t sender);
+
+#endif
