@@ -54,6 +54,7 @@ struct broker *broker_open(const struct broker_options *options)
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
+    pages_init(&b->pages);
     trust_init(&b->trust);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
@@ -90,6 +91,7 @@ static void place_matched(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->version_had = 0;
+    pages_forget_told(at);
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         b->registry.agents[agent].verdict_due = true;
@@ -256,6 +258,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     courier_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
+        pages_expire(b, runclock_mail_ns(&b->clock));
         router_admit_due(b, runclock_run_ns(&b->clock));
     }
 }
@@ -263,8 +266,9 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX,
-                         pacer_deadline_ns(&b->pacer)};
+    uint64_t others[] = {
+        resend_deadline_ns(b),       courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
+        pacer_deadline_ns(&b->pacer)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -272,6 +276,9 @@ uint64_t broker_deadline_ns(const struct broker *b)
     }
     if (expiry && !b->clock.lockstep) {
         others[3] = runclock_now_of_mail_ns(&b->clock, expiry->at_ns[SCHEDULE_EXPIRY]);
+    }
+    if (pages_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
+        others[4] = runclock_now_of_mail_ns(&b->clock, pages_deadline_mail_ns(b));
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         first_ns = others[i] < first_ns ? others[i] : first_ns;

@@ -330,12 +330,13 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
         qsort(c->members, d->members._length, sizeof c->members[0], member_compare);
     }
+    pages_fill(b, at, d);
     if (at->simulator) {
         outside_fill(b, d);
     }
     delivery_finish(d);
     return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
-           d->members._length || d->roll_call;
+           d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }
 
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
@@ -402,6 +403,7 @@ void courier_delivered(struct broker *b)
     delivery_count(c, parcels);
     at->refusals_count = 0;
     at->roll_call_due = false;
+    pages_delivered(b, at);
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }

@@ -11,6 +11,7 @@
  *   guard      whose directives go on to whom                      trust, audit
  *   desk       mail to the broker itself and its parts             directive, query, counters
  *   lockstep   collects a step's mail and lets it take effect      router, presence
+ *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -26,6 +27,7 @@
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/pacer.h"
+#include "broker/pages.h"
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
@@ -59,6 +61,7 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct pages pages;
     struct ages ages;
     struct trust trust;
     struct audit audit;

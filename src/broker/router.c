@@ -69,6 +69,25 @@ static bool kind_is_addressed(enum address_kind kind, muster_Kind of)
            (kind == ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
+/* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
+ * those that are seen inside. */
+static void audience_of_group(struct broker *b, const char *group, uint32_t sender,
+                              struct audience *to)
+{
+    const struct groups *g = &b->pages.groups;
+    uint32_t place = 0;
+    if (!groups_exists(g, group, pages_inside(b, sender))) {
+        to->unknown++;
+        return;
+    }
+    for (const char *name; (name = groups_member(g, group, false, &place));) {
+        uint32_t agent = registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender) {
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
 /* A directive to all finds those, too, that want no broadcasts. */
 static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t sender,
                         struct audience *to)
@@ -77,6 +96,14 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
     enum address_kind kind = address_kind(letter->dst);
     if (kind == ADDRESS_NAMES) {
         audience_of_names(b, letter->dst, sender, to);
+        return;
+    }
+    if (kind == ADDRESS_GROUP) {
+        audience_of_group(b, address_rest(letter->dst), sender, to);
+        return;
+    }
+    if (kind == ADDRESS_SCHEME) {
+        to->unknown++; /* nobody resolves it */
         return;
     }
     for (uint32_t i = 0; i < b->registry.count; i++) {

@@ -186,8 +186,10 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
 
 void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
 {
-    struct mu_mail mail = mail_of(parcel);
-    kind_mail(a, &mail);
+    if (!directory_take_answer(a, &parcel->letter)) {
+        struct mu_mail mail = mail_of(parcel);
+        kind_mail(a, &mail);
+    }
 }
 
 void mu_agent_set_state(mu_agent *a, enum mu_state state)

@@ -59,6 +59,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
         return MU_FAULT_USAGE;
     }
     process_take_memory(p, options->agents, options->outbox);
+    directory_init(&p->directory);
     p->incarnation = mu_clock_wall_ns();
     gethostname(p->host, sizeof p->host - 1);
     /* The clock makes it unique where process ids are reused. */

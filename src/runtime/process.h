@@ -8,6 +8,7 @@
 
 #include "bus/bus.h"
 #include "muster/agent.h"
+#include "runtime/directory.h"
 #include "runtime/kind.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
@@ -72,6 +73,7 @@ struct mu_process {
     struct queue queues[QUEUES];
     struct roll roll;
     struct members members;
+    struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
     bool greeted;                /* the simulator's first Sense has come, which is no step */

@@ -61,12 +61,25 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     }
 }
 
+/* Changes of the groups and the yellow pages, and who has come and gone by them. */
+static void directory_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->memberships._length; i++) {
+        directory_set_membership(&p->directory, &d->memberships._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->offers._length; i++) {
+        directory_set_offer(&p->directory, &d->offers._buffer[i]);
+    }
+    directory_settle(&p->directory);
+}
+
 static void verdicts_take(mu_process *p, const muster_Delivery *d)
 {
     if (d->verdicts._length > 0) {
         uint64_t incarnation = d->verdicts._buffer[0].broker_incarnation;
         if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
             members_clear(&p->members);
+            directory_clear(&p->directory, false);
             roll_mark_all(p);
         }
         p->broker_incarnation = incarnation;
@@ -142,6 +155,7 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
     }
+    directory_take(p, d);
     receipts_take(p, d);
     uint32_t count = parcels_mark(p, d);
     /* Directives come first, whatever order the box has: no rule delays them. */
@@ -286,6 +300,7 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
 {
     if (!p->lived_in_lockstep) {
         members_clear(&p->members); /* the first mail of a lock step has the whole pages */
+        directory_clear(&p->directory, true);
         p->lived_in_lockstep = true;
     }
     step_take_delivery(p, d, sense);
@@ -337,6 +352,7 @@ static bool is_anything_to_say(const mu_process *p)
 
 void step_flush(mu_process *p)
 {
+    directory_settle(&p->directory);
     unanswered_again(p);
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {
