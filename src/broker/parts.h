@@ -25,6 +25,9 @@
 #include "broker/store.h"
 #include "broker/tenants.h"
 
+/* A line of the white pages as text, in bytes. */
+enum { BROKER_LINE_MAX = 320 };
+
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
     uint64_t duplicates_dropped, resent, malformed;
@@ -47,10 +50,11 @@ struct broker {
     struct lockstep lockstep;
     struct courier courier;
     struct broker_counters counters;
-    uint64_t orders;     /* mails routed */
-    uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
-    muster_Member page[REGISTRY_PAGE]; /* of the white pages, as it is published */
-    char text[MU_CONTENT_MAX + 1];     /* in which an answer is put together */
+    uint64_t orders;           /* mails routed */
+    uint64_t answers[2];       /* of the broker itself: to members of the lock step, to others */
+    char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */
+    char page_text[REGISTRY_PAGE][BROKER_LINE_MAX];
+    char text[MU_CONTENT_MAX + 1]; /* in which an answer is put together */
 };
 
 #endif

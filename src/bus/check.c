@@ -11,6 +11,9 @@
 /* Names of rules that fired in one step: MU_FIRINGS_PER_STEP symbols, in bytes. */
 enum { RULES_TEXT_MAX = 64 * 1024 };
 
+/* A line of the white pages, in bytes. */
+enum { LINE_TEXT_MAX = 511 };
+
 static bool text_fits(const char *text, size_t max)
 {
     return text && strnlen(text, max + 1) <= max;
@@ -162,7 +165,11 @@ static bool members_ok(const muster_Member *members, uint32_t count)
 bool check_page(const void *sample)
 {
     const muster_Page *p = sample;
-    return is_process(p->broker) && members_ok(p->lines._buffer, p->lines._length);
+    bool fits = is_process(p->broker);
+    for (uint32_t i = 0; fits && i < p->lines._length; i++) {
+        fits = text_fits(p->lines._buffer[i], LINE_TEXT_MAX);
+    }
+    return fits;
 }
 
 bool check_delivery(const void *sample)
