@@ -387,6 +387,18 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
     return true;
 }
 
+static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
+{
+    muster_Member m;
+    struct mu_text t;
+    registry_line(&b->registry, agent, b->name, &m);
+    mu_text_init(&t, to, BROKER_LINE_MAX);
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu", m.name, registry_kind_word(m.kind),
+                   registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+                   m.host[0] ? m.host : "-", (unsigned long)m.pid,
+                   (unsigned long long)m.since_wall_ns);
+}
+
 bool broker_page_news(struct broker *b, muster_Page *out)
 {
     uint32_t part = registry_next_page(&b->registry);
@@ -397,7 +409,8 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     uint32_t count = b->registry.count - first;
     count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
     for (uint32_t i = 0; i < count; i++) {
-        registry_line(&b->registry, first + i, b->name, &b->page[i]);
+        line_write(b, first + i, b->page_text[i]);
+        b->page[i] = b->page_text[i];
     }
     *out = (muster_Page){.broker = b->name, .part = part};
     out->lines._buffer = b->page;

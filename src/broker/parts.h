@@ -38,6 +38,9 @@
 #include "broker/tenants.h"
 #include "broker/trust.h"
 
+/* A line of the white pages as text, in bytes. */
+enum { BROKER_LINE_MAX = 320 };
+
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
     uint64_t duplicates_dropped, resent, malformed, dropped, over_share;
@@ -68,10 +71,11 @@ struct broker {
     struct broker_counters counters;
     struct events events;
     struct pacer pacer;
-    uint64_t orders;     /* mails routed */
-    uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
+    uint64_t orders;           /* mails routed */
+    uint64_t answers[2];       /* of the broker itself: to members of the lock step, to others */
+    char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */
+    char page_text[REGISTRY_PAGE][BROKER_LINE_MAX];
     muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */
-    muster_Member page[REGISTRY_PAGE];          /* of the white pages, as it is published */
     char text[MU_CONTENT_MAX + 1];              /* in which an answer is put together */
 };
 

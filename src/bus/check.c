@@ -13,6 +13,8 @@ enum { RULES_TEXT_MAX = 64 * 1024 };
 
 /* Counters of one part of a broker. */
 enum { PART_COUNTERS_MAX = 64 };
+/* A line of the white pages, in bytes. */
+enum { LINE_TEXT_MAX = 511 };
 
 static bool text_fits(const char *text, size_t max)
 {
@@ -192,7 +194,11 @@ static bool pages_ok(const muster_Delivery *d)
 bool check_page(const void *sample)
 {
     const muster_Page *p = sample;
-    return is_process(p->broker) && members_ok(p->lines._buffer, p->lines._length);
+    bool fits = is_process(p->broker);
+    for (uint32_t i = 0; fits && i < p->lines._length; i++) {
+        fits = text_fits(p->lines._buffer[i], LINE_TEXT_MAX);
+    }
+    return fits;
 }
 
 bool check_delivery(const void *sample)

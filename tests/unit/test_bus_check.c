@@ -93,7 +93,7 @@ static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
-static muster_Member lines[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static char *lines[FEW] = {W("a"), W("b"), W("c")};
 static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 static muster_Counter counters[FEW] = {
@@ -225,7 +225,7 @@ static const struct field {
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
     {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
-    MEMBER("page.line", check_page, &page, lines[2]),
+    {"page.line", check_page, &page, &lines[2], A_TEXT, 511},
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
     {"part status.broker", check_part_status, &part_status, &part_status.broker, A_WORD,
