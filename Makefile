@@ -55,7 +55,7 @@ LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
-LIBS_broker  := -lddsc
+LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions -lclips -lddsc -lccd -lpng -lm
 LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm

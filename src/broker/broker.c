@@ -41,6 +41,8 @@ struct broker *broker_open(const struct broker_options *options)
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
+    journal_init(&b->journal, options->has_store);
+    b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;
 }
@@ -252,7 +254,8 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX};
+    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX,
+                         journal_deadline_ns(b)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -315,7 +318,8 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                                     .refused = c->refused,
                                     .duplicates_dropped = c->duplicates_dropped,
                                     .resent = c->resent,
-                                    .malformed = c->malformed};
+                                    .malformed = c->malformed,
+                                    .no_store = c->no_store};
     status->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
 }
 

@@ -29,6 +29,8 @@ struct broker_options {
     uint64_t wall_ns;         /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t resend_after_ns; /* an unacknowledged parcel goes out again after this; 1 s when 0 */
     uint64_t hold_ns;         /* so long a new holder waits for the old one; 1.5 s when 0 */
+    bool has_store;           /* somebody writes the journal (journal.h) to a disk */
+    uint64_t number_base;     /* boxes count from here: above all that an earlier life gave out */
 };
 
 /** Takes all memory that the broker will ever use.  One broker in a process. */

@@ -69,7 +69,7 @@ static void verdicts_fill(struct broker *b, struct place *at, muster_Delivery *d
             d->verdicts._buffer[d->verdicts._length++] =
                 (muster_Verdict){.agent = a->name,
                                  .accepted = true,
-                                 .last_seq = a->last_seq,
+                                 .last_seq = registry_last_seq(a),
                                  .broker_incarnation = b->incarnation,
                                  .reason = none};
         }

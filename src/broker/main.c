@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
+#include "broker/disk.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/exits.h"
@@ -11,6 +12,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +37,7 @@ struct mailbag {
 struct post {
     struct bus bus;
     struct broker *broker;
+    struct disk *disk; /* NULL: without a store */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer members, status;
     struct mailbag bags[MU_PROCESSES_MAX];
@@ -263,6 +266,15 @@ static int64_t wait_ns(const struct post *p, bool impatient)
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
 }
 
+/* What must be on disk before anybody is told. */
+static void store_write(struct post *p)
+{
+    muster_Level level;
+    if (p->disk && journal_wanted(p->broker, &level)) {
+        (void)disk_commit(p->disk, p->broker, level, post_now(p));
+    }
+}
+
 static void post_round(struct post *p)
 {
     post_take(p);
@@ -270,21 +282,60 @@ static void post_round(struct post *p)
     bags_follow(p);
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
+    store_write(p);
     impatient = !deliveries_write(p) || impatient;
     members_tell(p);
     if (look) {
         p->looked_ns = mu_clock_ns();
         status_tell(p);
+        if (p->disk) {
+            disk_rest(p->disk, post_now(p));
+        }
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
+}
+
+/* --- start ------------------------------------------------------------------------------------ */
+
+/* @param file  as the option has it; NULL: the default */
+static mu_result store_open(struct post *p, const char *file, int domain, const char *name)
+{
+    char path[PATH_MAX];
+    if (file && strcmp(file, "none") == 0) {
+        return MU_OK;
+    }
+    if (file ? !mu_text_copy(path, sizeof path, file)
+             : !disk_default_path(path, sizeof path, domain, name)) {
+        fprintf(stderr, "muster broker: no place for the store: give --store FILE or none\n");
+        return MU_FAULT_OS;
+    }
+    return disk_open(&p->disk, path, mu_clock_wall_ns());
+}
+
+static mu_result store_load(struct post *p)
+{
+    uint64_t refused = 0;
+    mu_result loaded = p->disk ? disk_load(p->disk, p->broker, &refused) : MU_OK;
+    if (refused > 0) {
+        mu_log(MU_LOG_WARNING, "store-rows-not-taken", "rows=%llu", (unsigned long long)refused);
+    }
+    return loaded;
 }
 
 int main(int argc, char **argv)
 {
     struct mu_network network = {0};
     bool verbose = false;
+    const char *store = NULL;
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(network),
+        {.name = "store",
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .environment = "MUSTER_STORE",
+         .help = "where names and durable mail are kept, or none (default: "
+                 "~/.local/state/muster/D-NAME.db)",
+         .target = &store},
         {.name = "verbose",
          .letter = 'v',
          .kind = MU_OPTION_FLAG,
@@ -311,12 +362,23 @@ int main(int argc, char **argv)
     p->began_ns = mu_clock_ns();
     char host[MU_FIELD_MAX + 1] = "";
     gethostname(host, sizeof host - 1);
+    mu_result stored = store_open(p, store, (int)network.domain, options.words[0]);
+    if (stored != MU_OK) {
+        return mu_exit_for(stored);
+    }
+    uint64_t incarnation = p->disk ? disk_incarnation(p->disk) : mu_clock_wall_ns();
     struct broker_options broker = {.name = options.words[0],
-                                    .incarnation = mu_clock_wall_ns(),
+                                    .incarnation = incarnation,
+                                    .has_store = p->disk != NULL,
+                                    .number_base = p->disk ? incarnation : 0,
                                     .host = host,
                                     .pid = (uint32_t)getpid(),
                                     .wall_ns = mu_clock_wall_ns()};
     p->broker = broker_open(&broker);
+    stored = store_load(p);
+    if (stored != MU_OK) {
+        return mu_exit_for(stored);
+    }
     struct bus_options bus = {.domain = (int)network.domain,
                               .place = BUS_BROKER,
                               .name = "broker",
@@ -333,6 +395,7 @@ int main(int argc, char **argv)
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", broker.name, bus.domain);
     while (!signal_came) {
@@ -341,5 +404,8 @@ int main(int argc, char **argv)
     status_tell(p);
     (void)bus_drain(&p->status, 200000000);
     bus_close(&p->bus);
+    if (p->disk) {
+        disk_close(p->disk);
+    }
     return MU_EXIT_DONE;
 }

@@ -7,12 +7,14 @@
  *   router     a mail's way into boxes, and what becomes of it     policy, query, store, mailbox
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
+ *   journal    what must be on disk before anybody is told         registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
 
 #include "broker/broker.h"
 #include "broker/courier.h"
+#include "broker/journal.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/places.h"
@@ -24,7 +26,7 @@
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed;
+    uint64_t duplicates_dropped, resent, malformed, no_store;
 };
 
 struct broker {
@@ -42,6 +44,7 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct journal journal;
     struct broker_counters counters;
     uint64_t orders;     /* mails routed */
     uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */

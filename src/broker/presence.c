@@ -2,6 +2,7 @@
 #include "broker/presence.h"
 
 #include "broker/border.h"
+#include "broker/journal.h"
 #include "broker/parts.h"
 #include "core/text.h"
 
@@ -66,6 +67,7 @@ static void seat(struct broker *b, uint32_t agent, uint32_t place, const struct 
         return;
     }
     registry_seat(&b->registry, agent, place, at->name, is, presence_wall_ns(b));
+    journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
     places_wake(&b->places, place);

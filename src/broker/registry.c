@@ -78,6 +78,13 @@ void registry_touch(struct registry *r, uint32_t agent)
     }
 }
 
+uint64_t registry_last_seq(const struct agent *a)
+{
+    uint64_t earlier = a->seen_seq ? 0 : a->earlier_seq;
+    uint64_t last = a->seen_seq > a->durable_seq ? a->seen_seq : a->durable_seq;
+    return last > earlier ? last : earlier;
+}
+
 uint32_t registry_next_news(struct registry *r)
 {
     if (r->news_count == 0) {

@@ -41,12 +41,17 @@ struct agent {
     uint32_t process;               /* MU_NONE when absent */
     struct presence is;
     uint64_t since_wall_ns;
-    uint64_t version;  /* of the white pages, when this line last changed */
-    uint64_t last_seq; /* of the mails that it has sent */
-    uint64_t mark;     /* the last list of receivers that it was put on */
+    uint64_t version;      /* of the white pages, when this line last changed */
+    uint64_t seen_seq;     /* the last mail that it has sent in this life of the broker */
+    uint64_t durable_seq;  /* the last one that went to the store, in any life */
+    uint64_t earlier_seq;  /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved_seq; /* on disk: later lives count from here */
+    uint64_t mark;         /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone; /* its process went in lock step: counts when that ends */
     bool in_news;
+    bool unsaved; /* the journal has to write its line */
+    muster_Kind saved_kind;
     struct claim claim;
 };
 
@@ -99,6 +104,9 @@ void registry_claim(struct registry *r, uint32_t agent, uint32_t process,
 
 /** Ends the claim on a name, if there is one. */
 void registry_unclaim(struct registry *r, uint32_t agent);
+
+/** @return the number that a new process of that name goes on after */
+uint64_t registry_last_seq(const struct agent *a);
 
 /** @return the next agent whose line has changed since it was last given here, or MU_NONE */
 uint32_t registry_next_news(struct registry *r);

@@ -53,6 +53,7 @@ static mu_result broker_start(struct run *r)
     words_begin("muster-broker");
     word_add("%s", e->brokers_count > 0 ? e->brokers[0] : "main");
     word_add("--domain=%d", r->domain);
+    word_add("--store=none"); /* a run repeats from nothing */
     return supervise_start(&r->children, "broker", "muster-broker", words_end());
 }
 

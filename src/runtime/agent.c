@@ -29,9 +29,9 @@ const char *mu_state_text(enum mu_state state)
 
 const char *mu_outcome_text(enum mu_outcome outcome)
 {
-    static const char *const texts[] = {"delivered",    "stored",    "expired", "box-full",
-                                        "unknown-name", "duplicate", "refused", "dropped",
-                                        "no-store"};
+    static const char *const texts[] = {"delivered", "stored",       "expired",
+                                        "box-full",  "unknown-name", "duplicate",
+                                        "refused",   "dropped",      "no-store"};
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 
@@ -87,16 +87,33 @@ struct mu_agent *agent_find(mu_process *p, const char *name)
     return NULL;
 }
 
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker)
+/* What went out and has no answer may be lost, or may have reached its receiver. */
+static void meet_other_broker(struct mu_agent *a)
+{
+    a->last_number = a->acked_number = 0;
+    a->in_order = false; /* its boxes count from anywhere */
+    outbox_again(&a->outbox);
+    a->earlier_end = a->outbox.next_seq;
+}
+
+static void accepted(struct mu_agent *a, const muster_Verdict *v)
+{
+    a->progress_ns = mu_clock_ns();
+    if (a->broker != 0 && a->broker != v->broker_incarnation) {
+        meet_other_broker(a);
+    }
+    a->broker = v->broker_incarnation;
+    /* last_seq is of all lives of the broker: it says where a new sender begins, and nothing of
+     * what the broker still knows.  What an earlier one may have had keeps its numbers. */
+    if (a->outbox.first_seq >= a->earlier_end) {
+        outbox_continue(&a->outbox, v->last_seq);
+    }
+}
+
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
     if (v->accepted) {
-        a->progress_ns = mu_clock_ns();
-        outbox_continue(&a->outbox, v->last_seq);
-        if (other_broker) {
-            a->last_number = a->acked_number = 0; /* its boxes count from 1 */
-            outbox_again(&a->outbox);
-        }
-        outbox_confirm(&a->outbox, 1, v->last_seq);
+        accepted(a, v);
     }
     bool is_news = v->accepted ? !a->registered : !a->refused;
     a->registered = v->accepted;

@@ -10,6 +10,7 @@
 #include "muster/agent.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/taken.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -33,6 +34,9 @@ struct mu_agent {
     bool gone; /* has left */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
+    uint64_t broker;       /* incarnation of the broker that answered last; 0: none has */
+    uint64_t earlier_end;  /* mails below this number were there before that one came */
+    bool in_order;         /* the box's numbers go on after last_number, without gaps */
     uint64_t last_number;  /* taken from the box */
     uint64_t acked_number; /* told the broker */
     uint64_t handed;       /* parcels that reached its handlers */
@@ -40,6 +44,8 @@ struct mu_agent {
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
     char rules[PROCESS_RULES_MAX + 1];
+    uint64_t repeats; /* mails that came again through another broker, and were dropped */
+    struct taken taken;
 };
 
 struct mu_process {
@@ -84,7 +90,7 @@ void process_next_delivery(mu_process *p);
 void agent_register(struct mu_agent *a);
 
 /** Takes the broker's answer to a registration. */
-void agent_verdict(struct mu_agent *a, const muster_Verdict *v, bool other_broker);
+void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

@@ -15,18 +15,31 @@ static const uint64_t RESEND_NS = 1000000000;
 /* Says whether a parcel is the next one of its box, and takes its number if so. */
 static bool number_take(struct mu_agent *a, uint64_t number)
 {
-    if (!a || a->gone) {
-        return false;
-    }
     if (number <= a->last_number) {
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
     /* Where a number is missing, the broker will begin there again; a new life begins anywhere. */
-    if (a->handed > 0 && number != a->last_number + 1) {
+    if (a->in_order && number != a->last_number + 1) {
         return false;
     }
+    a->in_order = true;
     a->last_number = number;
+    return true;
+}
+
+/* @return whether a parcel is to be handed over; either way it has been taken */
+static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    const muster_Mail *m = &parcel->letter;
+    if (!a || a->gone || !number_take(a, parcel->number)) {
+        return false;
+    }
+    if (m->again && taken_has(&a->taken, m->src, m->seq)) {
+        a->repeats++;
+        return false;
+    }
+    taken_add(&a->taken, m->src, m->seq);
     a->handed++;
     return true;
 }
@@ -37,7 +50,7 @@ static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
     uint32_t count = d->parcels._length < PROCESS_PARCELS ? d->parcels._length : PROCESS_PARCELS;
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
-        p->fresh[i] = number_take(agent_find(p, parcel->box), parcel->number);
+        p->fresh[i] = parcel_take(agent_find(p, parcel->box), parcel);
     }
     return count;
 }
@@ -70,7 +83,7 @@ static void notices_take(mu_process *p, const muster_Delivery *d)
             members_clear(&p->members);
         }
         if (a) {
-            agent_verdict(a, v, other_broker);
+            agent_verdict(a, v);
         }
     }
     if (d->verdicts._length > 0) {

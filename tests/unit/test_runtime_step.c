@@ -411,17 +411,18 @@ static void test_another_broker_begins_anew(void)
     outbox_sent(&red->outbox, 4);
     expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
 
-    /* It has had two of our mails, and hands out its own first one in the same delivery. */
+    /* Whatever number it knows of an earlier life, it answers for none of our mails; and it hands
+     * out its own first one in the same delivery, under a number of its own. */
     line.name = words("new");
     delivery.members._buffer = &line;
     delivery.members._length = 1;
-    parcel("red", 1, "", "first");
-    parcel("red", 3, "", "third");
-    verdict_deliver(verdict("red", 6, 2), "red#1 first; ");
+    parcel("red", 701, "", "first");
+    parcel("red", 703, "", "third");
+    verdict_deliver(verdict("red", 6, 1000002), "red#701 first; ");
     CU_ASSERT_EQUAL(process.broker_incarnation, 6);
-    CU_ASSERT_EQUAL(red->last_number, 1);
-    CU_ASSERT_EQUAL(red->outbox.first_seq, 3);
-    CU_ASSERT_EQUAL(red->outbox.unsent_seq, 3);
+    CU_ASSERT_EQUAL(red->last_number, 701);
+    CU_ASSERT_EQUAL(red->outbox.first_seq, 1);
+    CU_ASSERT_EQUAL(red->outbox.unsent_seq, 1);
     CU_ASSERT_PTR_NULL(mu_process_lookup(&process, "old"));
     CU_ASSERT_PTR_NOT_NULL(mu_process_lookup(&process, "new"));
     CU_ASSERT_STRING_EQUAL(mu_process_member(&process, 0)->name, "new");
