@@ -149,6 +149,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
 
+.PHONY: soak-store
+soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice
+	@BUILD=$(BUILD) tests/soak/store.py
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
