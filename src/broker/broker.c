@@ -245,6 +245,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     presence_tick(b);
     resend_tick(b);
     courier_tick(b);
+    journal_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
         router_admit_due(b, runclock_run_ns(&b->clock));

@@ -10,6 +10,9 @@
 
 static const uint64_t RETRY_NS = 1000000000;
 
+/* So long after its start the broker keeps receipts for senders that have not come back. */
+static const uint64_t AWAIT_NS = 10000000000;
+
 enum { WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) };
 
 void journal_init(struct journal *j, bool on)
@@ -29,7 +32,22 @@ bool journal_takes(const struct broker *b)
 
 uint64_t journal_deadline_ns(const struct broker *b)
 {
-    return b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
+    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
+    return b->journal.awaits && AWAIT_NS < retry_ns ? AWAIT_NS : retry_ns;
+}
+
+void journal_tick(struct broker *b)
+{
+    if (!b->journal.awaits || b->clock.now_ns < AWAIT_NS) {
+        return;
+    }
+    b->journal.awaits = false;
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        if (b->registry.agents[i].awaited) {
+            b->registry.agents[i].awaited = false;
+            receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
+        }
+    }
 }
 
 /* --- durable mails by their names ------------------------------------------------------------- */

@@ -98,6 +98,7 @@ struct journal_cursor {
 struct journal {
     bool on;
     bool failing;
+    bool awaits; /* agents of an earlier life may still come back: see struct agent */
     uint64_t retry_ns;
     uint64_t rows;             /* the last row of a mail */
     struct mail *first, *last; /* mails that are marked, in order of routing */
@@ -144,7 +145,10 @@ void journal_attach(struct broker *b, enum journal_lines lines,
 /** A line has changed, come or gone. */
 void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t slot);
 
-/** @return when a failed commit is tried again, or UINT64_MAX */
+/** Who has not come back by now is not awaited any more. */
+void journal_tick(struct broker *b);
+
+/** @return when journal_tick, or a failed commit, is due, or UINT64_MAX */
 uint64_t journal_deadline_ns(const struct broker *b);
 
 /* --- for whoever has the disk ----------------------------------------------------------------- */

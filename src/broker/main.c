@@ -322,6 +322,27 @@ static mu_result store_load(struct post *p)
     return loaded;
 }
 
+/* The broker itself, with what its store has. */
+static mu_result broker_begin(struct post *p, const char *name, const char *store, int domain)
+{
+    char host[MU_FIELD_MAX + 1] = "";
+    gethostname(host, sizeof host - 1);
+    mu_result opened = store_open(p, store, domain, name);
+    if (opened != MU_OK) {
+        return opened;
+    }
+    uint64_t incarnation = p->disk ? disk_incarnation(p->disk) : mu_clock_wall_ns();
+    struct broker_options options = {.name = name,
+                                     .incarnation = incarnation,
+                                     .has_store = p->disk != NULL,
+                                     .number_base = p->disk ? incarnation : 0,
+                                     .host = host,
+                                     .pid = (uint32_t)getpid(),
+                                     .wall_ns = mu_clock_wall_ns()};
+    p->broker = broker_open(&options);
+    return store_load(p);
+}
+
 int main(int argc, char **argv)
 {
     struct mu_network network = {0};
@@ -360,24 +381,9 @@ int main(int argc, char **argv)
 
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
-    char host[MU_FIELD_MAX + 1] = "";
-    gethostname(host, sizeof host - 1);
-    mu_result stored = store_open(p, store, (int)network.domain, options.words[0]);
-    if (stored != MU_OK) {
-        return mu_exit_for(stored);
-    }
-    uint64_t incarnation = p->disk ? disk_incarnation(p->disk) : mu_clock_wall_ns();
-    struct broker_options broker = {.name = options.words[0],
-                                    .incarnation = incarnation,
-                                    .has_store = p->disk != NULL,
-                                    .number_base = p->disk ? incarnation : 0,
-                                    .host = host,
-                                    .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns()};
-    p->broker = broker_open(&broker);
-    stored = store_load(p);
-    if (stored != MU_OK) {
-        return mu_exit_for(stored);
+    mu_result begun = broker_begin(p, options.words[0], store, (int)network.domain);
+    if (begun != MU_OK) {
+        return mu_exit_for(begun);
     }
     struct bus_options bus = {.domain = (int)network.domain,
                               .place = BUS_BROKER,
@@ -397,7 +403,7 @@ int main(int argc, char **argv)
     sigaction(SIGTERM, &note, NULL);
     signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", broker.name, bus.domain);
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", options.words[0], bus.domain);
     while (!signal_came) {
         post_round(p);
     }

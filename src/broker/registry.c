@@ -107,7 +107,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->is = *presence;
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
-    a->gone = false;
+    a->gone = a->awaited = false;
     registry_touch(r, agent);
 }
 

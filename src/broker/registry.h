@@ -51,6 +51,7 @@ struct agent {
     bool gone; /* its process went in lock step: counts when that ends */
     bool in_news;
     bool unsaved; /* the journal has to write its line */
+    bool awaited; /* known of an earlier life of the broker: its receipts are kept for it */
     muster_Kind saved_kind;
     struct claim claim;
 };

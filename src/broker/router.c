@@ -97,6 +97,8 @@ static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_
     if (place != MU_NONE) { /* the absent are told nothing, the broker neither */
         receipts_add(&b->receipts, sender, seq, result);
         places_wake(&b->places, place);
+    } else if (b->registry.agents[sender].awaited) {
+        receipts_add(&b->receipts, sender, seq, result);
     }
 }
 

@@ -146,7 +146,10 @@ void outbox_sent(struct outbox *box, uint32_t count)
         slot_of(box, seq)->sent = true;
     }
     box->unsent_seq += count;
-    box->begun = box->begun || count > 0;
+    if (!box->begun && count > 0) {
+        box->begun = true;
+        box->own_seq = box->unsent_seq - count;
+    }
 }
 
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)

@@ -100,8 +100,10 @@ static void notices_take(mu_process *p, const muster_Delivery *d)
         }
         a->progress_ns = mu_clock_ns();
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
-        /* Only the runtime sends a mail twice; its real outcome is still to come. */
-        if (a->handlers.on_receipt && r->result != muster_OUTCOME_DUPLICATE) {
+        /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
+         * earlier process of that name has sent is no business of this one. */
+        bool ours = a->outbox.begun && r->last_seq >= a->outbox.own_seq;
+        if (a->handlers.on_receipt && ours && r->result != muster_OUTCOME_DUPLICATE) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
                                    (enum mu_outcome)r->result);
         }

@@ -97,8 +97,8 @@ static inline void story_gone(const char *name, const char *process)
 
 static inline const char *outcome_word(muster_Outcome o)
 {
-    static const char *const all[] = {"delivered",    "stored",    "expired", "box-full",
-                                      "unknown-name", "duplicate", "refused"};
+    static const char *const all[] = {"delivered", "stored",  "expired", "box-full", "unknown-name",
+                                      "duplicate", "refused", "dropped", "no-store"};
     return all[o];
 }
 
