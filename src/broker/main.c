@@ -81,7 +81,9 @@ static void registrations_take(struct post *p)
     while ((r = bus_next(&p->registrations, &life))) {
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
-        } else {
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
             broker_gone(p->broker, r->name, r->process, life == BUS_LOST, post_now(p));
         }
     }
