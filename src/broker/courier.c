@@ -167,7 +167,7 @@ static void welcome_add(struct broker *b, struct courier_part *part, muster_Deli
         d->verdicts._buffer[d->verdicts._length++] =
             (muster_Verdict){.agent = a->name,
                              .accepted = true,
-                             .last_seq = a->last_seq,
+                             .last_seq = registry_last_seq(a),
                              .broker_incarnation = b->incarnation,
                              .reason = none};
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
+#include "broker/disk.h"
 #include "broker/files.h"
 #include "broker/health.h"
 #include "broker/settings.h"
@@ -11,6 +12,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +37,7 @@ struct mailbag {
 struct post {
     struct bus bus;
     struct broker *broker;
+    struct disk *disk; /* NULL: without a store */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct health health;
@@ -80,7 +83,9 @@ static void registrations_take(struct post *p)
     while ((r = bus_next(&p->registrations, &life))) {
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
-        } else {
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
             broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
@@ -268,6 +273,15 @@ static int64_t wait_ns(const struct post *p, bool impatient)
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
 }
 
+/* What must be on disk before anybody is told. */
+static void store_write(struct post *p)
+{
+    muster_Level level;
+    if (p->disk && journal_wanted(p->broker, &level)) {
+        (void)disk_commit(p->disk, p->broker, level, post_now(p));
+    }
+}
+
 static void post_round(struct post *p)
 {
     post_take(p);
@@ -275,6 +289,7 @@ static void post_round(struct post *p)
     bags_follow(p);
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
+    store_write(p);
     impatient = !deliveries_write(p) || impatient;
     pages_tell(p);
     events_tell(p);
@@ -282,17 +297,54 @@ static void post_round(struct post *p)
     if (look) {
         p->looked_ns = mu_clock_ns();
         health_tell(&p->health, p->broker, p->looked_ns);
+        if (p->disk) {
+            disk_rest(p->disk, post_now(p));
+        }
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
-/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
+/* --- start ------------------------------------------------------------------------------------ */
+
+/* @param file  as the option has it; NULL: the default */
+static mu_result store_open(struct post *p, const char *file, int domain, const char *name)
+{
+    char path[PATH_MAX];
+    if (file && strcmp(file, "none") == 0) {
+        return MU_OK;
+    }
+    if (file ? !mu_text_copy(path, sizeof path, file)
+             : !disk_default_path(path, sizeof path, domain, name)) {
+        fprintf(stderr, "muster broker: no place for the store: give --store FILE or none\n");
+        return MU_FAULT_OS;
+    }
+    return disk_open(&p->disk, path, mu_clock_wall_ns());
+}
+
+static mu_result store_load(struct post *p)
+{
+    uint64_t refused = 0;
+    mu_result loaded = p->disk ? disk_load(p->disk, p->broker, &refused) : MU_OK;
+    if (refused > 0) {
+        mu_log(MU_LOG_WARNING, "store-rows-not-taken", "rows=%llu", (unsigned long long)refused);
+    }
+    return loaded;
+}
+
+/* Opens the broker, its store and its files.  @return MU_EXIT_DONE, or the exit code, explained */
 static int broker_begin(struct post *p, const struct settings *s, const char *name)
 {
     char host[MU_FIELD_MAX + 1] = "";
     gethostname(host, sizeof host - 1);
+    mu_result opened = store_open(p, s->store, (int)s->network.domain, name);
+    if (opened != MU_OK) {
+        return mu_exit_for(opened);
+    }
+    uint64_t incarnation = p->disk ? disk_incarnation(p->disk) : mu_clock_wall_ns();
     struct broker_options broker = {.name = name,
-                                    .incarnation = mu_clock_wall_ns(),
+                                    .incarnation = incarnation,
+                                    .has_store = p->disk != NULL,
+                                    .number_base = p->disk ? incarnation : 0,
                                     .host = host,
                                     .pid = (uint32_t)getpid(),
                                     .wall_ns = mu_clock_wall_ns(),
@@ -303,6 +355,10 @@ static int broker_begin(struct post *p, const struct settings *s, const char *na
                                     .box_mails = (uint32_t)s->box_mails,
                                     .box_bytes = (uint32_t)s->box_bytes};
     p->broker = broker_open(&broker);
+    mu_result loaded = store_load(p);
+    if (loaded != MU_OK) {
+        return mu_exit_for(loaded);
+    }
     if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
         return MU_EXIT_FILE;
     }
@@ -341,6 +397,7 @@ int main(int argc, char **argv)
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", name, bus.domain);
     while (!signal_came) {
@@ -348,5 +405,8 @@ int main(int argc, char **argv)
     }
     health_close(&p->health, p->broker);
     bus_close(&p->bus);
+    if (p->disk) {
+        disk_close(p->disk);
+    }
     return MU_EXIT_DONE;
 }

@@ -56,6 +56,7 @@ static mu_result broker_start(struct run *r)
     if (e->policy) {
         word_add("--policy=%s", e->policy);
     }
+    word_add("--store=none"); /* a run repeats from nothing */
     return supervise_start(&r->children, "broker", "muster-broker", words_end());
 }
 

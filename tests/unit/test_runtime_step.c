@@ -409,21 +409,89 @@ static void test_another_broker_begins_anew(void)
     outbox_sent(&red->outbox, 4);
     expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
 
-    /* It has had two of our mails, and hands out its own first one in the same delivery. */
+    /* Whatever number it knows of an earlier life, it answers for none of our mails; and it hands
+     * out its own first one in the same delivery, under a number of its own. */
     line.name = words("new");
     delivery.members._buffer = &line;
     delivery.members._length = 1;
-    parcel("red", 1, "", "first");
-    parcel("red", 3, "", "third");
-    verdict_deliver(verdict("red", 6, 2), "red#1 first; ");
+    parcel("red", 701, "", "first");
+    parcel("red", 703, "", "third");
+    verdict_deliver(verdict("red", 6, 1000002), "red#701 first; ");
     CU_ASSERT_EQUAL(process.broker_incarnation, 6);
-    CU_ASSERT_EQUAL(red->last_number, 1);
-    CU_ASSERT_EQUAL(red->outbox.first_seq, 3);
-    CU_ASSERT_EQUAL(red->outbox.unsent_seq, 3);
+    CU_ASSERT_EQUAL(red->last_number, 701);
+    CU_ASSERT_EQUAL(red->outbox.first_seq, 1);
+    CU_ASSERT_EQUAL(red->outbox.unsent_seq, 1);
     CU_ASSERT_PTR_NULL(mu_process_lookup(&process, "old"));
     CU_ASSERT_PTR_NOT_NULL(mu_process_lookup(&process, "new"));
     CU_ASSERT_STRING_EQUAL(mu_process_member(&process, 0)->name, "new");
     CU_ASSERT_PTR_NULL(mu_process_member(&process, 1));
+}
+
+/* A number of an earlier life, which a new sender would go on after, changes nothing of what is
+ * out, and nothing is taken for answered. */
+static void test_a_broker_that_is_back_renumbers_nothing(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    verdict_deliver(verdict("red", 5, 0), "red welcome; ");
+    for (int i = 0; i < 3; i++) {
+        CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
+    }
+    outbox_sent(&red->outbox, 2);
+    for (int i = 0; i < 2; i++) { /* said twice */
+        verdict_deliver(verdict("red", 6, 1 << 20), "");
+        CU_ASSERT_EQUAL(red->outbox.first_seq, 1);
+        CU_ASSERT_EQUAL(red->outbox.next_seq, 4);
+        CU_ASSERT_EQUAL(red->outbox.unsent_seq, 1);
+    }
+    const muster_Up *up = answer(NULL);
+    CU_ASSERT_EQUAL_FATAL(up->acts._buffer[0].mails._length, 3);
+    CU_ASSERT_TRUE(up->acts._buffer[0].mails._buffer[1].again);
+    CU_ASSERT_FALSE(up->acts._buffer[0].mails._buffer[2].again);
+    mu_text_clear(&heard);
+    outbox_sent(&red->outbox, 3);
+    outbox_confirm(&red->outbox, 1, 3);
+    verdict_deliver(verdict("red", 6, 1 << 20), "");
+    CU_ASSERT_EQUAL(red->outbox.next_seq, (1 << 20) + 1);
+}
+
+static void again_parcel(uint64_t number, uint64_t seq)
+{
+    parcel("red", number, "", "x");
+    parcels[delivery.parcels._length - 1].letter.seq = seq;
+    parcels[delivery.parcels._length - 1].letter.again = true;
+}
+
+/* What an earlier broker has handed over is known by sender and number. */
+static void test_mail_that_came_through_another_broker(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    verdict_deliver(verdict("red", 5, 0), "red welcome; ");
+    expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
+    again_parcel(9001, 2);
+    again_parcel(9002, 3);
+    again_parcel(9003, 4);
+    verdict_deliver(verdict("red", 6, 0), "red#9003 x; ");
+    CU_ASSERT_EQUAL(red->repeats, 2);
+    CU_ASSERT_EQUAL(red->handed, 4);
+    CU_ASSERT_EQUAL(red->last_number, 9003); /* acknowledged all the same */
+    parcel("red", 9004, "", "new");
+    parcels[0].letter.seq = 2; /* not marked: a sender may count anew */
+    expect("red#9004 new; ");
+}
+
+static void test_receipts_for_an_earlier_process_of_that_name(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    muster_Receipt receipts[2] = {
+        {.agent = words("red"), .first_seq = 1, .last_seq = 40},
+        {.agent = words("red"), .first_seq = 41, .last_seq = 41},
+    };
+    CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
+    verdict_deliver(verdict("red", 5, 40), "red welcome; ");
+    outbox_sent(&red->outbox, 1);
+    delivery.receipts._buffer = receipts;
+    delivery.receipts._length = 2;
+    expect("red 41-41 delivered; ");
 }
 
 static void test_the_order_of_a_step(void)
@@ -698,6 +766,9 @@ int main(void)
         {"a verdict is news once", test_a_verdict_is_news_once},
         {"a verdict goes on counting", test_a_verdict_goes_on_counting},
         {"another broker begins anew", test_another_broker_begins_anew},
+        {"a broker that is back", test_a_broker_that_is_back_renumbers_nothing},
+        {"mail through another broker", test_mail_that_came_through_another_broker},
+        {"receipts for an earlier process", test_receipts_for_an_earlier_process_of_that_name},
         CU_TEST_INFO_NULL,
     };
     CU_TestInfo answers[] = {
