@@ -59,6 +59,7 @@ struct broker *broker_open(const struct broker_options *options)
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
     journal_init(&b->journal, options->has_store);
+    pages_journal_attach(b);
     b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;

@@ -4,7 +4,7 @@
 #include "broker/journal.h"
 #include "broker/parts.h"
 
-enum { ROWS_MAX = 2048, NAMES_MAX = 64, SLOTS = 4 };
+enum { ROWS_MAX = 2048, NAMES_MAX = 64, SLOTS = 16 };
 
 #define SECOND 1000000000ull
 #define WALL   1000000000000000000ull
@@ -25,7 +25,10 @@ static struct {
     } names[NAMES_MAX];
     uint32_t names_count;
     uint64_t run_wall_ns;
-    char lines[SLOTS][64]; /* of the groups */
+    struct line {
+        struct journal_line line;
+        char key[32], agent[32], attributes[64], origin[32];
+    } lines[JOURNAL_LINE_KINDS][SLOTS];
 } disk, before;
 
 static uint64_t wall_ns;      /* when this life began */
@@ -84,8 +87,15 @@ static void write_gone(const struct journal_entry *e)
 
 static void write_line(const struct journal_entry *e)
 {
-    CU_ASSERT_EQUAL(e->lines, JOURNAL_GROUPS);
-    snprintf(disk.lines[e->slot], sizeof disk.lines[0], "%s", e->line.key ? e->line.key : "");
+    CU_ASSERT_TRUE_FATAL(e->slot < SLOTS);
+    struct line *l = &disk.lines[e->lines][e->slot];
+    *l = (struct line){.line = e->line};
+    if (e->line.key) {
+        snprintf(l->key, sizeof l->key, "%s", e->line.key);
+        snprintf(l->agent, sizeof l->agent, "%s", e->line.agent);
+        snprintf(l->attributes, sizeof l->attributes, "%s", e->line.attributes);
+        snprintf(l->origin, sizeof l->origin, "%s", e->line.origin);
+    }
 }
 
 static void write_entry(const struct journal_entry *e)
@@ -99,7 +109,7 @@ static void write_entry(const struct journal_entry *e)
     case JOURNAL_LINE: write_line(e); break;
     case JOURNAL_RESET:
         lines_resets++;
-        memset(disk.lines, 0, sizeof disk.lines);
+        memset(disk.lines[e->lines], 0, sizeof disk.lines[0]);
         break;
     case JOURNAL_CLOCK: disk.run_wall_ns = e->run_wall_ns; break;
     }
@@ -144,6 +154,24 @@ static void life_begin(uint64_t at_wall_ns)
 
 static uint32_t refused;
 
+static void lines_come_back(void)
+{
+    for (int kind = 0; kind < JOURNAL_LINE_KINDS; kind++) {
+        for (uint32_t slot = 0; slot < SLOTS; slot++) {
+            const struct line *l = &disk.lines[kind][slot];
+            struct journal_entry e = {.kind = JOURNAL_LINE,
+                                      .lines = (enum journal_lines)kind,
+                                      .slot = slot,
+                                      .line = l->line};
+            e.line.key = l->key;
+            e.line.agent = l->agent;
+            e.line.attributes = l->attributes;
+            e.line.origin = l->origin;
+            refused += l->key[0] != '\0' && !journal_restore(story.b, &e);
+        }
+    }
+}
+
 /* The broker dies now, and is back later. */
 static void die_and_come_back(uint64_t later_ns)
 {
@@ -158,6 +186,7 @@ static void die_and_come_back(uint64_t later_ns)
                                   .reserved_seq = n->reserved_seq};
         refused += !journal_restore(story.b, &e);
     }
+    lines_come_back();
     struct journal_entry clock = {.kind = JOURNAL_CLOCK, .run_wall_ns = disk.run_wall_ns};
     if (disk.run_wall_ns) {
         refused += !journal_restore(story.b, &clock);
@@ -508,66 +537,90 @@ static void test_a_file_is_no_better_than_the_network(void)
     CU_ASSERT_EQUAL(story.b->journal.rows, 2);
 }
 
-/* --- lines of other parts --------------------------------------------------------------------- */
+/* --- groups and services ---------------------------------------------------------------------- */
 
-static const char *lines[SLOTS];
-
-static bool lines_line(struct broker *b, uint32_t slot, struct journal_line *out)
+static void tell_broker(uint64_t seq, const char *performative, const char *content)
 {
-    (void)b;
-    *out = (struct journal_line){.key = lines[slot], .agent = "", .attributes = "", .origin = "a"};
-    return lines[slot] != NULL;
+    muster_Mail m = letter("red", seq, "broker", content);
+    m.layer = 2;
+    m.performative = words(performative);
+    story_mail(m);
 }
 
-static bool lines_restore(struct broker *b, const struct journal_line *line)
+static bool is_member(const char *group, const char *agent)
 {
-    static char key[32];
-    snprintf(key, sizeof key, "%s", line->key);
-    lines[2] = key;
-    journal_line_changed(b, JOURNAL_GROUPS, 2);
-    return true;
-}
-
-static void test_lines_of_other_parts(void)
-{
-    static const struct journal_source source = {SLOTS, lines_line, lines_restore};
-    memset(&disk, 0, sizeof disk);
-    life_begin(WALL);
-    journal_attach(story.b, JOURNAL_GROUPS, &source);
-    lines[0] = "scouts";
-    lines[1] = "gone";
-    for (uint32_t i = 0; i < SLOTS * 3; i++) {
-        journal_line_changed(story.b, JOURNAL_GROUPS, i % SLOTS);
-        journal_line_changed(story.b, JOURNAL_SERVICES, i); /* nobody has such lines */
+    uint32_t place = 0;
+    const char *member;
+    while ((member = groups_member(&story.b->pages.groups, group, false, &place))) {
+        if (strcmp(member, agent) == 0) {
+            return true;
+        }
     }
+    return false;
+}
+
+static void test_groups_and_services_come_back(void)
+{
+    team();
+    (void)commit(true);
+    tell_broker(1, "group-join", "scouts");
+    tell_broker(2, "group-join", "cooks");
+    tell_broker(3, "advertise", "mapper \"role=scout\" 60");
     CU_ASSERT_TRUE(commit(false));
-    CU_ASSERT_STRING_EQUAL(disk.lines[0], "");
+    CU_ASSERT_STRING_EQUAL(disk.lines[JOURNAL_GROUPS][0].key, "");
     story_tick(SECOND);
     CU_ASSERT_TRUE(commit(true));
-    CU_ASSERT_EQUAL(writes, SLOTS);
-    CU_ASSERT_STRING_EQUAL(disk.lines[1], "gone");
-    lines[1] = NULL;
-    journal_line_changed(story.b, JOURNAL_GROUPS, 1);
+    CU_ASSERT_EQUAL(writes, 5); /* two groups with a member each, a service */
+    tell_broker(4, "group-leave", "cooks");
     CU_ASSERT_TRUE(commit(true));
-    CU_ASSERT_EQUAL(writes, 1);
-    CU_ASSERT_STRING_EQUAL(disk.lines[1], "");
+    CU_ASSERT_EQUAL(writes, 2);
 
-    /* A later life gives its lines other slots: what stands in the file is replaced. */
-    lines[0] = NULL;
-    life_begin(WALL + SECOND);
-    journal_attach(story.b, JOURNAL_GROUPS, &source);
-    struct journal_entry e = {
+    lines_resets = 0;
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
+    CU_ASSERT_FALSE(is_member("cooks", "red"));
+    CU_ASSERT_FALSE(groups_exists(&story.b->pages.groups, "cooks", false));
+    const struct services *s = &story.b->pages.services;
+    uint32_t line = mu_pairs_find(&s->pairs, "mapper", "red");
+    CU_ASSERT_NOT_EQUAL_FATAL(line, MU_NONE);
+    CU_ASSERT_TRUE(s->lines[line].offered);
+    CU_ASSERT_STRING_EQUAL(s->lines[line].attributes, "role=scout");
+    CU_ASSERT_FALSE(pages_shows(story.b, line, false)); /* its agent is not back yet */
+    story_register("red", "p-red");
+    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+
+    /* Its lines may have other slots by now: what stood in the file is replaced. */
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(lines_resets, 2);
+    CU_ASSERT_FALSE(commit(true));
+    story_tick(30 * SECOND);
+    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+    story_tick(30 * SECOND); /* a lease goes on while the broker is dead */
+    CU_ASSERT_FALSE(pages_shows(story.b, line, false));
+    die_and_come_back(SECOND);
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
+}
+
+static void test_bad_lines_stay_on_disk(void)
+{
+    team();
+    struct journal_entry good = {
         .kind = JOURNAL_LINE,
         .lines = JOURNAL_GROUPS,
-        .line = {.key = "scouts", .agent = "", .attributes = "", .origin = "a"}};
-    CU_ASSERT_TRUE(journal_restore(story.b, &e));
+        .line = {
+            .key = "scouts", .agent = "red", .present = true, .attributes = "", .origin = "alpha"}};
+    struct journal_entry e = good;
     e.line.key = "not a name";
     restore_bad(e);
-    CU_ASSERT_TRUE(commit(true));
-    CU_ASSERT_EQUAL(lines_resets, 1);
-    CU_ASSERT_STRING_EQUAL(disk.lines[0], "");
-    CU_ASSERT_STRING_EQUAL(disk.lines[2], "scouts");
-    CU_ASSERT_FALSE(commit(true));
+    e = good;
+    e.line.agent = "*";
+    restore_bad(e);
+    e = good;
+    e.lines = JOURNAL_LINE_KINDS;
+    restore_bad(e);
+    CU_ASSERT_TRUE(journal_restore(story.b, &good));
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
 }
 
 /* --- a whole box ------------------------------------------------------------------------------ */
@@ -617,7 +670,8 @@ int main(void)
         {"time goes on by the wall", test_time_goes_on_by_the_wall},
         {"numbers are reserved ahead", test_numbers_are_reserved_ahead},
         {"a file is no better than the network", test_a_file_is_no_better_than_the_network},
-        {"lines of other parts", test_lines_of_other_parts},
+        {"groups and services come back", test_groups_and_services_come_back},
+        {"bad lines stay on disk", test_bad_lines_stay_on_disk},
         {"a full box comes back in order", test_a_full_box_comes_back_in_order},
         CU_TEST_INFO_NULL,
     };
