@@ -87,9 +87,8 @@ static struct mu_agent *join(const char *name, enum mu_kind kind, uint64_t last_
 {
     mu_agent *a = NULL;
     capture_begin();
-    CU_ASSERT_EQUAL(mu_agent_join(&process, &a, name, kind, last_number, &handlers), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, kind, last_number, &handlers), MU_OK);
     capture_end();
-    CU_ASSERT_PTR_NOT_NULL_FATAL(a);
     return a;
 }
 
