@@ -57,7 +57,7 @@ LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
-LIBS_broker  := -lddsc
+LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions -lclips -lddsc -lccd -lpng -lm
 LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm
@@ -161,6 +161,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 .PHONY: soak
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
+
+.PHONY: soak-store
+soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice
+	@BUILD=$(BUILD) tests/soak/store.py
 
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py

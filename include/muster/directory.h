@@ -61,14 +61,18 @@ MU_MUST_USE mu_result mu_agent_advertise(mu_agent *a, const char *service, const
 MU_MUST_USE mu_result mu_agent_withdraw(mu_agent *a, const char *service);
 
 /**
- * A standing query: from now on mu_handlers.on_service tells who comes and who goes.
+ * A standing query: from now on mu_handlers.on_service tells who comes and who goes; those who are
+ * there already come first.  Attributes that change tell nothing unless they change the answer.
  *
- * @param query  a service, then constraints: "mapper role=scout battery>=0.5"; "*" is any service
+ * @param query  a service, then constraints: "mapper role=scout battery>=0.5"; "*" is any service;
+ *               near=X,Y,R: at most R metres from there, by the attributes x and y
+ * @return as all changes; MU_MALFORMED: no query; MU_FULL: MU_WATCHES_MAX are kept in this process
  */
 MU_MUST_USE mu_result mu_agent_watch_service(mu_agent *a, const char *query);
 
-/** @return the index-th line that fits, in order of service and agent, valid until the next spin;
- *          only agents that are not absent are found; NULL past the last, or the query is no query
+/**
+ * @return the index-th line that fits, in order of service and agent, valid until the next spin;
+ *         only agents that are not absent are found; NULL past the last, or the query is no query
  */
 const struct mu_service *mu_process_find_service(const mu_process *p, const char *query,
                                                  size_t index);

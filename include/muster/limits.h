@@ -52,6 +52,22 @@
 /** Hosts that --peer can name. */
 #define MU_PEERS_MAX 16
 
+/** Longest query on services, in bytes. */
+#define MU_QUERY_MAX 255
+
+/** Constraints in one query. */
+#define MU_CONSTRAINTS_MAX 16
+
+/** Standing queries that one broker keeps. */
+#ifndef MU_SUBSCRIPTIONS_MAX
+#define MU_SUBSCRIPTIONS_MAX 1024
+#endif
+
+/** Standing queries of all agents in one process. */
+#ifndef MU_WATCHES_MAX
+#define MU_WATCHES_MAX 64
+#endif
+
 /** Agents that one broker can know. */
 #ifndef MU_AGENTS_MAX
 #define MU_AGENTS_MAX 16384

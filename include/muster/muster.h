@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file muster.h
- * All of libmuster: see agent.h for what a controller needs, kind.h for more.
+ * All of libmuster: see agent.h for what a controller needs, directory.h for groups and services,
+ * kind.h for more.
  */
 #ifndef MUSTER_MUSTER_H
 #define MUSTER_MUSTER_H
 
 #include "muster/agent.h"
+#include "muster/directory.h"
 #include "muster/kind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"

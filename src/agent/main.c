@@ -32,7 +32,8 @@ struct robot {
     mu_process *process;
     mu_agent *agent;
     bool refused;
-    bool box_full; /* said once */
+    bool box_full;  /* said once */
+    uint64_t mails; /* that have come */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
     char print[PRINT_MAX]; /* a line that rules have begun */
@@ -224,7 +225,8 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
-    struct mind_mail letter = {.id = mail->number,
+    /* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
+    struct mind_mail letter = {.id = ++r->mails,
                                .src = mail->src,
                                .performative = mail->performative,
                                .language = mail->language,

@@ -15,7 +15,34 @@ enum address_kind address_kind(const char *dst)
             return kind;
         }
     }
-    return ADDRESS_NAMES;
+    const char *colon = strchr(dst, ':');
+    if (!colon) {
+        return ADDRESS_NAMES;
+    }
+    return strncmp(dst, "group:", 6) == 0 ? ADDRESS_GROUP : ADDRESS_SCHEME;
+}
+
+const char *address_rest(const char *dst)
+{
+    return strchr(dst, ':') + 1;
+}
+
+/* @return whether a name stands before the colon, and something that can be seen behind it */
+static bool scheme_valid(const char *dst)
+{
+    char name[MU_NAME_MAX + 1];
+    size_t len = strcspn(dst, ":");
+    if (len > MU_NAME_MAX) {
+        return false;
+    }
+    memcpy(name, dst, len);
+    name[len] = '\0';
+    for (const char *c = address_rest(dst); *c; c++) {
+        if ((unsigned char)*c <= ' ' || *c == 127) {
+            return false;
+        }
+    }
+    return mu_name_valid(name) && address_rest(dst)[0] != '\0';
 }
 
 bool address_next(const char **list, char name[MU_NAME_MAX + 1])
@@ -39,8 +66,13 @@ bool address_next(const char **list, char name[MU_NAME_MAX + 1])
 bool address_valid(const char *dst)
 {
     char name[MU_NAME_MAX + 1];
-    if (address_kind(dst) != ADDRESS_NAMES) {
-        return true;
+    switch (address_kind(dst)) {
+    case ADDRESS_ALL:
+    case ADDRESS_ROBOTS:
+    case ADDRESS_SPECIAL: return true;
+    case ADDRESS_GROUP: return mu_name_valid(address_rest(dst));
+    case ADDRESS_SCHEME: return scheme_valid(dst);
+    case ADDRESS_NAMES: break;
     }
     bool list = strchr(dst, ',') != NULL;
     while (address_next(&dst, name)) {

@@ -54,9 +54,13 @@ struct broker *broker_open(const struct broker_options *options)
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
+    pages_init(&b->pages);
     trust_init(&b->trust);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
+    journal_init(&b->journal, options->has_store);
+    pages_journal_attach(b);
+    b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;
 }
@@ -90,6 +94,7 @@ static void place_matched(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->version_had = 0;
+    pages_forget_told(at);
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         b->registry.agents[agent].verdict_due = true;
@@ -254,8 +259,10 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     resend_tick(b);
     router_tick(b);
     courier_tick(b);
+    journal_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
+        pages_expire(b, runclock_mail_ns(&b->clock));
         router_admit_due(b, runclock_run_ns(&b->clock));
     }
 }
@@ -263,8 +270,9 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b), courier_deadline_ns(b), UINT64_MAX, UINT64_MAX,
-                         pacer_deadline_ns(&b->pacer)};
+    uint64_t others[] = {
+        resend_deadline_ns(b),        courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
+        pacer_deadline_ns(&b->pacer), journal_deadline_ns(b)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -272,6 +280,9 @@ uint64_t broker_deadline_ns(const struct broker *b)
     }
     if (expiry && !b->clock.lockstep) {
         others[3] = runclock_now_of_mail_ns(&b->clock, expiry->at_ns[SCHEDULE_EXPIRY]);
+    }
+    if (pages_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
+        others[4] = runclock_now_of_mail_ns(&b->clock, pages_deadline_mail_ns(b));
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         first_ns = others[i] < first_ns ? others[i] : first_ns;
@@ -331,6 +342,7 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                               .malformed = c->malformed,
                               .dropped = c->dropped,
                               .over_share = c->over_share,
+                              .no_store = c->no_store,
                               .stored = b->store.mails,
                               .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
     status->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
@@ -380,6 +392,18 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
     return true;
 }
 
+static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
+{
+    muster_Member m;
+    struct mu_text t;
+    registry_line(&b->registry, agent, b->name, &m);
+    mu_text_init(&t, to, BROKER_LINE_MAX);
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu", m.name, registry_kind_word(m.kind),
+                   registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+                   m.host[0] ? m.host : "-", (unsigned long)m.pid,
+                   (unsigned long long)m.since_wall_ns);
+}
+
 bool broker_page_news(struct broker *b, muster_Page *out)
 {
     uint32_t part = registry_next_page(&b->registry);
@@ -390,7 +414,8 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     uint32_t count = b->registry.count - first;
     count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
     for (uint32_t i = 0; i < count; i++) {
-        registry_line(&b->registry, first + i, b->name, &b->page[i]);
+        line_write(b, first + i, b->page_text[i]);
+        b->page[i] = b->page_text[i];
     }
     *out = (muster_Page){.broker = b->name, .part = part};
     out->lines._buffer = b->page;

@@ -1,36 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/changes.h"
 
-#include "core/table.h"
 #include "muster/memory.h"
 
-void changes_init(struct changes *c, uint32_t lines)
+void changes_init(struct changes *c, uint32_t capacity)
 {
     *c = (struct changes){.first = MU_NONE, .last = MU_NONE};
-    c->lines = mu_startup_array(lines, sizeof *c->lines);
+    c->lines = mu_startup_array(capacity, sizeof *c->lines);
 }
 
-static void line_unlink(struct changes *c, const struct change *at)
+void changes_remove(struct changes *c, uint32_t line)
 {
-    if (at->prev == MU_NONE) {
-        c->first = at->next;
-    } else {
-        c->lines[at->prev].next = at->next;
+    struct change *l = &c->lines[line];
+    if (l->version == 0) {
+        return;
     }
-    if (at->next == MU_NONE) {
-        c->last = at->prev;
+    l->version = 0;
+    if (l->prev == MU_NONE) {
+        c->first = l->next;
     } else {
-        c->lines[at->next].prev = at->prev;
+        c->lines[l->prev].next = l->next;
+    }
+    if (l->next == MU_NONE) {
+        c->last = l->prev;
+    } else {
+        c->lines[l->next].prev = l->prev;
     }
 }
 
 void changes_touch(struct changes *c, uint32_t line)
 {
-    struct change *at = &c->lines[line];
-    if (at->version > 0) {
-        line_unlink(c, at);
-    }
-    *at = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->last};
+    changes_remove(c, line);
+    c->lines[line] = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->last};
     if (c->last == MU_NONE) {
         c->first = line;
     } else {
@@ -46,15 +47,12 @@ uint64_t changes_version(const struct changes *c, uint32_t line)
 
 uint32_t changes_after(const struct changes *c, uint64_t version)
 {
-    if (version == 0) {
-        return c->first;
+    uint32_t found = MU_NONE;
+    for (uint32_t line = c->last; line != MU_NONE && c->lines[line].version > version;
+         line = c->lines[line].prev) {
+        found = line;
     }
-    uint32_t after = MU_NONE;
-    for (uint32_t i = c->last; i != MU_NONE && c->lines[i].version > version;
-         i = c->lines[i].prev) {
-        after = i;
-    }
-    return after;
+    return found;
 }
 
 uint32_t changes_next(const struct changes *c, uint32_t line)

@@ -1,37 +1,38 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file changes.h
- * Which lines of a table have changed since when: a list in order of change, to whose end a changed
- * line moves.  Who has seen all up to a version finds what is new without a look at the rest.
- *
- * Pure; lines are indices.  Memory of lines that never changed stays untouched.
+ * The lines of a table in order of their last change: who remembers the version that it has had
+ * finds what is new to it without looking at the rest.
  */
 #ifndef MUSTER_BROKER_CHANGES_H
 #define MUSTER_BROKER_CHANGES_H
 
-#include <stdint.h>
+#include "core/table.h"
 
 struct change {
-    uint64_t version;    /* of the table, when the line last changed; 0: never */
-    uint32_t next, prev; /* MU_NONE: none */
+    uint64_t version;    /* 0: not in the list */
+    uint32_t next, prev; /* the next one has the higher version */
 };
 
 struct changes {
-    struct change *lines;
-    uint32_t first, last;
-    uint64_t version; /* of the last change */
+    struct change *lines; /* one for each line of the table */
+    uint32_t first, last; /* the oldest, the youngest */
+    uint64_t version;     /* of the last change; the first is 1 */
 };
 
-/** Takes memory, at start-up, for that many lines. */
-void changes_init(struct changes *c, uint32_t lines);
+/** Takes memory at start-up. */
+void changes_init(struct changes *c, uint32_t capacity);
 
-/** The line has changed now. */
+/** A line has changed, or is new: it is now the youngest. */
 void changes_touch(struct changes *c, uint32_t line);
 
-/** @return the version at which the line last changed; 0: never */
+/** @return the version at which the line last changed; 0: never, or it is no more */
 uint64_t changes_version(const struct changes *c, uint32_t line);
 
-/** @return the first line that changed after that version, or MU_NONE; costs a step a newer line */
+/** A line is no more; nobody is told of that. */
+void changes_remove(struct changes *c, uint32_t line);
+
+/** @return the oldest line that changed after that version, or MU_NONE; costs O(changes since) */
 uint32_t changes_after(const struct changes *c, uint64_t version);
 
 /** @return the line that changed next after this one, or MU_NONE */

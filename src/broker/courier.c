@@ -133,10 +133,11 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
         if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
             b->courier.open_delay_ns += mail_delay_ns(b, m);
         }
-        d->parcels._buffer[d->parcels._length++] =
-            (muster_Parcel){.box = b->registry.agents[agent].name,
-                            .number = number + part->parcels,
-                            .letter = m->letter};
+        muster_Parcel *parcel = &d->parcels._buffer[d->parcels._length++];
+        *parcel = (muster_Parcel){.box = b->registry.agents[agent].name,
+                                  .number = number + part->parcels,
+                                  .letter = m->letter};
+        parcel->letter.again = m->letter.again || b->mailbox.posts[i].sent;
     }
     return i == MU_NONE && (awake || gate < GATE_OPEN);
 }
@@ -167,7 +168,7 @@ static void welcome_add(struct broker *b, struct courier_part *part, muster_Deli
         d->verdicts._buffer[d->verdicts._length++] =
             (muster_Verdict){.agent = a->name,
                              .accepted = true,
-                             .last_seq = a->last_seq,
+                             .last_seq = registry_last_seq(a),
                              .broker_incarnation = b->incarnation,
                              .reason = none};
     }
@@ -332,12 +333,13 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
         qsort(c->members, d->members._length, sizeof c->members[0], member_compare);
     }
+    pages_fill(b, at, d);
     if (at->simulator) {
         outside_fill(b, d);
     }
     delivery_finish(d);
     return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
-           d->members._length || d->roll_call;
+           d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }
 
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
@@ -404,6 +406,7 @@ void courier_delivered(struct broker *b)
     delivery_count(c, parcels);
     at->refusals_count = 0;
     at->roll_call_due = false;
+    pages_delivered(b, at);
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }

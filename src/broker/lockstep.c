@@ -207,14 +207,17 @@ void lockstep_told(struct broker *b)
 
 static void step_apply(struct broker *b)
 {
+    b->lockstep.applying = true;
     turns_order(b);
     acks_apply(b);
     router_expire(b, runclock_mail_ns(&b->clock));
+    pages_expire(b, runclock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
     turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
+    b->lockstep.applying = false;
 }
 
 static uint64_t step_time_ns(const struct lockstep *l, int64_t step)
@@ -286,10 +289,14 @@ static void place_leave(struct broker *b, uint32_t place)
     at->rostered = false;
     at->answered = false;
     at->step_due = false;
+    pages_forget_told(at); /* it was not shown all */
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         tenants_wake(&b->registry, &b->places, agent);
+        if (b->lockstep.on) { /* those who stay are not shown its services any more */
+            pages_presence(b, agent);
+        }
     }
     presence_settle(b, place);
     places_wake(&b->places, place);
@@ -344,6 +351,7 @@ static void lines_tell(struct broker *b, uint32_t place)
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         registry_touch(&b->registry, agent);
+        pages_enter(b, agent);
     }
 }
 
@@ -383,6 +391,7 @@ static void lockstep_end(struct broker *b)
             0; /* and of those outside, it has missed changes */
         place_leave(b, l->roster[i]);
     }
+    pages_thaw(b);
     places_wake(&b->places, simulator);
     places_tidy(&b->places, simulator);
 }
@@ -402,7 +411,9 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
+        pages_forget_told(&b->places.at[l->roster[i]]);
     }
+    pages_freeze(b);
 }
 
 /* A run that goes on with other processes, from this step or the next. */

@@ -4,9 +4,9 @@
  * The step barrier: what the processes of the roster do in a step is collected, and takes effect
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
- * The order: acknowledgements, expiry, states, mails by (src, seq), mails from outside by
- * (src, seq), mails that have become due.  Only which mails from outside have arrived by then
- * depends on the clock, and the simulator is told which.
+ * The order: acknowledgements, expiry of mail and leases, states, mails by (src, seq), mails from
+ * outside by (src, seq), mails that have become due.  Only which mails from outside have arrived by
+ * then depends on the clock, and the simulator is told which.
  */
 #ifndef MUSTER_BROKER_LOCKSTEP_H
 #define MUSTER_BROKER_LOCKSTEP_H
@@ -37,7 +37,8 @@ struct turn {
 
 struct lockstep {
     bool on;
-    int64_t step; /* whose Ups are collected */
+    bool applying; /* a step is ending: what happens now happens in every run */
+    int64_t step;  /* whose Ups are collected */
     uint64_t step_ns;
     uint32_t simulator; /* its place */
     uint32_t roster[MU_PROCESSES_MAX];

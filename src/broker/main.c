@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
+#include "broker/disk.h"
 #include "broker/files.h"
 #include "broker/health.h"
 #include "broker/herald.h"
+#include "broker/opening.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -12,6 +14,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,6 +42,7 @@ struct mailbag {
 struct post {
     struct bus bus;
     struct broker *broker;
+    struct disk *disk; /* NULL: without a store */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct health health;
@@ -87,7 +91,9 @@ static void registrations_take(struct post *p)
     while ((r = bus_next(&p->registrations, &life))) {
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
-        } else {
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
             broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
@@ -291,6 +297,15 @@ static int64_t wait_ns(const struct post *p, bool impatient)
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
 }
 
+/* What must be on disk before anybody is told. */
+static void store_write(struct post *p)
+{
+    muster_Level level;
+    if (p->disk && journal_wanted(p->broker, &level)) {
+        (void)disk_commit(p->disk, p->broker, level, post_now(p));
+    }
+}
+
 static void post_round(struct post *p)
 {
     herald_hear(&p->herald);
@@ -300,6 +315,7 @@ static void post_round(struct post *p)
     bags_follow(p);
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
+    store_write(p);
     impatient = !deliveries_write(p) || impatient;
     pages_tell(p);
     events_tell(p);
@@ -307,6 +323,9 @@ static void post_round(struct post *p)
     if (look) {
         p->looked_ns = mu_clock_ns();
         health_tell(&p->health, p->broker, p->looked_ns);
+        if (p->disk) {
+            disk_rest(p->disk, post_now(p));
+        }
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
@@ -315,23 +334,13 @@ static void post_round(struct post *p)
 static void doubt_settle(struct post *p, bool is_lone)
 {
     struct herald *h = &p->herald;
-    while (!is_lone && !h->yields && !signal_came && post_now(p) < DOUBT_NS) {
+    uint64_t until_ns = post_now(p) + DOUBT_NS;
+    while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
         herald_hear(h);
         herald_tell(h, p->broker);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
     herald_be_sure(h);
-}
-
-/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
-static int broker_begin(struct post *p, const struct settings *s,
-                        const struct broker_options *broker)
-{
-    p->broker = broker_open(broker);
-    if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
-        return MU_EXIT_FILE;
-    }
-    return files_audit_open(&p->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
 }
 
 /* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
@@ -365,28 +374,20 @@ int main(int argc, char **argv)
 
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
-    char host[MU_FIELD_MAX + 1] = "";
-    gethostname(host, sizeof host - 1);
-    struct broker_options broker = {.name = name,
-                                    .incarnation = mu_clock_wall_ns(),
-                                    .host = host,
-                                    .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns(),
-                                    .delivery_interval_ns =
-                                        (uint64_t)(settings.delivery_interval_ms * 1e6),
-                                    .audit = settings.audit != NULL,
-                                    .box_policy = settings.box_policy,
-                                    .box_mails = (uint32_t)settings.box_mails,
-                                    .box_bytes = (uint32_t)settings.box_bytes};
     const struct mu_network *network = &settings.network;
-    code = broker_begin(p, &settings, &broker);
-    code = code == MU_EXIT_DONE ? network_join(p, network, &broker) : code;
+    struct opening opening = {0};
+    code = opening_run(&opening, &settings, name);
+    p->broker = opening.broker;
+    p->disk = opening.disk;
+    p->audit = opening.audit;
+    code = code == MU_EXIT_DONE ? network_join(p, network, &opening.options) : code;
     if (code != MU_EXIT_DONE) {
         return code;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
     doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
@@ -399,5 +400,8 @@ int main(int argc, char **argv)
         health_close(&p->health, p->broker);
     }
     bus_close(&p->bus);
+    if (p->disk) {
+        disk_close(p->disk);
+    }
     return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

@@ -11,7 +11,9 @@
  *   guard      whose directives go on to whom                      trust, audit
  *   desk       mail to the broker itself and its parts             directive, query, counters
  *   lockstep   collects a step's mail and lets it take effect      router, presence
+ *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
+ *   journal    what must be on disk before anybody is told         registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
@@ -23,9 +25,11 @@
 #include "broker/counters.h"
 #include "broker/courier.h"
 #include "broker/events.h"
+#include "broker/journal.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/pacer.h"
+#include "broker/pages.h"
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
@@ -36,9 +40,12 @@
 #include "broker/tenants.h"
 #include "broker/trust.h"
 
+/* A line of the white pages as text, in bytes. */
+enum { BROKER_LINE_MAX = 320 };
+
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed, dropped, over_share;
+    uint64_t duplicates_dropped, resent, malformed, dropped, over_share, no_store;
     uint64_t directed; /* directives let through, one a receiver */
 };
 
@@ -59,16 +66,19 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct pages pages;
     struct ages ages;
     struct trust trust;
     struct audit audit;
+    struct journal journal;
     struct broker_counters counters;
     struct events events;
     struct pacer pacer;
-    uint64_t orders;     /* mails routed */
-    uint64_t answers[2]; /* of the broker itself: to members of the lock step, to others */
+    uint64_t orders;           /* mails routed */
+    uint64_t answers[2];       /* of the broker itself: to members of the lock step, to others */
+    char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */
+    char page_text[REGISTRY_PAGE][BROKER_LINE_MAX];
     muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */
-    muster_Member page[REGISTRY_PAGE];          /* of the white pages, as it is published */
     char text[MU_CONTENT_MAX + 1];              /* in which an answer is put together */
 };
 

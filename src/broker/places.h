@@ -43,7 +43,9 @@ struct place {
     uint64_t incarnation; /* of the process */
     int64_t step_had;     /* the step of the last Delivery of this lock step */
     uint64_t version_had; /* of the white pages */
-    uint32_t claims;      /* names that it waits for */
+    uint64_t groups_had;
+    uint64_t services_had;
+    uint32_t claims; /* names that it waits for */
     uint32_t agents_count;
     uint32_t parts_top;           /* parts ever used */
     uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */

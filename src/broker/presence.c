@@ -2,6 +2,7 @@
 #include "broker/presence.h"
 
 #include "broker/border.h"
+#include "broker/journal.h"
 #include "broker/parts.h"
 #include "core/name.h"
 #include "core/text.h"
@@ -53,8 +54,10 @@ static void seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot
     tenants_add(&b->registry, &b->places, place, slot, agent);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
+    journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
+    pages_presence(b, agent);
     tenants_wake(&b->registry, &b->places, agent);
 }
 
@@ -68,6 +71,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     mailbox_repeat(&b->mailbox, agent);
     receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
     presence_changed(b);
+    pages_presence(b, agent);
     if (a->claim != MU_NONE) {
         struct claim heir = b->claims.pool[a->claim];
         claims_drop(&b->claims, a->claim);
@@ -313,6 +317,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     if (r->incarnation > at->incarnation && at->agents_count > 0) {
         place_leave(b, place);
         at->version_had = 0;
+        pages_forget_told(at);
     }
     at->incarnation = r->incarnation;
     at->is_broker = r->is_broker;

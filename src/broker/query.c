@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/query.h"
 
+#include "broker/fields.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
-#include "core/text.h"
 
 #include <string.h>
 
@@ -12,90 +12,85 @@
  * outside does not shift the numbers inside a run. */
 static const uint64_t OUTSIDE_ANSWERS = 1ull << 62;
 
-/* Symbols of CLIPS: printable, without delimiters, not like a variable or a number. */
-static bool is_symbol(const char *s)
-{
-    if (s[0] == '\0' || strchr("?$<+-.0123456789", s[0])) {
-        return false;
-    }
-    for (const char *c = s; *c; c++) {
-        if ((unsigned char)*c <= ' ' || *c == 127 || strchr("\"();&|~<", *c)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* Adds a space and a field; what is no symbol becomes a string. */
-static void field_add(struct mu_text *t, const char *s)
-{
-    mu_text_add(t, " ");
-    if (is_symbol(s)) {
-        mu_text_add(t, s);
-        return;
-    }
-    mu_text_add(t, "\"");
-    for (const char *c = s; *c; c++) {
-        if (*c == '"' || *c == '\\') {
-            mu_text_add(t, "\\");
-        }
-        mu_text_add_bytes(t, c, 1);
-    }
-    mu_text_add(t, "\"");
-}
-
-/* Reads content that is one field, a symbol or a string.  @return false if it is not */
-static bool field_read(const char *content, struct mu_text *out)
-{
-    const char *c = content + strspn(content, " \t\r\n");
-    if (*c == '"') {
-        for (c++; *c && *c != '"'; c++) {
-            c += *c == '\\' && c[1];
-            mu_text_add_bytes(out, c, 1);
-        }
-        if (*c++ != '"') {
-            return false;
-        }
-    } else {
-        size_t len = strcspn(c, " \t\r\n\"()");
-        mu_text_add_bytes(out, c, len);
-        c += len;
-    }
-    c += strspn(c, " \t\r\n");
-    return *c == '\0' && out->len > 0 && !out->cut;
-}
-
 /* --- answers ---------------------------------------------------------------------------------- */
+
+void query_begin(struct broker *b, struct mu_text *t, const char *word)
+{
+    mu_text_init(t, b->text, sizeof b->text);
+    mu_text_add(t, word);
+}
+
+/* idlc makes no const members; nobody writes there. */
+static char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
+{
+    bool inside = presence_in_lockstep(b, receiver);
+    m->src = b->registry.agents[own].name;
+    m->dst = b->registry.agents[receiver].name;
+    m->layer = 2;
+    m->language = m->reply_with = words("");
+    m->due_ns = -1;
+    m->seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
+    router_post(b, receiver, m);
+}
 
 void query_reply(struct broker *b, uint32_t own, const struct mail *question,
                  const char *performative, char *content)
 {
-    static char words[][16] = {"inform", "failure", "not-understood"};
-    static char nothing[1];
-    bool inside = presence_in_lockstep(b, question->sender);
-    muster_Mail m = {.src = b->registry.agents[own].name,
-                     .dst = b->registry.agents[question->sender].name,
-                     .layer = 2,
-                     .performative = words[0],
-                     .language = nothing,
+    muster_Mail m = {.performative = words(performative),
                      .ontology = question->letter.ontology,
-                     .reply_with = nothing,
                      .in_reply_to = question->letter.reply_with,
                      .conversation = question->letter.conversation,
-                     .due_ns = -1,
                      .content = content};
-    while (strcmp(m.performative, performative) != 0) {
-        m.performative += sizeof words[0];
-    }
-    m.seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
-    router_post(b, question->sender, &m);
+    answer_post(b, own, question->sender, &m);
 }
 
-static void reply(struct broker *b, const struct mail *question, const char *performative,
-                  char *content)
+void query_send(struct broker *b, const struct mail *question, const char *performative)
 {
-    query_reply(b, REGISTRY_BROKER, question, performative, content);
+    query_reply(b, REGISTRY_BROKER, question, performative, b->text);
 }
+
+void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
+                  const char *conversation)
+{
+    muster_Mail m = {.performative = words("inform"),
+                     .ontology = words(""),
+                     .in_reply_to = words(in_reply_to),
+                     .conversation = words(conversation),
+                     .content = b->text};
+    answer_post(b, REGISTRY_BROKER, receiver, &m);
+}
+
+bool query_field(const char *content, struct mu_text *out)
+{
+    return fields_next(&content, out) && out->len > 0 && fields_end(content);
+}
+
+void query_not_understood(struct broker *b, const struct mail *question)
+{
+    struct mu_text t;
+    query_begin(b, &t, question->letter.performative);
+    query_send(b, question, "not-understood");
+}
+
+void query_changed(struct broker *b, const struct mail *question, const char *refusal,
+                   const char *name)
+{
+    struct mu_text t;
+    b->counters.malformed += refusal && strncmp(refusal, "not-a", 5) == 0;
+    if (question->letter.reply_with[0] == '\0') {
+        return;
+    }
+    query_begin(b, &t, refusal ? refusal : question->letter.performative);
+    fields_add(&t, name);
+    query_send(b, question, refusal ? "failure" : "inform");
+}
+
+/* --- the white pages -------------------------------------------------------------------------- */
 
 /* Who asks in lock step is told of its members, and of nothing that another run would have
  * otherwise. */
@@ -105,62 +100,57 @@ static bool is_shown(const struct broker *b, const struct mail *question, uint32
            presence_in_lockstep(b, agent);
 }
 
-static void answer_lookup(struct broker *b, const struct mail *question)
+static void query_lookup(struct broker *b, const struct mail *question)
 {
     char name[MU_FIELD_MAX + 1];
     struct mu_text read, t;
     mu_text_init(&read, name, sizeof name);
-    mu_text_init(&t, b->text, sizeof b->text);
-    if (!field_read(question->letter.content, &read)) {
-        mu_text_add(&t, "lookup");
-        reply(b, question, "not-understood", b->text);
+    if (!query_field(question->letter.content, &read)) {
+        query_not_understood(b, question);
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
     if (agent == MU_NONE || !is_shown(b, question, agent)) {
-        mu_text_add(&t, "unknown-name");
-        field_add(&t, name);
-        reply(b, question, "failure", b->text);
+        query_begin(b, &t, "unknown-name");
+        fields_add(&t, name);
+        query_send(b, question, "failure");
         return;
     }
     const struct agent *a = &b->registry.agents[agent];
-    mu_text_add(&t, "member");
-    field_add(&t, a->name);
-    field_add(&t, registry_kind_word(a->is.kind));
-    field_add(&t, registry_state_word(a->is.state));
-    field_add(&t, b->name);
+    query_begin(b, &t, "member");
+    fields_add(&t, a->name);
+    fields_add(&t, registry_kind_word(a->is.kind));
+    fields_add(&t, registry_state_word(a->is.state));
+    fields_add(&t, b->name);
     bool inside = presence_in_lockstep(b, question->sender);
-    field_add(&t, inside ? "nil" : a->is.host);
+    fields_add(&t, inside ? "nil" : a->is.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
-    reply(b, question, "inform", b->text);
+    query_send(b, question, "inform");
 }
 
-static void answer_listing(struct broker *b, const struct mail *question)
+static void query_listing(struct broker *b, const struct mail *question)
 {
     struct mu_text t;
-    mu_text_init(&t, b->text, sizeof b->text);
-    mu_text_add(&t, "members");
+    query_begin(b, &t, "members");
     for (uint32_t i = 0; i < b->registry.count; i++) {
         const char *name = b->registry.agents[b->registry.order[i]].name;
         if (!is_shown(b, question, b->registry.order[i])) {
             continue;
         }
         if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            reply(b, question, "inform", b->text);
-            mu_text_clear(&t);
-            mu_text_add(&t, "members");
+            query_send(b, question, "inform");
+            query_begin(b, &t, "members");
         }
-        field_add(&t, name);
+        fields_add(&t, name);
     }
-    reply(b, question, "inform", b->text);
+    query_send(b, question, "inform");
 }
 
 void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
-    mu_text_init(&t, b->text, sizeof b->text);
-    mu_text_add(&t, "performative");
-    field_add(&t, question->letter.performative);
+    query_begin(b, &t, "performative");
+    fields_add(&t, question->letter.performative);
     query_reply(b, own, question, "not-understood", b->text);
 }
 
@@ -170,8 +160,18 @@ void query_answer(struct broker *b, const struct mail *question)
         const char *performative;
         void (*answer)(struct broker *b, const struct mail *question);
     } queries[] = {
-        {"lookup", answer_lookup},
-        {"listing", answer_listing},
+        {"lookup", query_lookup},
+        {"listing", query_listing},
+        {"groups", query_groups},
+        {"members", query_members},
+        {"group-create", query_group_create},
+        {"group-join", query_group_join},
+        {"group-leave", query_group_leave},
+        {"advertise", query_advertise},
+        {"withdraw", query_withdraw},
+        {"find-service", query_find_service},
+        {"subscribe", query_subscribe},
+        {"unsubscribe", query_unsubscribe},
     };
     for (size_t i = 0; i < sizeof queries / sizeof queries[0]; i++) {
         if (question->letter.layer == 2 &&

@@ -1,17 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file query.h
- * Questions to the white pages: mails to `broker`, answered by mail.
+ * Questions to the pages, and changes of them: mails to `broker` in layer 2, answered by mail.
  *
- *   lookup NAME  ->  inform   member NAME KIND STATE BROKER HOST PID
- *                    failure  unknown-name NAME
- *   listing      ->  inform   members NAME NAME ...   (several mails if they do not fit one)
- *   anything     ->  not-understood
+ *   lookup NAME         ->  inform   member NAME KIND STATE BROKER HOST PID
+ *                           failure  unknown-name NAME
+ *   listing             ->  inform   members NAME NAME ...
+ *   groups              ->  inform   groups GROUP GROUP ...
+ *   members GROUP       ->  inform   members-of GROUP NAME NAME ...
+ *                           failure  unknown-group GROUP
+ *   find-service QUERY  ->  inform   services SERVICE AGENT "ATTRIBUTES" SERVICE AGENT ...
+ *   subscribe QUERY     ->  inform   subscribe "QUERY"; and then, as often as it happens,
+ *                           inform   came SERVICE AGENT "ATTRIBUTES"
+ *                           inform   went SERVICE AGENT
+ *   unsubscribe QUERY   ->  inform   unsubscribe "QUERY"
+ *
+ * A list that does not fit one mail comes in several.  Changes concern the sender, and are answered
+ * only when reply-with is set:
+ *
+ *   group-create GROUP, group-join GROUP, group-leave GROUP, withdraw SERVICE,
+ *   advertise SERVICE ["ATTRIBUTES" [SECONDS]]
+ *                       ->  inform   the change and its name
+ *                           failure  a word that says why not, and the name
+ *
+ * What cannot be read is answered with not-understood, question or change.
  */
 #ifndef MUSTER_BROKER_QUERY_H
 #define MUSTER_BROKER_QUERY_H
 
 #include "broker/store.h"
+#include "core/text.h"
 
 struct broker;
 
@@ -23,5 +41,41 @@ void query_refuse(struct broker *b, uint32_t own, const struct mail *question);
 /** Answers a mail; own is who was asked, performative is inform, failure or not-understood. */
 void query_reply(struct broker *b, uint32_t own, const struct mail *question,
                  const char *performative, char *content);
+
+/* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
+
+/** Begins an answer with a word. */
+void query_begin(struct broker *b, struct mu_text *t, const char *word);
+
+/** Sends b->text in answer to a question that was put to the broker itself. */
+void query_send(struct broker *b, const struct mail *question, const char *performative);
+
+/** Sends b->text to an agent that has asked earlier. */
+void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
+                  const char *conversation);
+
+/** Reads content that is one field.  @return false if it is not */
+bool query_field(const char *content, struct mu_text *out);
+
+/** Answers that the question could not be read. */
+void query_not_understood(struct broker *b, const struct mail *question);
+
+/** Answers a change; refusal: NULL when it is done. */
+void query_changed(struct broker *b, const struct mail *question, const char *refusal,
+                   const char *name);
+
+/* query_groups.c */
+void query_groups(struct broker *b, const struct mail *question);
+void query_members(struct broker *b, const struct mail *question);
+void query_group_create(struct broker *b, const struct mail *question);
+void query_group_join(struct broker *b, const struct mail *question);
+void query_group_leave(struct broker *b, const struct mail *question);
+
+/* query_services.c */
+void query_advertise(struct broker *b, const struct mail *question);
+void query_withdraw(struct broker *b, const struct mail *question);
+void query_find_service(struct broker *b, const struct mail *question);
+void query_subscribe(struct broker *b, const struct mail *question);
+void query_unsubscribe(struct broker *b, const struct mail *question);
 
 #endif

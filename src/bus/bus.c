@@ -389,9 +389,10 @@ static bool batch_take(struct bus_reader *r)
         reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
-        r->states[i] = infos[i].valid_data                                     ? BUS_DATA
-                       : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
-                                                                               : BUS_LOST;
+        r->fates[i] = infos[i].instance_state == DDS_IST_ALIVE                ? BUS_DATA
+                      : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
+                                                                              : BUS_LOST;
+        r->states[i] = infos[i].valid_data ? BUS_DATA : r->fates[i];
     }
     return r->count > 0;
 }
@@ -422,6 +423,11 @@ int bus_wake_fd(struct bus *bus)
     int fd = bus->wake_fd;
     pthread_mutex_unlock(&bus->lock);
     return fd;
+}
+
+enum bus_life bus_fate(const struct bus_reader *reader)
+{
+    return (enum bus_life)reader->fates[reader->next - 1];
 }
 
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)

@@ -82,6 +82,7 @@ struct bus_reader {
     int32_t count, next;     /* of the batch */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
+    uint32_t fates[BUS_BATCH]; /* what has become of each sample's instance since */
 };
 
 /* What a sample says beside its data. */
@@ -156,6 +157,12 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
  */
 const void *bus_next(struct bus_reader *reader, enum bus_life *life);
+
+/**
+ * What became of the instance of the sample that bus_next gave last: when its writer goes while a
+ * sample of it lies unread, DDS gives that sample and no other to say so.
+ */
+enum bus_life bus_fate(const struct bus_reader *reader);
 
 /**
  * Waits until samples lie in the readers, or the time is over.

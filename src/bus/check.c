@@ -13,6 +13,8 @@ enum { RULES_TEXT_MAX = 64 * 1024 };
 
 /* Counters of one part of a broker. */
 enum { PART_COUNTERS_MAX = 64 };
+/* A line of the white pages, in bytes. */
+enum { LINE_TEXT_MAX = 511 };
 
 static bool text_fits(const char *text, size_t max)
 {
@@ -162,10 +164,41 @@ static bool members_ok(const muster_Member *members, uint32_t count)
     return true;
 }
 
+static bool membership_ok(const muster_Membership *m)
+{
+    return is_name(m->group) && text_fits(m->agent, MU_NAME_MAX) &&
+           (m->agent[0] == '\0' || mu_name_valid(m->agent)) && text_fits(m->origin, MU_FIELD_MAX);
+}
+
+static bool offer_ok(const muster_Offer *o)
+{
+    return is_name(o->service) && is_name(o->agent) &&
+           text_fits(o->attributes, MU_ATTRIBUTES_MAX) && text_fits(o->origin, MU_FIELD_MAX);
+}
+
+static bool pages_ok(const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->memberships._length; i++) {
+        if (!membership_ok(&d->memberships._buffer[i])) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < d->offers._length; i++) {
+        if (!offer_ok(&d->offers._buffer[i])) {
+            return false;
+        }
+    }
+    return members_ok(d->members._buffer, d->members._length);
+}
+
 bool check_page(const void *sample)
 {
     const muster_Page *p = sample;
-    return is_process(p->broker) && members_ok(p->lines._buffer, p->lines._length);
+    bool fits = is_process(p->broker);
+    for (uint32_t i = 0; fits && i < p->lines._length; i++) {
+        fits = text_fits(p->lines._buffer[i], LINE_TEXT_MAX);
+    }
+    return fits;
 }
 
 bool check_delivery(const void *sample)
@@ -192,8 +225,7 @@ bool check_delivery(const void *sample)
             return false;
         }
     }
-    return members_ok(d->members._buffer, d->members._length) &&
-           mails_ok(d->outside._buffer, d->outside._length);
+    return pages_ok(d) && mails_ok(d->outside._buffer, d->outside._length);
 }
 
 bool check_roster(const void *sample)

@@ -21,7 +21,7 @@ struct verb {
 static const struct verb VERB_SEND = {"send",
                                       "TO WORD... [OPTION...]",
                                       "Sends a mail; TO is a name, names joined by commas, all, "
-                                      "robots or special.",
+                                      "robots, special or group:G.",
                                       2,
                                       NULL,
                                       false,
@@ -82,6 +82,11 @@ static unsigned answers_of(const struct operator* op, const char *to)
 static bool receivers_valid(const char *to)
 {
     char name[MU_NAME_MAX + 2];
+    const char *colon = strchr(to, ':');
+    if (colon) { /* group:G, or another address that somebody resolves: the broker knows */
+        snprintf(name, sizeof name, "%.*s", (int)(colon - to), to);
+        return colon - to <= MU_NAME_MAX && mu_name_valid(name) && colon[1] != '\0';
+    }
     for (size_t len; *to; to += len + (to[len] == ',')) {
         len = strcspn(to, ",");
         snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name), to);
@@ -103,8 +108,8 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
     }
     if (!v->to && !receivers_valid(o->words[0])) {
         fprintf(stderr,
-                "muster %s: '%s': expected a name, names joined by commas, all, robots or "
-                "special\n",
+                "muster %s: '%s': expected a name, names joined by commas, all, robots, special "
+                "or group:G\n",
                 v->name, o->words[0]);
         return MU_EXIT_USAGE;
     }

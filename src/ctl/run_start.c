@@ -73,6 +73,7 @@ static mu_result broker_start(struct run *r, unsigned index)
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
+    word_add("--store=none"); /* a run repeats from nothing */
     return supervise_start(&r->children, name, "muster-broker", words_end());
 }
 

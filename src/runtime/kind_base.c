@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What every agent can do, whatever its kind: a kind overrides a row by one of its own. */
 #include "core/text.h"
+#include "muster/directory.h"
 #include "runtime/kind.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
@@ -72,11 +73,47 @@ static enum mu_take take_state(void *self, mu_agent *a, const struct mu_mail *ma
     return answered(a, mail, "inform", content);
 }
 
+/* Lists may be as long as a mail; what is longer lacks the names that do not fit. */
+static char list[MU_CONTENT_MAX + 1];
+
+static enum mu_take take_groups(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    struct mu_text t;
+    mu_text_init(&t, list, sizeof list);
+    mu_text_add(&t, "groups");
+    const char *group;
+    for (size_t i = 0; (group = mu_process_group(a->process, i)) != NULL; i++) {
+        bool is_in = mu_process_in_group(a->process, group, a->name);
+        if (is_in && t.len + 1 + strlen(group) < sizeof list) {
+            mu_text_format(&t, " %s", group);
+        }
+    }
+    return answered(a, mail, "inform", list);
+}
+
+static enum mu_take take_services(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    struct mu_text t;
+    mu_text_init(&t, list, sizeof list);
+    mu_text_add(&t, "services");
+    const struct mu_service *s;
+    for (size_t i = 0; (s = mu_process_find_service(a->process, "*", i)) != NULL; i++) {
+        bool is_ours = strcmp(s->agent, a->name) == 0;
+        if (is_ours && t.len + 1 + strlen(s->service) < sizeof list) {
+            mu_text_format(&t, " %s", s->service);
+        }
+    }
+    return answered(a, mail, "inform", list);
+}
+
 static const struct mu_layer_handler base_handlers[] = {
-    {MU_LAYER_SYSTEM, "suspend", take_suspend}, {MU_LAYER_SYSTEM, "resume", take_resume},
-    {MU_LAYER_SYSTEM, "dispose", take_dispose}, {MU_LAYER_SYSTEM, "dispatch", take_move},
-    {MU_LAYER_SYSTEM, "retract", take_move},    {MU_LAYER_SYSTEM, "clone", take_move},
-    {MU_LAYER_QUERY, "state", take_state},      {0, NULL, NULL},
+    {MU_LAYER_SYSTEM, "suspend", take_suspend},  {MU_LAYER_SYSTEM, "resume", take_resume},
+    {MU_LAYER_SYSTEM, "dispose", take_dispose},  {MU_LAYER_SYSTEM, "dispatch", take_move},
+    {MU_LAYER_SYSTEM, "retract", take_move},     {MU_LAYER_SYSTEM, "clone", take_move},
+    {MU_LAYER_QUERY, "state", take_state},       {MU_LAYER_QUERY, "groups", take_groups},
+    {MU_LAYER_QUERY, "services", take_services}, {0, NULL, NULL},
 };
 
 const struct mu_agent_kind mu_base_kind = {.name = "agent", .handlers = base_handlers};

@@ -47,6 +47,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
     p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
@@ -61,6 +62,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
         return MU_FAULT_USAGE;
     }
     process_take_memory(p, options->agents, options->outbox);
+    directory_init(&p->directory);
     p->incarnation = mu_clock_wall_ns();
     gethostname(p->host, sizeof p->host - 1);
     /* The clock makes it unique where process ids are reused. */

@@ -8,6 +8,7 @@
 
 #include "bus/bus.h"
 #include "muster/agent.h"
+#include "runtime/directory.h"
 #include "runtime/kind.h"
 #include "runtime/link.h"
 #include "runtime/members.h"
@@ -15,6 +16,7 @@
 #include "runtime/owed.h"
 #include "runtime/queue.h"
 #include "runtime/roll.h"
+#include "runtime/taken.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -48,13 +50,17 @@ struct mu_agent {
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
+    uint64_t earlier_end;  /* mails below this number were there before that one came */
+    bool in_order;         /* the box's numbers go on after last_number, without gaps */
     uint64_t last_number;  /* taken from the box */
     uint64_t acked_number; /* told the broker */
     uint64_t handed;       /* parcels that reached its handlers */
     bool drives;           /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
-    char *rules;      /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
+    uint64_t repeats; /* mails that came again through another broker, and were dropped */
+    struct taken *taken;
+    char *rules; /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
 };
 
 struct mu_process {
@@ -73,10 +79,12 @@ struct mu_process {
     uint32_t outbox_mails; /* of each agent */
     struct outbox_slot *outbox_slots;
     char *outbox_text;
-    char *rules_text; /* NULL: no bodies */
+    char *rules_text;    /* NULL: no bodies */
+    struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
     struct members members;
+    struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
     bool greeted;                /* the simulator's first Sense has come, which is no step */

@@ -15,21 +15,37 @@ static const uint64_t RESEND_NS = 1000000000;
 /* Says whether a parcel is the next one of its box, and takes its number if so. */
 static bool number_take(struct mu_agent *a, uint64_t number)
 {
-    if (!a || a->gone) {
-        return false;
-    }
-    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     if (number <= a->last_number) {
         owed_add(&a->process->owed, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
     /* Where a number is missing, the broker will begin there again; a new life begins anywhere. */
-    if (a->handed > 0 && number != a->last_number + 1) {
+    if (a->in_order && number != a->last_number + 1) {
         return false;
     }
     owed_add(&a->process->owed, mu_clock_ns());
+    a->in_order = true;
     a->last_number = number;
+    return true;
+}
+
+/* @return whether a parcel is to be handed over; either way it has been taken */
+static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    const muster_Mail *m = &parcel->letter;
+    if (!a || a->gone) {
+        return false;
+    }
+    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    if (!number_take(a, parcel->number)) {
+        return false;
+    }
+    if (m->again && taken_has(a->taken, m->src, m->seq)) {
+        a->repeats++;
+        return false;
+    }
+    taken_add(a->taken, m->src, m->seq);
     a->handed++;
     return true;
 }
@@ -40,7 +56,7 @@ static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
     uint32_t count = d->parcels._length < PROCESS_PARCELS ? d->parcels._length : PROCESS_PARCELS;
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
-        p->fresh[i] = number_take(agent_find(p, parcel->box), parcel->number);
+        p->fresh[i] = parcel_take(agent_find(p, parcel->box), parcel);
     }
     return count;
 }
@@ -63,12 +79,25 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
     }
 }
 
+/* Changes of the groups and the yellow pages, and who has come and gone by them. */
+static void directory_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->memberships._length; i++) {
+        directory_set_membership(&p->directory, &d->memberships._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->offers._length; i++) {
+        directory_set_offer(&p->directory, &d->offers._buffer[i]);
+    }
+    directory_settle(&p->directory);
+}
+
 static void verdicts_take(mu_process *p, const muster_Delivery *d)
 {
     if (d->verdicts._length > 0) {
         uint64_t incarnation = d->verdicts._buffer[0].broker_incarnation;
         if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
             members_clear(&p->members);
+            directory_clear(&p->directory, false);
         }
         p->broker_incarnation = incarnation;
     }
@@ -93,8 +122,10 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
         }
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
         agent_progress(a);
-        /* Only the runtime sends a mail twice; its real outcome is still to come. */
-        if (a->handlers.on_receipt && r->result != muster_OUTCOME_DUPLICATE) {
+        /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
+         * earlier process of that name has sent is no business of this one. */
+        bool ours = a->outbox.begun && r->last_seq >= a->outbox.own_seq;
+        if (a->handlers.on_receipt && ours && r->result != muster_OUTCOME_DUPLICATE) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
                                    (enum mu_outcome)r->result);
         }
@@ -143,6 +174,7 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
     }
+    directory_take(p, d);
     receipts_take(p, d);
     uint32_t count = parcels_mark(p, d);
     /* Directives come first, whatever order the box has: no rule delays them. */
@@ -293,6 +325,7 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
 {
     if (!p->lived_in_lockstep) {
         members_clear(&p->members); /* the first mail of a lock step has the whole pages */
+        directory_clear(&p->directory, true);
         p->lived_in_lockstep = true;
     }
     step_take_delivery(p, d, sense);
@@ -352,6 +385,7 @@ static bool is_anything_to_say(const mu_process *p)
 
 void step_flush(mu_process *p)
 {
+    directory_settle(&p->directory);
     unanswered_again(p);
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {

@@ -229,3 +229,16 @@ def test_the_example_of_kinds():
             check_equal(ask(domain, *words), answer, f"the answer to {words}")
         wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
         check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
+
+
+def test_the_example_of_groups_and_services():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        with (out / "said").open("w") as said:
+            processes.start(BUILD / "examples/services", domain, stdout=said)
+        wait_for((out / "said").read_text, 10, "an answer from who offers the service")
+        check_equal((out / "said").read_text(), "adder says: sum 42\n", "the answer")
+        for question, answer in (("groups", "groups arithmetic"), ("services", "services sum")):
+            check_equal(ask(domain, "adder", 2, question), f"2 adder talk inform: {answer}",
+                        f"the answer to {question}")

@@ -59,12 +59,22 @@ static muster_Verdict verdicts[FEW] = {{.agent = W("a"), .reason = W("")},
                                        {.agent = W("b"), .reason = W("")},
                                        {.agent = W("c"), .reason = W("no")}};
 static muster_Member members[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static muster_Membership memberships[FEW] = {{.group = W("g"), .agent = W("a"), .origin = W("b1")},
+                                             {.group = W("g"), .agent = W(""), .origin = W("")},
+                                             {.group = W("g"), .agent = W("c"), .origin = W("b1")}};
+#define AN_OFFER                                                                      \
+    {                                                                                 \
+        .service = W("s"), .agent = W("a"), .attributes = W("k=v"), .origin = W("b1") \
+    }
+static muster_Offer offers[FEW] = {AN_OFFER, AN_OFFER, AN_OFFER};
 static muster_Mail outside[FEW] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Delivery delivery = {.process = W("p1"),
                                    .parcels = LIST(parcels),
                                    .receipts = LIST(receipts),
                                    .verdicts = LIST(verdicts),
                                    .members = LIST(members),
+                                   .memberships = LIST(memberships),
+                                   .offers = LIST(offers),
                                    .outside = LIST(outside),
                                    .broker = W("b1")};
 
@@ -84,7 +94,7 @@ static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
-static muster_Member lines[FEW] = {A_MEMBER, A_MEMBER, A_MEMBER};
+static char *lines[FEW] = {W("a"), W("b"), W("c")};
 static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_Beacon beacon = {.broker = W("b1"), .incarnation = 1, .host = W("here")};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
@@ -191,6 +201,15 @@ static const struct field {
      MU_FIELD_MAX},
     MEMBER("delivery.member", check_delivery, &delivery, members[2]),
     MEMBER("delivery.first member", check_delivery, &delivery, members[0]),
+    {"delivery.membership.group", check_delivery, &delivery, &memberships[2].group, A_NAME, 0},
+    {"delivery.membership.origin", check_delivery, &delivery, &memberships[2].origin, A_TEXT,
+     MU_FIELD_MAX},
+    {"delivery.offer.service", check_delivery, &delivery, &offers[2].service, A_NAME, 0},
+    {"delivery.offer.agent", check_delivery, &delivery, &offers[2].agent, A_NAME, 0},
+    {"delivery.first offer.agent", check_delivery, &delivery, &offers[0].agent, A_NAME, 0},
+    {"delivery.offer.attributes", check_delivery, &delivery, &offers[2].attributes, A_TEXT,
+     MU_ATTRIBUTES_MAX},
+    {"delivery.offer.origin", check_delivery, &delivery, &offers[2].origin, A_TEXT, MU_FIELD_MAX},
     MAIL("delivery.outside", check_delivery, &delivery, outside[2]),
 
     {"roster.simulator", check_roster, &roster, &roster.simulator, A_WORD, MU_PROCESS_MAX},
@@ -209,7 +228,7 @@ static const struct field {
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
     {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
-    MEMBER("page.line", check_page, &page, lines[2]),
+    {"page.line", check_page, &page, &lines[2], A_TEXT, 511},
     {"beacon.broker", check_beacon, &beacon, &beacon.broker, A_NAME, 0},
     {"beacon.incarnation", check_beacon, &beacon, &beacon.incarnation, A_COUNT, 0},
     {"beacon.host", check_beacon, &beacon, &beacon.host, A_TEXT, MU_FIELD_MAX},

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/subscriptions.h"
+
+#include "core/table.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void subscriptions_init(struct subscriptions *s)
+{
+    *s = (struct subscriptions){0};
+    s->at = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->at);
+    s->order = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->order);
+}
+
+struct subscription *subscriptions_at(const struct subscriptions *s, uint32_t index)
+{
+    MU_ASSERT(index < s->count);
+    return &s->at[s->order[index]];
+}
+
+uint32_t subscriptions_find(const struct subscriptions *s, const char *agent, const char *text)
+{
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct subscription *one = subscriptions_at(s, i);
+        if (strcmp(one->agent, agent) == 0 && strcmp(one->text, text) == 0) {
+            return i;
+        }
+    }
+    return MU_NONE;
+}
+
+struct subscription *subscriptions_add(struct subscriptions *s, const char *agent, const char *text)
+{
+    if (s->count == MU_SUBSCRIPTIONS_MAX) {
+        return NULL;
+    }
+    if (s->count == s->used) {
+        s->order[s->used] = s->used;
+        s->used++;
+    }
+    struct subscription *one = &s->at[s->order[s->count++]];
+    memset(one, 0, sizeof *one);
+    bool fits = mu_text_copy(one->agent, sizeof one->agent, agent) &&
+                mu_text_copy(one->text, sizeof one->text, text);
+    MU_ASSERT(fits);
+    return one;
+}
+
+void subscriptions_remove(struct subscriptions *s, uint32_t index)
+{
+    uint32_t slot = s->order[index];
+    s->count--;
+    memmove(&s->order[index], &s->order[index + 1], (s->count - index) * sizeof *s->order);
+    s->order[s->count] = slot;
+}
+
+bool subscriptions_note(struct subscription *s, uint32_t line, bool found)
+{
+    uint64_t bit = 1ull << (line % 64);
+    uint64_t *told = &s->told[line / 64];
+    bool had = (*told & bit) != 0;
+    *told = found ? *told | bit : *told & ~bit;
+    return had != found;
+}
