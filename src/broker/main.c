@@ -84,21 +84,6 @@ static mu_result post_open(struct post *p, const char *name)
 
 /* --- in --------------------------------------------------------------------------------------- */
 
-static void registrations_take(struct post *p)
-{
-    enum bus_life life;
-    const muster_Registration *r;
-    while ((r = bus_next(&p->registrations, &life))) {
-        if (life == BUS_DATA) {
-            broker_registration(p->broker, r, post_now(p));
-            life = bus_fate(&p->registrations);
-        }
-        if (life != BUS_DATA) {
-            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
-        }
-    }
-}
-
 static struct mailbag *bag_find(struct post *p, const char *process)
 {
     for (uint32_t i = 0; i < p->bag_count; i++) {
@@ -162,16 +147,38 @@ static void up_take(struct post *p, const muster_Up *up)
     broker_up(p->broker, up, post_now(p));
 }
 
-static void post_take(struct post *p)
+static void ups_take(struct post *p)
 {
     enum bus_life life;
-    registrations_take(p);
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
         if (life == BUS_DATA) {
             up_take(p, up);
         }
     }
+}
+
+/* Who leaves has said its last before: that is heard first. */
+static void registrations_take(struct post *p)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&p->registrations, &life))) {
+        ups_take(p);
+        if (life == BUS_DATA) {
+            broker_registration(p->broker, r, post_now(p));
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
+            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
+        }
+    }
+}
+
+static void post_take(struct post *p)
+{
+    registrations_take(p);
+    ups_take(p);
     rosters_take(p);
 }
 
