@@ -188,11 +188,11 @@ PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)
 LIBS_peer_muster := -lddsc -lm
 LIBS_peer_mqtt   := -lmosquitto
 LIBS_peer_redis  := -lhiredis
-OBJS_peer_muster := $(O)/libmuster.a
+OBJS_peer_muster := $(call module_objs,runtime)
 $(PEERS): $(O)/bench/broker/peer_%: $(O)/bench/broker/peer_%.o $$(OBJS_peer_$$*) \
   $(patsubst %,$(O)/bench/broker/%.o,load load_crowd load_box) $(call objs,core)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_peer_$*)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_peer_$*)
 
 $(PEERS:%=%.o): | bench-broker-packages
 
