@@ -15,7 +15,7 @@ static uint64_t pause_end_ns(uint64_t now_ns)
     return now_ns > UINT64_MAX - PACER_PAUSE_NS ? UINT64_MAX : now_ns + PACER_PAUSE_NS;
 }
 
-bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns, bool presses)
+bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns)
 {
     struct paced *a = &p->agents[agent];
     if (now_ns < a->until_ns) {
@@ -25,9 +25,7 @@ bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns, bool presses)
         }
         return true;
     }
-    if (presses) {
-        a->until_ns = pause_end_ns(now_ns);
-    }
+    a->until_ns = pause_end_ns(now_ns);
     return false;
 }
 

@@ -32,11 +32,10 @@ struct pacer {
 void pacer_init(struct pacer *p, uint32_t agents);
 
 /**
- * Says whether to tell an agent something later: then pacer_next gives it when it is time.
- *
- * @param presses  from now on it is told at most every PACER_PAUSE_NS
+ * Says whether to tell an agent bad news later: then pacer_next gives it when it is time.  From now
+ * on it is told such at most every PACER_PAUSE_NS.
  */
-bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns, bool presses);
+bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns);
 
 /** @return the next agent that may be told now, or MU_NONE */
 uint32_t pacer_next(struct pacer *p, uint64_t now_ns);

@@ -13,9 +13,6 @@
 
 #include <string.h>
 
-/* Whose mail in the store is so much is told of more that waits at a measured pace. */
-enum { MAILS_THAT_PRESS = 64 };
-
 /* Whom a mail is for, each once. */
 struct audience {
     uint32_t agents[REGISTRY_MAX];
@@ -133,15 +130,12 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
 
 /* --- what becomes of a mail ------------------------------------------------------------------- */
 
-/* @return whether the news can wait: its sender sends more than gets through */
+/* @return whether the news can wait: its sender sends what does not get through */
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    if (presence_in_lockstep(b, sender) || (!bad && result != muster_OUTCOME_STORED)) {
-        return false;
-    }
-    bool much = b->shares.senders[SHARE_OUTSIDE][sender].mails > MAILS_THAT_PRESS;
-    return pacer_holds(&b->pacer, sender, b->clock.now_ns, bad || much);
+    return bad && !presence_in_lockstep(b, sender) &&
+           pacer_holds(&b->pacer, sender, b->clock.now_ns);
 }
 
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)

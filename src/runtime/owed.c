@@ -8,14 +8,23 @@ void owed_add(struct owed *o, uint64_t now_ns)
     }
 }
 
-void owed_clear(struct owed *o)
+void owed_clear(struct owed *o, uint64_t now_ns)
 {
-    *o = (struct owed){0};
+    if (o->parcels > 0) {
+        *o = (struct owed){.said_ns = now_ns};
+    }
+}
+
+static uint64_t due_ns(const struct owed *o)
+{
+    uint64_t soon_ns = o->since_ns + OWED_DELAY_NS;
+    uint64_t pause_ns = o->said_ns ? o->said_ns + OWED_PAUSE_NS : 0;
+    return soon_ns > pause_ns ? soon_ns : pause_ns;
 }
 
 bool owed_due(const struct owed *o, uint64_t now_ns)
 {
-    return o->parcels >= OWED_PARCELS || (o->parcels > 0 && now_ns - o->since_ns >= OWED_DELAY_NS);
+    return o->parcels >= OWED_PARCELS || (o->parcels > 0 && now_ns >= due_ns(o));
 }
 
 int64_t owed_wait_ns(const struct owed *o, uint64_t now_ns)
@@ -23,6 +32,5 @@ int64_t owed_wait_ns(const struct owed *o, uint64_t now_ns)
     if (o->parcels == 0) {
         return INT64_MAX;
     }
-    uint64_t waited_ns = now_ns - o->since_ns;
-    return owed_due(o, now_ns) ? OWED_DELAY_NS : (int64_t)(OWED_DELAY_NS - waited_ns);
+    return owed_due(o, now_ns) ? OWED_DELAY_NS : (int64_t)(due_ns(o) - now_ns);
 }

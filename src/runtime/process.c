@@ -138,7 +138,7 @@ void process_register(mu_process *p)
         queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
     }
-    owed_clear(&p->owed);
+    owed_clear(&p->owed, mu_clock_ns());
     roll_mark_all(p);
 }
 

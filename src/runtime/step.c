@@ -309,7 +309,7 @@ bool step_retry(mu_process *p)
         }
     }
     if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
-        owed_clear(&p->owed);
+        owed_clear(&p->owed, mu_clock_ns());
     }
     return true;
 }

@@ -46,10 +46,30 @@ static void test_what_is_out_is_not_owed(void)
 {
     struct owed o = {0};
     owed_add(&o, T_NS);
-    owed_clear(&o);
-    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_DELAY_NS));
-    owed_add(&o, T_NS + OWED_DELAY_NS);
-    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_DELAY_NS));
+    owed_clear(&o, T_NS);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_PAUSE_NS));
+    owed_add(&o, T_NS + OWED_PAUSE_NS);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_PAUSE_NS));
+    CU_ASSERT_TRUE(owed_due(&o, T_NS + OWED_PAUSE_NS + OWED_DELAY_NS));
+}
+
+static void test_a_steady_taker_speaks_at_intervals(void)
+{
+    struct owed o = {0};
+    owed_add(&o, T_NS);
+    owed_clear(&o, T_NS);
+    owed_add(&o, T_NS + 1);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_PAUSE_NS - 1));
+    CU_ASSERT_EQUAL(owed_wait_ns(&o, T_NS + OWED_PAUSE_NS - 7), 7);
+    CU_ASSERT_TRUE(owed_due(&o, T_NS + OWED_PAUSE_NS));
+    owed_clear(&o, T_NS + OWED_PAUSE_NS);
+    owed_clear(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS); /* nothing was said */
+    owed_add(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS);
+    CU_ASSERT_TRUE(owed_due(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS + OWED_DELAY_NS));
+    for (int i = 1; i < OWED_PARCELS; i++) {
+        owed_add(&o, T_NS + OWED_PAUSE_NS);
+    }
+    CU_ASSERT_TRUE(owed_due(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS)); /* the window fills up */
 }
 
 int main(void)
@@ -61,6 +81,7 @@ int main(void)
         {"what is due and cannot go is no busy loop",
          test_what_is_due_and_cannot_go_is_no_busy_loop},
         {"what is out is not owed", test_what_is_out_is_not_owed},
+        {"a steady taker speaks at intervals", test_a_steady_taker_speaks_at_intervals},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/owed", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
