@@ -56,8 +56,8 @@
 #define CLIPS_AGENT(X) \
     X("send", 'u', clips_override_send, "1*", \
       "(send to field...)", \
-      "mail to an agent, to a multifield of agents, or to an address such as group:scouts; TRUE, " \
-      "or FALSE when there is no room.  With an instance as first argument: CLIPS's own send") \
+      "mail to an agent, a multifield of agents, or an address such as group:scouts; TRUE, or " \
+      "FALSE when there is no room.  With an instance as first argument: CLIPS's own send") \
     X("broadcast", 'u', clips_post_broadcast, "0*", \
       "(broadcast field...)", \
       "mail to all agents that are there now; TRUE or FALSE") \
@@ -68,9 +68,9 @@
       "it is full") \
     X("speak", 'u', clips_speak_call, "3*u", \
       "(speak performative to (create$ field...) key value...)", \
-      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time of " \
-      "the run in s) conversation, and layer (a number), priority (low normal high), level " \
-      "(ram logged synced).  TRUE or FALSE; with reply-with that word") \
+      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time " \
+      "of the run in s) conversation, and layer (a number), priority (low normal high), " \
+      "level (ram logged synced).  TRUE or FALSE; with reply-with that word") \
     X("tell", 'u', clips_post_tell, "1*", \
       "(tell to field...)", \
       "speak with the performative tell; TRUE or FALSE") \
@@ -93,7 +93,8 @@
       "(command field...), if the trust policy lets it; TRUE or FALSE") \
     X("send-layer", 'u', clips_speak_layer, "3*uik", \
       "(send-layer layer performative to field...)", \
-      "mail in a layer of your own, from 4 on, or a question in layer 2; TRUE or FALSE") \
+      "mail in a layer of your own, from 4 on, or a question in layer 2; as ask-one, and TRUE " \
+      "for a performative that is an answer") \
     X("on-layer", 'u', clips_layer_on, "22uik", \
       "(on-layer layer function)", \
       "makes a deffunction the handler of a layer: it is called with `(id from performative " \
@@ -128,9 +129,9 @@
       "no longer offers it; TRUE or FALSE") \
     X("find-service", 'm', clips_group_find_service, "1*", \
       "(find-service service constraint...)", \
-      "the names of the agents that offer it and are not absent: `(find-service mapper " \
-      "role=scout battery>=0.5 near=2.5,-1,3)`, the last at most 3 m from there by the attributes " \
-      "x and y; `*` is any service") \
+      "the names of the agents that offer it and are not absent: `(find-service " \
+      "mapper role=scout battery>=0.5 near=2.5,-1,3)`, the last at most 3 m from there by the " \
+      "attributes x and y; `*` is any service") \
     X("send-role", 'u', clips_post_send_role, "1*uk", \
       "(send-role role field...)", \
       "mail to the agents that have a role; TRUE or FALSE") \

@@ -166,13 +166,19 @@ static void post_letter(void *env, const char *function, struct mind_letter *let
     }
 }
 
+const char *clips_post_question(void *env, char *to, size_t size)
+{
+    struct mind *m = clips_env_mind(env);
+    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
+    return to;
+}
+
 /* (FUNCTION WHO field...) */
 static void post_to(void *env, const char *function, const char *performative, bool asks,
                     DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
     struct mind_letter letter = clips_post_blank;
-    char question[MU_FIELD_MAX + 1] = "";
+    char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     letter.performative = performative;
     clips_value_bool(env, out, false);
@@ -184,10 +190,8 @@ static void post_to(void *env, const char *function, const char *performative, b
         return;
     }
     if (asks) {
-        snprintf(question, sizeof question, "%s-%llu", m->options.name,
-                 (unsigned long long)++m->asked);
+        letter.reply_with = clips_post_question(env, question, sizeof question);
     }
-    letter.reply_with = question;
     post_letter(env, function, &letter, &fields, out);
 }
 

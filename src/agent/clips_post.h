@@ -29,6 +29,9 @@ bool clips_post_content(void *env, const char *function, const DATA_OBJECT *fiel
  */
 const char *clips_post_who(void *env, const char *function, int index, const char *wanted);
 
+/** Writes a word for a question that this agent has not used yet.  @return to */
+const char *clips_post_question(void *env, char *to, size_t size);
+
 /** Hands a letter over: FALSE when there is no room, else TRUE or the word that the answer bears.
  */
 void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out);

@@ -3,6 +3,7 @@
 #include "agent/clips_functions.h"
 #include "agent/clips_post.h"
 #include "agent/clips_value.h"
+#include "core/performatives.h"
 
 #include <string.h>
 
@@ -183,6 +184,7 @@ void clips_speak_layer(void *env, DATA_OBJECT *out)
 {
     struct mind_letter letter = clips_post_blank;
     struct mu_text content;
+    char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
     if (!clips_post_fields(env, "send-layer", 4, &fields) ||
@@ -191,6 +193,9 @@ void clips_speak_layer(void *env, DATA_OBJECT *out)
         return;
     }
     letter.dst = clips_post_who(env, "send-layer", 3, "the name of an agent, or several");
+    if (!mu_performative_answers(letter.performative)) {
+        letter.reply_with = clips_post_question(env, question, sizeof question);
+    }
     mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
     if (letter.dst && clips_post_content(env, "send-layer", &fields, &content)) {
         letter.content = content.at;

@@ -139,12 +139,12 @@
 ; expect: [ARGACCES4] Function on-layer expected exactly 2 argument(s)
 ; expect: refused
 ; line: (send-layer 4 cfp red apples 1 2.5) (send-layer 1000 "" group:north) (send-layer 2 facts red)
-; expect: mail red cfp layer=4 "apples 1 2.5"
-; expect: mail group:north layer=1000 ""
-; expect: mail red facts layer=2 ""
-; expect: TRUE
-; expect: TRUE
-; expect: TRUE
+; expect: mail red cfp reply-with=blue-1 layer=4 "apples 1 2.5"
+; expect: mail group:north reply-with=blue-2 layer=1000 ""
+; expect: mail red facts reply-with=blue-3 layer=2 ""
+; expect: blue-1
+; expect: blue-2
+; expect: blue-3
 ; line: (send-layer 0 cfp red)
 ; expect: [MUSTER1] Function send-layer expected a layer: a whole number from 1 on
 ; expect: FALSE

@@ -19,8 +19,9 @@
  *   ; expect: text                    the next line of output
  *
  * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `mail TO "content"`,
- * `do WHO "line"`, `change WHAT NAME "attributes"`, and what becomes of a mail that is not kept.  The file is loaded over the library as a robot's rule file, then its
- * comments are done in order.  Output that no expect: names is a failure.
+ * `do WHO "line"`, `change WHAT NAME "attributes"`, and what becomes of a mail that is not kept.
+ * The file is loaded over the library as a robot's rule file, then its comments are done in order.
+ * Output that no expect: names is a failure.
  */
 #include "agent/mind.h"
 #include "core/attributes.h"
@@ -205,8 +206,7 @@ static const char *entry(void *self, enum mind_list list, const char *of, size_t
     return NULL;
 }
 
-static mu_result change(void *self, enum mind_change what, const char *name,
-                        const char *attributes)
+static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes)
 {
     static const char *const words[] = {"group-create", "group-join", "group-leave", "advertise",
                                         "withdraw"};
@@ -288,16 +288,21 @@ static void receive(struct bench *b, const struct mind_mail *mail)
 static void step(struct bench *b)
 {
     struct mind_act act;
-    struct mind_percept p = {
-        .time_ns = b->steps++ * MU_STEP_NS, .x_m = b->x_mm / 1000, .y_m = b->y_mm / 1000,
-        .heading_rad = b->heading_deg / deg, .forward_m_s = b->speed_mm_s / 1000,
-        .turn_rad_s = b->turn_deg_s / deg, .stalled = b->stalled, .sonar_count = SONARS,
-        .sonar_m = b->sonar_m};
+    struct mind_percept p = {.time_ns = b->steps++ * MU_STEP_NS,
+                             .x_m = b->x_mm / 1000,
+                             .y_m = b->y_mm / 1000,
+                             .heading_rad = b->heading_deg / deg,
+                             .forward_m_s = b->speed_mm_s / 1000,
+                             .turn_rad_s = b->turn_deg_s / deg,
+                             .stalled = b->stalled,
+                             .sonar_count = SONARS,
+                             .sonar_m = b->sonar_m};
     mind_percept(b->mind, &p);
     for (size_t i = 0; i < b->mail_count; i++) {
         const struct waiting *w = &b->mails[i];
-        struct mind_mail mail = {++b->mail_id, w->from, w->performative, w->language, "",
-                                 w->reply_with, "", "", w->content, w->layer};
+        struct mind_mail mail = {
+            ++b->mail_id, w->from, w->performative, w->language, "", w->reply_with,
+            "",           "",      w->content,      w->layer};
         receive(b, &mail);
     }
     b->mail_count = 0;
@@ -474,8 +479,7 @@ static const struct {
 } directives[] = {{"step", do_step},     {"steps", do_steps}, {"mail", do_mail},
                   {"speech", do_speech}, {"text", do_text},   {"line", do_line},
                   {"layer", do_layer},   {"event", do_event}, {"refused", do_refused},
-                  {"facts", do_facts},
-                  {"acts", do_acts}};
+                  {"facts", do_facts},   {"acts", do_acts}};
 
 /* One line of the file; a comment that is a directive is done. */
 static void do_file_line(struct bench *b, const char *line)
@@ -543,8 +547,11 @@ static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
     if (options && strstr(options, "budget=")) {
         budget = (unsigned)strtoul(strstr(options, "budget=") + 7, NULL, 10);
     }
-    struct mind_options o = {.name = "blue", .seed = 1, .rules_folder = library ? "rules" : NULL,
-                             .firings_max = budget, .forward_max_m_s = 0.5,
+    struct mind_options o = {.name = "blue",
+                             .seed = 1,
+                             .rules_folder = library ? "rules" : NULL,
+                             .firings_max = budget,
+                             .forward_max_m_s = 0.5,
                              .turn_max_rad_s = 90 / deg,
                              .ports = {b, post, lookup, listing, change, entry, out_print}};
     mu_result r = mind_open(&b->mind, &o, fault);
