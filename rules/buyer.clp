@@ -4,7 +4,7 @@
 ; goes there.
 (extends "market.clp")
 
-; More urgent than to stand still, which ends the step.
+; More urgent than to stand still or to drive, which ends the step; so are the others.
 (defrule look-for-maps
   (declare (salience 10))
   (position $?)
@@ -17,6 +17,7 @@
     (assert (asked ?shop (ask-one ?shop where) (send-layer 4 cfp ?shop one map)))))
 
 (defrule hear-where
+  (declare (salience 10))
   (asked ?shop ?where ?)
   ?mail <- (mail (in-reply-to ?where) (content at ?x ?y))
   =>
@@ -24,6 +25,7 @@
   (goto (+ ?x 1000) ?y))
 
 (defrule hear-price
+  (declare (salience 10))
   (asked ?shop ? ?price)
   ?mail <- (mail (layer 4) (in-reply-to ?price) (content price ?costs))
   =>
@@ -33,6 +35,7 @@
 
 ; A mail that nobody understands is answered so: (send-layer 5 cfp red) on a console shows it.
 (defrule hear-refusal
+  (declare (salience 10))
   ?mail <- (mail (performative not-understood) (from ?who) (layer ?layer))
   =>
   (retract ?mail)

@@ -12,6 +12,7 @@
   (advertise maps price ?*price* area 12.5))
 
 (defrule say-where
+  (declare (salience 10))
   ?mail <- (mail (performative ask-one) (content where))
   (position ? ?x ?y $?)
   =>
