@@ -46,7 +46,7 @@ struct robot {
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set->network),
+        MU_JOIN_OPTIONS(set->network),
         {.name = "rules",
          .letter = 'r',
          .kind = MU_OPTION_STRING,
@@ -507,8 +507,9 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
 {
     struct mu_process_options options = {.domain = (int)set->network.domain,
                                          .interface = set->network.interface,
-                                         .peer = set->network.peer,
+                                         .peer = mu_network_peers(&set->network),
                                          .name = set->name,
+                                         .broker = set->network.broker,
                                          .with_body = true};
     MU_TRY(mu_process_open(&r->process, &options));
     struct mu_handlers handlers = {.self = r,
@@ -543,8 +544,9 @@ int main(int argc, char **argv)
     if (ready == MU_TIMEOUT) {
         fprintf(stderr,
                 "muster robot: no broker answers in domain %d; start one with: "
-                "muster broker NAME --domain %d\n",
-                (int)set.network.domain, (int)set.network.domain);
+                "muster broker %s --domain %d\n",
+                (int)set.network.domain, set.network.broker ? set.network.broker : "NAME",
+                (int)set.network.domain);
     }
     if (ready != MU_OK) {
         return mu_exit_for(ready);

@@ -4,6 +4,8 @@
 #include "broker/disk.h"
 #include "broker/files.h"
 #include "broker/health.h"
+#include "broker/herald.h"
+#include "broker/opening.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -26,6 +28,9 @@ static const int64_t IMPATIENT_NS = 2000000;
  */
 static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 
+/* So long it listens for another one of its name before it answers anybody. */
+static const uint64_t DOUBT_NS = 300000000;
+
 /* The writer into one process's partition. */
 struct mailbag {
     char process[MU_PROCESS_MAX + 1];
@@ -41,6 +46,7 @@ struct post {
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct health health;
+    struct herald herald;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
@@ -63,10 +69,12 @@ static uint64_t post_now(const struct post *p)
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct post *p)
+static mu_result post_open(struct post *p, const char *name)
 {
+    char partition[sizeof "broker." + MU_NAME_MAX];
+    snprintf(partition, sizeof partition, "broker.%s", name);
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
-    MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, partition, &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
@@ -75,21 +83,6 @@ static mu_result post_open(struct post *p)
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
-
-static void registrations_take(struct post *p)
-{
-    enum bus_life life;
-    const muster_Registration *r;
-    while ((r = bus_next(&p->registrations, &life))) {
-        if (life == BUS_DATA) {
-            broker_registration(p->broker, r, post_now(p));
-            life = bus_fate(&p->registrations);
-        }
-        if (life != BUS_DATA) {
-            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
-        }
-    }
-}
 
 static struct mailbag *bag_find(struct post *p, const char *process)
 {
@@ -115,10 +108,23 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
     return true;
 }
 
+/* The end of a roster has the simulator's name alone. */
+static bool roster_is_ours(const struct post *p, const muster_Roster *roster, enum bus_life life)
+{
+    if (life != BUS_DATA) {
+        return strcmp(roster->simulator, p->simulator) == 0;
+    }
+    return roster->broker[0] == '\0' || strcmp(roster->broker, p->herald.beacons.name) == 0;
+}
+
 static void rosters_take(struct post *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
+        if (!roster_is_ours(p, p->roster, life)) {
+            p->roster = NULL;
+            continue;
+        }
         p->roster_ns = p->roster_ns ? p->roster_ns : mu_clock_ns();
         bool may_wait = life == BUS_DATA && mu_clock_ns() - p->roster_ns < ROSTER_PATIENCE_NS;
         if (may_wait && !roster_is_heard(p, p->roster)) {
@@ -141,16 +147,38 @@ static void up_take(struct post *p, const muster_Up *up)
     broker_up(p->broker, up, post_now(p));
 }
 
-static void post_take(struct post *p)
+static void ups_take(struct post *p)
 {
     enum bus_life life;
-    registrations_take(p);
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
         if (life == BUS_DATA) {
             up_take(p, up);
         }
     }
+}
+
+/* Who leaves has said its last before: that is heard first. */
+static void registrations_take(struct post *p)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&p->registrations, &life))) {
+        ups_take(p);
+        if (life == BUS_DATA) {
+            broker_registration(p->broker, r, post_now(p));
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
+            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
+        }
+    }
+}
+
+static void post_take(struct post *p)
+{
+    registrations_take(p);
+    ups_take(p);
     rosters_take(p);
 }
 
@@ -194,6 +222,9 @@ static void bags_follow(struct post *p)
 /* Both directions must stand before a registration is confirmed; the simulator sends no mail. */
 static bool bag_stands(const struct post *p, const struct mailbag *bag)
 {
+    if (bus_writer_matches(&bag->writer) == 0) {
+        return false; /* the usual case while many processes come, and cheap to see */
+    }
     bool mute = bag->matched || strcmp(bag->process, p->simulator) == 0;
     return mute ? bus_writer_reaches(&bag->writer, bag->process)
                 : bus_reader_hears(&p->ups, &bag->writer, bag->process);
@@ -284,6 +315,8 @@ static void store_write(struct post *p)
 
 static void post_round(struct post *p)
 {
+    herald_hear(&p->herald);
+    herald_tell(&p->herald, p->broker);
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     bags_follow(p);
@@ -304,65 +337,36 @@ static void post_round(struct post *p)
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
-/* --- start ------------------------------------------------------------------------------------ */
-
-/* @param file  as the option has it; NULL: the default */
-static mu_result store_open(struct post *p, const char *file, int domain, const char *name)
+/* Nobody is answered while another broker of this name may be there. */
+static void doubt_settle(struct post *p, bool is_lone)
 {
-    char path[PATH_MAX];
-    if (file && strcmp(file, "none") == 0) {
-        return MU_OK;
+    struct herald *h = &p->herald;
+    uint64_t until_ns = post_now(p) + DOUBT_NS;
+    while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
+        herald_hear(h);
+        herald_tell(h, p->broker);
+        bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
-    if (file ? !mu_text_copy(path, sizeof path, file)
-             : !disk_default_path(path, sizeof path, domain, name)) {
-        fprintf(stderr, "muster broker: no place for the store: give --store FILE or none\n");
-        return MU_FAULT_OS;
-    }
-    return disk_open(&p->disk, path, mu_clock_wall_ns());
+    herald_be_sure(h);
 }
 
-static mu_result store_load(struct post *p)
+/* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
+static int network_join(struct post *p, const struct mu_network *network,
+                        const struct broker_options *broker)
 {
-    uint64_t refused = 0;
-    mu_result loaded = p->disk ? disk_load(p->disk, p->broker, &refused) : MU_OK;
-    if (refused > 0) {
-        mu_log(MU_LOG_WARNING, "store-rows-not-taken", "rows=%llu", (unsigned long long)refused);
+    struct bus_options bus = {.domain = (int)network->domain,
+                              .place = BUS_BROKER,
+                              .name = "broker",
+                              .interface = network->interface,
+                              .hub = mu_network_peers(network)};
+    mu_result opened = bus_open(&p->bus, &bus);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
+                bus.domain);
     }
-    return loaded;
-}
-
-/* Opens the broker, its store and its files.  @return MU_EXIT_DONE, or the exit code, explained */
-static int broker_begin(struct post *p, const struct settings *s, const char *name)
-{
-    char host[MU_FIELD_MAX + 1] = "";
-    gethostname(host, sizeof host - 1);
-    mu_result opened = store_open(p, s->store, (int)s->network.domain, name);
-    if (opened != MU_OK) {
-        return mu_exit_for(opened);
-    }
-    uint64_t incarnation = p->disk ? disk_incarnation(p->disk) : mu_clock_wall_ns();
-    struct broker_options broker = {.name = name,
-                                    .incarnation = incarnation,
-                                    .has_store = p->disk != NULL,
-                                    .number_base = p->disk ? incarnation : 0,
-                                    .host = host,
-                                    .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns(),
-                                    .delivery_interval_ns =
-                                        (uint64_t)(s->delivery_interval_ms * 1e6),
-                                    .audit = s->audit != NULL,
-                                    .box_policy = s->box_policy,
-                                    .box_mails = (uint32_t)s->box_mails,
-                                    .box_bytes = (uint32_t)s->box_bytes};
-    p->broker = broker_open(&broker);
-    mu_result loaded = store_load(p);
-    if (loaded != MU_OK) {
-        return mu_exit_for(loaded);
-    }
-    if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
-        return MU_EXIT_FILE;
-    }
-    return files_audit_open(&p->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
+    bool joined = opened == MU_OK && post_open(p, broker->name) == MU_OK &&
+                  herald_open(&p->herald, &p->bus, broker) == MU_OK;
+    return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
 int main(int argc, char **argv)
@@ -377,36 +381,34 @@ int main(int argc, char **argv)
 
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
-    code = broker_begin(p, &settings, name);
+    const struct mu_network *network = &settings.network;
+    struct opening opening = {0};
+    code = opening_run(&opening, &settings, name);
+    p->broker = opening.broker;
+    p->disk = opening.disk;
+    p->audit = opening.audit;
+    code = code == MU_EXIT_DONE ? network_join(p, network, &opening.options) : code;
     if (code != MU_EXIT_DONE) {
         return code;
-    }
-    struct bus_options bus = {.domain = (int)settings.network.domain,
-                              .place = BUS_BROKER,
-                              .name = "broker",
-                              .interface = settings.network.interface,
-                              .hub = settings.network.peer};
-    mu_result opened = bus_open(&p->bus, &bus);
-    if (opened == MU_BUSY) {
-        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
-                bus.domain);
-    }
-    if (opened != MU_OK || post_open(p) != MU_OK) {
-        return MU_EXIT_DDS;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", name, bus.domain);
-    while (!signal_came) {
+    doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
+           p->bus.index);
+    while (!signal_came && !p->herald.yields) {
         post_round(p);
     }
-    health_close(&p->health, p->broker);
+    herald_close(&p->herald);
+    if (!p->herald.yields) {
+        health_close(&p->health, p->broker);
+    }
     bus_close(&p->bus);
     if (p->disk) {
         disk_close(p->disk);
     }
-    return MU_EXIT_DONE;
+    return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

@@ -148,12 +148,13 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     } else {
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
-    bool is_news = v->accepted ? !a->registered : !a->refused;
+    bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;
     if (a->refused == v->accepted) {
         a->refused = !v->accepted;
         roll_mark(a); /* who comes later is not to hear of a name that was refused */
     }
+    a->welcomed = v->accepted;
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }

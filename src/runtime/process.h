@@ -10,8 +10,10 @@
 #include "muster/agent.h"
 #include "runtime/directory.h"
 #include "runtime/kind.h"
+#include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/owed.h"
 #include "runtime/queue.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
@@ -36,6 +38,7 @@ struct mu_agent {
     struct kind_part part;  /* what its kind has come to */
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
+    bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */
     uint32_t box_mails;            /* which holds so many mails, */
@@ -65,7 +68,9 @@ struct mu_process {
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
     bool with_body;
-    struct bus_writer registration, up;
+    struct link link;
+    struct bus_writer registration;
+    struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, sense;
     uint64_t incarnation;
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
@@ -89,7 +94,8 @@ struct mu_process {
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
-    bool leaving;                /* one of the agents is */
+    struct owed owed;            /* acknowledgements that wait for mail to go with */
+    bool leaving;                /* one of the agents is, or all are */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
@@ -108,7 +114,10 @@ struct mu_process {
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
 
-/** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
+/** Says every agent to the broker anew; none may send before it has answered. */
+void process_register(mu_process *p);
+
+/** Takes the next delivery of our broker, on loan, into p->mail; NULL: there is none. */
 void process_next_delivery(mu_process *p);
 
 /* agent.c */
@@ -143,7 +152,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense);
  */
 void step_hello(mu_process *p);
 
-/** Sends the mails and acknowledgements that wait, outside of lock step. */
+/** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */

@@ -16,6 +16,7 @@ static const uint64_t RESEND_NS = 1000000000;
 static bool number_take(struct mu_agent *a, uint64_t number)
 {
     if (number <= a->last_number) {
+        owed_add(&a->process->owed, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
@@ -23,6 +24,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (a->in_order && number != a->last_number + 1) {
         return false;
     }
+    owed_add(&a->process->owed, mu_clock_ns());
     a->in_order = true;
     a->last_number = number;
     return true;
@@ -96,7 +98,6 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
         if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
             members_clear(&p->members);
             directory_clear(&p->directory, false);
-            roll_mark_all(p);
         }
         p->broker_incarnation = incarnation;
     }
@@ -195,6 +196,9 @@ static uint32_t acks_fill(mu_process *p)
         if (a->acked_number == a->last_number) {
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
             continue;
+        }
+        if (!a->registered) {
+            continue; /* a broker that has not said yes does not know the box */
         }
         p->out_ackers[count] = a;
         p->acks[count++] =
@@ -304,6 +308,9 @@ bool step_retry(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
         }
     }
+    if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
+        owed_clear(&p->owed);
+    }
     return true;
 }
 
@@ -363,9 +370,17 @@ static void unanswered_again(mu_process *p)
     }
 }
 
+/* Acknowledgements wait a little for mail to go with, but not when their agent is about to leave,
+ * or when a poll loop of the program's own decides when we are here again. */
+static bool acks_are_due(const mu_process *p)
+{
+    return p->queues[QUEUE_ACK].first &&
+           (p->leaving || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
+}
+
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || p->queues[QUEUE_ACK].first;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p);
 }
 
 void step_flush(mu_process *p)
