@@ -161,6 +161,19 @@ bool mind_understands(const struct mind *m, const struct mind_mail *mail)
 
 /* --- the question for facts ------------------------------------------------------------------- */
 
+/* What was cut ends with a whole character of UTF-8. */
+static void facts_end_character(struct mu_text *out, size_t start)
+{
+    size_t lead = out->len;
+    while (lead > start && ((unsigned char)out->at[lead - 1] & 0xc0) == 0x80) {
+        lead--;
+    }
+    if (lead > start && (unsigned char)out->at[lead - 1] >= 0xc0) {
+        out->len = lead - 1;
+        out->at[out->len] = '\0';
+    }
+}
+
 mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
 {
     struct deftemplate *t = relation[0] ? EnvFindDeftemplate(m->env, relation) : NULL;
@@ -183,8 +196,14 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
     }
     clips_env_leave(m);
     m->out = NULL;
-    mu_text_format(out, "For a total of %u fact%s.\n", count, count == 1 ? "" : "s");
+    bool whole = !out->cut;
+    if (whole) {
+        mu_text_format(out, "For a total of %u fact%s.\n", count, count == 1 ? "" : "s");
+    }
     clips_text_as_written(out->at + start);
     out->len = start + strlen(out->at + start);
+    if (!whole) {
+        facts_end_character(out, start);
+    }
     return MU_OK;
 }

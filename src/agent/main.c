@@ -231,7 +231,7 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
         return;
     }
     struct mu_mail mail = {.dst = refused->src,
-                           .layer = MU_LAYER_SPEECH,
+                           .layer = refused->layer,
                            .performative = "failure",
                            .in_reply_to = refused->reply_with,
                            .conversation = refused->conversation,

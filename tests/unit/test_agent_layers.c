@@ -166,6 +166,17 @@ static void test_facts_are_cut(void)
     CU_ASSERT_EQUAL(mind_facts(m, "n", &out), MU_OK);
     CU_ASSERT(out.cut && out.len == sizeof small - 1);
     mu_text_init(&out, small, sizeof small);
+    CU_ASSERT_EQUAL(say(m, "(assert (greek \u03b1\u03b2\u03b3\u03b4))"), MU_OK);
+    for (size_t size = 18; size < 26; size++) { /* wherever the cut is, these stay in pairs */
+        size_t high = 0;
+        mu_text_init(&out, small, size);
+        CU_ASSERT_EQUAL(mind_facts(m, "greek", &out), MU_OK);
+        for (const char *c = small; *c; c++) {
+            high += (unsigned char)*c >= 0x80;
+        }
+        CU_ASSERT(out.cut && strlen(small) == out.len && high % 2 == 0);
+    }
+    mu_text_init(&out, small, sizeof small);
     CU_ASSERT_EQUAL(mind_facts(m, "nothing", &out), MU_ABSENT);
     CU_ASSERT_STRING_EQUAL(small, "no facts nothing\n");
     mind_close(m);
