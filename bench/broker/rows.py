@@ -9,7 +9,7 @@ import brokers
 
 PINGS, CROWD, STORED = 2000, 100, 10000
 FLOOD = {"ours": 200000, "mqtt": 100000}  # mails: about half a second
-NAMES_MANY, NAMES_FEW = 10000, 100
+NAMES_MANY, NAMES_FEW, CACHED = 10000, 100, 1000000
 
 
 def both(here):
@@ -65,16 +65,16 @@ def names(here):
         if not brokers.NAMES.exists():
             return found
 
-        def ask(mode, count):
-            return brokers.measure(brokers.NAMES, broker.where, mode, count)
+        def ask(mode, agents, count=1):
+            return brokers.measure(brokers.NAMES, mode, broker.where, agents, count)
 
         before_kb = broker.resident_kb()
         found["names_s"] = ask("register", NAMES_MANY)
         found["agent_kb"] = (broker.resident_kb() - before_kb) / NAMES_MANY
-        found["lookup_few_us"] = ask("lookup", NAMES_FEW)
+        found["lookup_few_us"] = ask("lookup", NAMES_FEW, PINGS)
         found["direct_us"] = here.direct_us()
-        found["lookup_us"] = ask("lookup", NAMES_MANY)
-        found["cached_ns"] = ask("cached", NAMES_MANY)
+        found["lookup_us"] = ask("lookup", NAMES_MANY, PINGS)
+        found["cached_ns"] = ask("cached", NAMES_MANY, CACHED)
     return found
 
 

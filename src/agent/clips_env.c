@@ -204,7 +204,7 @@ static bool env_build(struct mind *m)
     return EnvBuild(m->env, globals.at) &&
            EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
                             " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
-                            " (slot conversation) (multislot content))");
+                            " (slot conversation) (multislot content) (slot layer))");
 }
 
 static void env_install(struct mind *m)
@@ -227,9 +227,9 @@ static void env_install(struct mind *m)
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
 static void env_hold(struct mind *m)
 {
-    struct deftemplate **implied[] = {&m->position, &m->ring, &m->message};
-    static const char *const names[] = {"position", "sonar", "message"};
-    for (size_t i = 0; i < 3; i++) {
+    struct deftemplate **implied[] = {&m->position, &m->ring, &m->message, &m->event};
+    static const char *const names[] = {"position", "sonar", "message", "event"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
         (*implied[i])->busyCount++;
     }

@@ -36,15 +36,18 @@ static bool fire_was_shown(struct mind *m, const char *text)
     return false;
 }
 
-/* Shows what went wrong in a rule, each complaint of each rule once. */
-static void fire_complain(struct mind *m)
+void clips_fire_complain(struct mind *m, const char *kind, const char *name)
 {
+    static const char halt[] = "[PRCCODE4] Execution halted during the actions of def";
     char bytes[CLIPS_SAID_MAX];
     struct mu_text line;
     mu_text_init(&line, bytes, sizeof bytes);
-    mu_text_format(&line, "rule %s: ", m->rule ? m->rule : "?");
+    mu_text_format(&line, "%s %s: ", kind, name);
     clips_text_as_written(m->said.at);
-    char *halted = strstr(m->said.at, "[PRCCODE4] Execution halted during the actions of defrule");
+    char *halted = strstr(m->said.at, halt);
+    while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
+        halted = strstr(halted + 1, halt);
+    }
     if (halted) {
         *halted = '\0';
     }
@@ -78,7 +81,7 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     clips_env_leave(m);
     *failed = halted;
     if (m->said.len > 0 || halted) {
-        fire_complain(m);
+        clips_fire_complain(m, "rule", m->rule ? m->rule : "?");
     }
     return (uint32_t)fired;
 }

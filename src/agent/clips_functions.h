@@ -56,8 +56,8 @@
 #define CLIPS_AGENT(X) \
     X("send", 'u', clips_override_send, "1*", \
       "(send to field...)", \
-      "mail to an agent; TRUE, or FALSE when there is no room.  With an instance as first " \
-      "argument: CLIPS's own send") \
+      "mail to an agent, a multifield of agents, or an address such as group:scouts; TRUE, or " \
+      "FALSE when there is no room.  With an instance as first argument: CLIPS's own send") \
     X("broadcast", 'u', clips_post_broadcast, "0*", \
       "(broadcast field...)", \
       "mail to all agents that are there now; TRUE or FALSE") \
@@ -66,10 +66,11 @@
       "takes the oldest mail: `(from field...)`, or `()`.  Of mails without a mail fact the " \
       "latest 1024 wait here; when a construct calls getmsg, they are a queue that refuses when " \
       "it is full") \
-    X("speak", 'u', clips_post_speak, "3*u", \
+    X("speak", 'u', clips_speak_call, "3*u", \
       "(speak performative to (create$ field...) key value...)", \
-      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by " \
-      "conversation.  TRUE or FALSE; with reply-with that word") \
+      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time " \
+      "of the run in s) conversation, and layer (a number), priority (low normal high), " \
+      "level (ram logged synced).  TRUE or FALSE; with reply-with that word") \
     X("tell", 'u', clips_post_tell, "1*", \
       "(tell to field...)", \
       "speak with the performative tell; TRUE or FALSE") \
@@ -84,12 +85,62 @@
       "a request to make something true; as ask-one") \
     X("reply", 'u', clips_post_reply, "1*", \
       "(reply mail field...)", \
-      "answers a mail fact with a tell that bears its reply-with and conversation; TRUE or " \
-      "FALSE") \
+      "answers a mail fact, or in a handler of a layer the mail of that number, with a tell in " \
+      "its layer that bears its reply-with and conversation; TRUE or FALSE") \
     X("you-do", 'u', clips_post_you_do, "2*u", \
       "(you-do who command field...)", \
-      "makes who (a name, all, robots, special, or a multifield of names) evaluate " \
+      "makes who (a name, all, robots, special, a group, or a multifield of names) evaluate " \
       "(command field...), if the trust policy lets it; TRUE or FALSE") \
+    X("send-layer", 'u', clips_speak_layer, "3*uik", \
+      "(send-layer layer performative to field...)", \
+      "mail in a layer of your own, from 4 on, or a question in layer 2; as ask-one, and TRUE " \
+      "for a performative that is an answer") \
+    X("on-layer", 'u', clips_layer_on, "22uik", \
+      "(on-layer layer function)", \
+      "makes a deffunction the handler of a layer: it is called with `(id from performative " \
+      "content)` of each mail of that layer, before the mail becomes a fact.  When it returns " \
+      "FALSE the handler that was there before is asked, then what every agent can do; anything " \
+      "else: it has taken the mail.  May stand outside of rules in a rule file") \
+    X("group-create", 'u', clips_group_create, "11k", \
+      "(group-create group)", \
+      "makes a group without members; TRUE or FALSE.  A change takes effect when the broker has " \
+      "it; what it refuses becomes a fact: `(event refused group-create scouts group-exists)`") \
+    X("group-join", 'u', clips_group_join, "11k", \
+      "(group-join group)", \
+      "enters a group, and makes it if it is not there; TRUE or FALSE") \
+    X("group-leave", 'u', clips_group_leave, "11k", \
+      "(group-leave group)", \
+      "leaves a group; TRUE or FALSE") \
+    X("group-send", 'u', clips_post_group_send, "1*uk", \
+      "(group-send group field...)", \
+      "mail to all members but this agent; TRUE or FALSE") \
+    X("groups", 'm', clips_group_groups, "00", \
+      "(groups)", \
+      "the names of all groups") \
+    X("members", 'm', clips_group_members, "11k", \
+      "(members group)", \
+      "the names of its members; `()` for a group that is not there") \
+    X("advertise", 'u', clips_group_advertise, "1*uk", \
+      "(advertise service key value...)", \
+      "offers a service with these attributes: symbols, strings without blanks, numbers; offered " \
+      "again, they are replaced.  TRUE or FALSE") \
+    X("withdraw", 'u', clips_group_withdraw, "11k", \
+      "(withdraw service)", \
+      "no longer offers it; TRUE or FALSE") \
+    X("find-service", 'm', clips_group_find_service, "1*", \
+      "(find-service service constraint...)", \
+      "the names of the agents that offer it and are not absent: `(find-service " \
+      "mapper role=scout battery>=0.5 near=2.5,-1,3)`, the last at most 3 m from there by the " \
+      "attributes x and y; `*` is any service") \
+    X("send-role", 'u', clips_post_send_role, "1*uk", \
+      "(send-role role field...)", \
+      "mail to the agents that have a role; TRUE or FALSE") \
+    X("send-task", 'u', clips_post_send_task, "1*uk", \
+      "(send-task task field...)", \
+      "mail to the agents that do a task; TRUE or FALSE") \
+    X("send-near", 'u', clips_post_send_near, "1*un", \
+      "(send-near mm field...)", \
+      "mail to the agents within so many mm; TRUE or FALSE") \
     X("my-name", 'u', clips_social_my_name, "00", \
       "(my-name)", \
       "this agent's name") \

@@ -106,12 +106,20 @@ static mu_result load_construct(struct mind *m, const char *path, struct clips_f
     return MU_OK;
 }
 
+/* @return whether the form begins with this word; then *behind is where it goes on */
+static bool load_begins(struct clips_form f, const char *begin, const char **behind)
+{
+    *behind = f.at + 1;
+    struct clips_field word = clips_text_field(behind);
+    return word.kind == CLIPS_FIELD_SYMBOL && word.len == strlen(begin) &&
+           strncmp(word.at, begin, word.len) == 0;
+}
+
 /* @return whether the form is (extends "FILE"); well_formed: with the file's name copied */
 static bool load_is_extends(struct clips_form f, char *name, size_t size, bool *well_formed)
 {
-    const char *at = f.at + 1;
-    struct clips_field word = clips_text_field(&at);
-    if (word.kind != CLIPS_FIELD_SYMBOL || word.len != 7 || strncmp(word.at, "extends", 7) != 0) {
+    const char *at;
+    if (!load_begins(f, "extends", &at)) {
         return false;
     }
     struct clips_field file = clips_text_field(&at);
@@ -189,10 +197,39 @@ static mu_result load_extends(struct mind *m, const char *from, int line, const 
     return clips_load_file(m, path, fault);
 }
 
+/* (on-layer 4 trade) outside of rules, below the deffunction. */
+static mu_result load_layer(struct mind *m, const char *path, int line, const char *at,
+                            struct mu_fault *fault)
+{
+    char name[MU_FIELD_MAX + 1] = "";
+    struct clips_field layer = clips_text_field(&at);
+    struct clips_field function = clips_text_field(&at);
+    struct clips_field close = clips_text_field(&at);
+    bool well_formed = layer.kind == CLIPS_FIELD_INTEGER && layer.integer >= 1 &&
+                       layer.integer <= UINT32_MAX && function.kind == CLIPS_FIELD_SYMBOL &&
+                       function.len < sizeof name && close.kind == CLIPS_FIELD_BAD && *at == ')';
+    if (!well_formed) {
+        return mu_fault_at(fault, path, line, 0,
+                           "expected (on-layer LAYER FUNCTION): a number from 1 on, a deffunction");
+    }
+    memcpy(name, function.at, function.len);
+    mu_result r = clips_layer_add(m, (uint32_t)layer.integer, name);
+    if (r == MU_FULL) {
+        return mu_fault_at(fault, path, line, 0, "on-layer: more than %d handlers",
+                           CLIPS_HANDLERS_MAX);
+    }
+    return r == MU_OK ? MU_OK
+                      : mu_fault_at(fault, path, line, 0,
+                                    "on-layer: no deffunction %s that takes four arguments: id, "
+                                    "from, performative, content",
+                                    name);
+}
+
 static mu_result load_form(struct mind *m, const char *path, struct clips_form f,
                            struct mu_fault *fault)
 {
     char name[LOAD_PATH_MAX];
+    const char *at;
     bool well_formed = false;
     if (f.kind == CLIPS_FORM_BAD) {
         return mu_fault_at(fault, path, f.line, 0, "%s", f.what);
@@ -200,6 +237,9 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
     if (f.kind == CLIPS_FORM_ATOM) {
         return mu_fault_at(fault, path, f.line, 0, "expected a construct, found %.*s",
                            (int)(f.len < 40 ? f.len : 40), f.at);
+    }
+    if (load_begins(f, "on-layer", &at)) {
+        return load_layer(m, path, f.line, at, fault);
     }
     if (!load_is_extends(f, name, sizeof name, &well_formed)) {
         return load_construct(m, path, f, fault);

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { MAIL_SLOTS = 10, MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_FIELDS_FEW = 16 };
+enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
 
 void clips_mail_install(struct mind *m)
 {
@@ -109,9 +109,9 @@ static bool mail_make_room(struct mind *m)
 static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
                                 struct multifield *content)
 {
-    const char *const words[MAIL_SLOTS] = {
+    const char *const words[MAIL_CONTENT] = {
         NULL,           mail->src,        m->options.name,   mail->performative, mail->language,
-        mail->ontology, mail->reply_with, mail->in_reply_to, mail->conversation, NULL};
+        mail->ontology, mail->reply_with, mail->in_reply_to, mail->conversation};
     struct fact *f = EnvCreateFact(m->env, m->mail);
     struct field *slots = f->theProposition.theFields;
     slots[MAIL_ID].type = INTEGER;
@@ -122,6 +122,8 @@ static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
     }
     slots[MAIL_CONTENT].type = MULTIFIELD;
     slots[MAIL_CONTENT].value = content;
+    slots[MAIL_LAYER].type = INTEGER;
+    slots[MAIL_LAYER].value = EnvAddLong(m->env, mail->layer ? mail->layer : MU_LAYER_SPEECH);
     return EnvAssert(m->env, f);
 }
 
@@ -155,19 +157,27 @@ static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
     return MU_OK;
 }
 
+static bool mail_is_clips(const struct mind_mail *mail)
+{
+    return mail->language[0] == '\0' || strcmp(mail->language, "clips") == 0;
+}
+
+struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list)
+{
+    struct multifield *fields = mail_is_clips(mail) ? mail_fields(m, mail->content) : NULL;
+    *list = fields != NULL;
+    return fields ? fields : mail_raw(m, mail->content);
+}
+
 mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
 {
     struct mind_mail letter = *mail;
-    bool clips = mail->language[0] == '\0' || strcmp(mail->language, "clips") == 0;
-    letter.language = clips ? "clips" : mail->language;
+    bool list;
+    letter.language = mail_is_clips(mail) ? "clips" : mail->language;
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env);
-    struct multifield *fields = clips ? mail_fields(m, mail->content) : NULL;
-    bool list = fields != NULL;
-    if (!list) {
-        fields = mail_raw(m, mail->content);
-    }
+    struct multifield *fields = clips_mail_content(m, mail, &list);
     mu_result r = mail_queue(m, &letter, fields);
     if (r == MU_ABSENT) {
         r = clips_parked_put(m, &letter, list);

@@ -31,7 +31,9 @@ enum {
     CLIPS_MAILS_MAX = 1024,         /* mail facts; beyond, mail is refused */
     CLIPS_PARKED_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
     CLIPS_PARKED_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
-    CLIPS_SHOWN_MAX = 64            /* different errors of rules that were shown */
+    CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
+    CLIPS_HANDLERS_MAX = 32,        /* handlers of layers, in all of them together */
+    CLIPS_REFUSED_MAX = 64          /* facts of refused changes; beyond, the oldest goes */
 };
 
 /* Where what CLIPS prints goes. */
@@ -69,6 +71,12 @@ struct clips_parked {
     uint32_t first, count;
 };
 
+/* A deffunction that is the handler of a layer. */
+struct clips_handler {
+    uint32_t layer;
+    SYMBOL_HN *function;
+};
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -89,7 +97,7 @@ struct mind {
     float sonar[MU_SONARS_MAX];
     bool sensed;
     uint64_t step;
-    struct deftemplate *position, *ring, *message, *mail;
+    struct deftemplate *position, *ring, *message, *event, *mail;
     struct defglobal *globals[CLIPS_GLOBALS];
     struct fact *position_fact, *ring_fact;
 
@@ -99,6 +107,16 @@ struct mind {
     size_t mail_count;
     struct clips_parked *parked;
     bool rules_getmsg; /* a construct calls (getmsg) */
+
+    struct clips_handler handlers[CLIPS_HANDLERS_MAX]; /* the youngest last */
+    size_t handler_count;
+    const struct mind_mail *handled; /* by a handler that runs, or NULL */
+
+    /* the agent's life */
+    bool pending[MU_EVENTS]; /* become facts in the next step */
+    struct fact *events[MU_EVENTS];
+    struct fact *refused[CLIPS_REFUSED_MAX]; /* a ring */
+    size_t refused_next;
 
     /* what the rules do in this step */
     struct mind_act act;
@@ -182,6 +200,10 @@ void clips_message_age(struct mind *m);
 
 /* clips_mail.c */
 void clips_mail_install(struct mind *m);
+
+/** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
+struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list);
+
 struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
 
 /* clips_parked.c */
@@ -201,6 +223,23 @@ void clips_parked_drop(struct mind *m);
 
 /* clips_fire.c */
 void clips_fire_install(struct mind *m);
+
+/** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
+void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+
+/* clips_event.c */
+
+/** What has happened since the last step becomes facts. */
+void clips_event_assert(struct mind *m);
+
+/* clips_layer.c */
+
+/**
+ * Makes a deffunction the youngest handler of a layer.
+ *
+ * @return MU_OK; MU_ABSENT: there is none that takes four arguments; MU_FULL
+ */
+MU_MUST_USE mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function);
 
 /* clips_functions.c */
 void clips_functions_install(struct mind *m);

@@ -36,19 +36,19 @@ void clips_override_send(void *env, DATA_OBJECT *out)
     if (!clips_value_any(env, 1, &first)) {
         return;
     }
-    if (first.type != INSTANCE_NAME && first.type != INSTANCE_ADDRESS) {
-        clips_post_send(env, out);
-        return;
-    }
-    if (EnvRtnArgCount(env) < 2) {
+    bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;
+    if (instance && EnvRtnArgCount(env) < 2) {
         clips_value_refuse(env, "send", "a message for the instance");
         return;
     }
     struct expr value;
     struct expr *before = EvaluationData(env)->CurrentExpression;
     struct expr call = override_enter(env, &value, &first);
+    if (first.type == MULTIFIELD) { /* a constant of that type is such an object */
+        value.value = &first;
+    }
     EvaluationData(env)->CurrentExpression = &call;
-    override_send(env, out);
+    (instance ? override_send : clips_post_send)(env, out);
     EvaluationData(env)->CurrentExpression = before;
 }
 

@@ -93,6 +93,7 @@ void mind_percept(struct mind *m, const struct mind_percept *percept)
     clips_percept_retract(m, &m->ring_fact);
     m->position_fact = percept_position(m);
     m->ring_fact = percept_sonar(m);
+    clips_event_assert(m);
     clips_message_age(m);
     EnvDecrementGCLocks(m->env);
     clips_env_leave(m);

@@ -10,14 +10,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct mind_letter post_blank = {.dst = "",
-                                              .performative = "",
-                                              .language = "clips",
-                                              .ontology = "",
-                                              .reply_with = "",
-                                              .in_reply_to = "",
-                                              .conversation = "",
-                                              .content = ""};
+const struct mind_letter clips_post_blank = {.dst = "",
+                                             .performative = "",
+                                             .language = "clips",
+                                             .ontology = "",
+                                             .reply_with = "",
+                                             .in_reply_to = "",
+                                             .conversation = "",
+                                             .content = ""};
 
 bool clips_post_field(struct mu_text *out, unsigned short type, const void *value)
 {
@@ -55,20 +55,26 @@ static bool post_value(struct mu_text *out, const DATA_OBJECT *value)
     return true;
 }
 
-/* Adds the arguments from first on.  @return false, after a CLIPS error: they cannot be mailed */
-static bool post_arguments(void *env, const char *function, int first, struct mu_text *out)
+bool clips_post_fields(void *env, const char *function, int first, DATA_OBJECT *fields)
 {
-    int count = EnvRtnArgCount(env);
-    for (int i = first; i <= count; i++) {
-        DATA_OBJECT value;
-        if (!clips_value_any(env, i, &value)) {
-            return false;
-        }
-        if (!post_value(out, &value)) {
-            clips_value_refuse(env, function,
-                               "fields that can be mailed: symbols, strings, finite numbers");
-            return false;
-        }
+    struct expr *arguments = EvaluationData(env)->CurrentExpression->argList;
+    for (int i = 1; i < first && arguments; i++) {
+        arguments = arguments->nextArg;
+    }
+    StoreInMultifield(env, fields, arguments, TRUE);
+    if (fields->type != MULTIFIELD && !GetEvaluationError(env)) {
+        clips_value_refuse(env, function, "fields");
+    }
+    return !GetEvaluationError(env) && !GetHaltExecution(env);
+}
+
+bool clips_post_content(void *env, const char *function, const DATA_OBJECT *fields,
+                        struct mu_text *out)
+{
+    if (!post_value(out, fields)) {
+        clips_value_refuse(env, function,
+                           "fields that can be mailed: symbols, strings, finite numbers");
+        return false;
     }
     if (out->cut) {
         clips_value_refuse(env, function, "a content of at most 16384 bytes");
@@ -77,20 +83,67 @@ static bool post_arguments(void *env, const char *function, int first, struct mu
     return true;
 }
 
-static bool post_name(void *env, const char *function, int index, const char **out)
+/* @return whether it is an address such as group:scouts, role:digger or near:2.5 */
+static bool who_is_address(const char *who)
 {
-    if (!clips_value_word(env, function, index, out)) {
+    char scheme[MU_NAME_MAX + 1];
+    size_t len = strcspn(who, ":");
+    if (len >= sizeof scheme || who[len] != ':' || who[len + 1] == '\0') {
         return false;
     }
-    if (!mu_name_valid(*out)) {
-        clips_value_refuse(env, function, "the name of an agent");
-        return false;
+    memcpy(scheme, who, len);
+    scheme[len] = '\0';
+    for (const char *c = who; *c; c++) {
+        if ((unsigned char)*c <= ' ' || *c == 127) {
+            return false;
+        }
     }
-    return true;
+    return mu_name_valid(scheme);
 }
 
-/* Hands a letter over: FALSE when there is no room, else TRUE or the word that the answer bears. */
-static void post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
+static bool who_is_word(unsigned short type)
+{
+    return type == SYMBOL || type == STRING;
+}
+
+/* Several names, joined by commas. */
+static bool who_add_names(struct mu_text *to, const DATA_OBJECT *who)
+{
+    for (long i = who->begin; i <= who->end; i++) {
+        const struct field *f = &((struct multifield *)who->value)->theFields[i];
+        if (!who_is_word(f->type) || !mu_name_valid(ValueToString(f->value))) {
+            return false;
+        }
+        mu_text_add(to, to->len > 0 ? "," : "");
+        mu_text_add(to, ValueToString(f->value));
+    }
+    return to->len > 0;
+}
+
+const char *clips_post_who(void *env, const char *function, int index, const char *wanted)
+{
+    static char names[MU_DST_MAX + 1]; /* one thread, and the port copies it */
+    DATA_OBJECT who;
+    struct mu_text to;
+    bool good = false;
+    if (!clips_value_any(env, index, &who)) {
+        return NULL;
+    }
+    mu_text_init(&to, names, sizeof names);
+    if (who.type == MULTIFIELD) {
+        good = who_add_names(&to, &who);
+    } else if (who_is_word(who.type)) {
+        mu_text_add(&to, ValueToString(who.value));
+        good = mu_name_valid(names) || who_is_address(names);
+    }
+    if (!good || to.cut) {
+        clips_value_refuse(env, function, wanted);
+        return NULL;
+    }
+    return names;
+}
+
+void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
     bool taken = ports->send && ports->send(ports->self, letter) == MU_OK;
@@ -101,38 +154,45 @@ static void post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *
     }
 }
 
-/* The arguments from first on are the content of the letter. */
-static void post_letter(void *env, const char *function, struct mind_letter *letter, int first,
-                        DATA_OBJECT *out)
+/* Nothing is evaluated from here on, so that the text stays whole. */
+static void post_letter(void *env, const char *function, struct mind_letter *letter,
+                        const DATA_OBJECT *fields, DATA_OBJECT *out)
+{
+    struct mu_text content;
+    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    if (clips_post_content(env, function, fields, &content)) {
+        letter->content = content.at;
+        clips_post_hand(env, letter, out);
+    }
+}
+
+const char *clips_post_question(void *env, char *to, size_t size)
 {
     struct mind *m = clips_env_mind(env);
-    struct mu_text content;
-    mu_text_init(&content, m->scratch, MU_CONTENT_MAX + 1);
-    clips_value_bool(env, out, false);
-    if (post_arguments(env, function, first, &content)) {
-        letter->content = content.at;
-        post_hand(env, letter, out);
-    }
+    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
+    return to;
 }
 
 /* (FUNCTION WHO field...) */
 static void post_to(void *env, const char *function, const char *performative, bool asks,
                     DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
-    struct mind_letter letter = post_blank;
-    char question[MU_FIELD_MAX + 1] = "";
+    struct mind_letter letter = clips_post_blank;
+    char question[MU_FIELD_MAX + 1];
+    DATA_OBJECT fields;
     letter.performative = performative;
     clips_value_bool(env, out, false);
-    if (!post_name(env, function, 1, &letter.dst)) {
+    if (!clips_post_fields(env, function, 2, &fields)) {
+        return;
+    }
+    letter.dst = clips_post_who(env, function, 1, "the name of an agent, or several");
+    if (!letter.dst) {
         return;
     }
     if (asks) {
-        snprintf(question, sizeof question, "%s-%llu", m->options.name,
-                 (unsigned long long)++m->asked);
+        letter.reply_with = clips_post_question(env, question, sizeof question);
     }
-    letter.reply_with = question;
-    post_letter(env, function, &letter, 2, out);
+    post_letter(env, function, &letter, &fields, out);
 }
 
 void clips_post_send(void *env, DATA_OBJECT *out)
@@ -162,108 +222,71 @@ void clips_post_achieve(void *env, DATA_OBJECT *out)
 
 void clips_post_broadcast(void *env, DATA_OBJECT *out)
 {
-    struct mind_letter letter = post_blank;
-    letter.dst = "all";
-    post_letter(env, "broadcast", &letter, 1, out);
-}
-
-/* Where in a letter the value of each key of speak stands. */
-static const struct {
-    const char *key;
-    size_t offset;
-} post_keys[] = {
-    {"language", offsetof(struct mind_letter, language)},
-    {"ontology", offsetof(struct mind_letter, ontology)},
-    {"reply-with", offsetof(struct mind_letter, reply_with)},
-    {"in-reply-to", offsetof(struct mind_letter, in_reply_to)},
-    {"conversation", offsetof(struct mind_letter, conversation)},
-};
-
-static const char **post_key(struct mind_letter *letter, const char *key)
-{
-    for (size_t i = 0; i < sizeof post_keys / sizeof post_keys[0]; i++) {
-        if (strcmp(post_keys[i].key, key) == 0) {
-            return (const char **)((char *)letter + post_keys[i].offset);
-        }
-    }
-    return NULL;
-}
-
-/* reply-by SECONDS: how long the mail lives from now. */
-static bool post_reply_by(void *env, int index, struct mind_letter *letter)
-{
-    double until_s;
-    if (!clips_value_number(env, "speak", index, &until_s)) {
-        return false;
-    }
-    double now_s = (double)clips_env_mind(env)->percept.time_ns * 1e-9;
-    if (!(until_s > now_s && until_s < now_s + 1e9)) {
-        clips_value_refuse(env, "speak", "a time in the future behind reply-by");
-        return false;
-    }
-    letter->ttl_ns = (uint64_t)((until_s - now_s) * 1e9);
-    return true;
-}
-
-static bool post_key_value(void *env, int index, struct mind_letter *letter)
-{
-    const char *key;
-    if (!clips_value_word(env, "speak", index, &key)) {
-        return false;
-    }
-    if (strcmp(key, "reply-by") == 0) {
-        return post_reply_by(env, index + 1, letter);
-    }
-    const char **value = post_key(letter, key);
-    if (!value) {
-        clips_value_refuse(env, "speak",
-                           "pairs of a value and one of these keys: language ontology reply-with "
-                           "in-reply-to reply-by conversation");
-        return false;
-    }
-    if (!clips_value_word(env, "speak", index + 1, value)) {
-        return false;
-    }
-    if (strlen(*value) > MU_FIELD_MAX) {
-        clips_value_refuse(env, "speak", "words of at most 63 bytes");
-        return false;
-    }
-    return true;
-}
-
-void clips_post_speak(void *env, DATA_OBJECT *out)
-{
-    struct mind_letter letter = post_blank;
-    struct mu_text content;
+    struct mind_letter letter = clips_post_blank;
     DATA_OBJECT fields;
-    int count = EnvRtnArgCount(env);
     clips_value_bool(env, out, false);
-    if (count % 2 == 0) {
-        clips_value_refuse(env, "speak",
-                           "a performative, a name, a content and pairs of key, value");
+    letter.dst = "all";
+    if (clips_post_fields(env, "broadcast", 1, &fields)) {
+        post_letter(env, "broadcast", &letter, &fields, out);
+    }
+}
+
+/* (FUNCTION NAME field...): to SCHEME:NAME */
+static void post_scheme(void *env, const char *function, const char *scheme, const char *wanted,
+                        DATA_OBJECT *out)
+{
+    char to[MU_FIELD_MAX + 1];
+    struct mind_letter letter = clips_post_blank;
+    const char *name;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, function, 2, &fields) ||
+        !clips_value_word(env, function, 1, &name)) {
         return;
     }
-    if (!clips_value_word(env, "speak", 1, &letter.performative) ||
-        !post_name(env, "speak", 2, &letter.dst) || !clips_value_any(env, 3, &fields)) {
+    if (!mu_name_valid(name)) {
+        clips_value_refuse(env, function, wanted);
         return;
     }
-    for (int i = 4; i < count; i += 2) {
-        if (!post_key_value(env, i, &letter)) {
-            return;
-        }
-    }
-    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
-    bool raw = strcmp(letter.language, "clips") != 0 && fields.type == STRING;
-    if (raw) { /* a text in another language goes as it is */
-        mu_text_add(&content, ValueToString(fields.value));
-    }
-    if (strlen(letter.performative) > MU_FIELD_MAX || (!raw && !post_value(&content, &fields)) ||
-        content.cut) {
-        clips_value_refuse(env, "speak", "a content of symbols, strings and finite numbers");
+    snprintf(to, sizeof to, "%s:%s", scheme, name);
+    letter.dst = to;
+    post_letter(env, function, &letter, &fields, out);
+}
+
+void clips_post_group_send(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "group-send", "group", "the name of a group", out);
+}
+
+void clips_post_send_role(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "send-role", "role", "the name of a role", out);
+}
+
+void clips_post_send_task(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "send-task", "task", "the name of a task", out);
+}
+
+/* Rules have millimetres, addresses metres. */
+void clips_post_send_near(void *env, DATA_OBJECT *out)
+{
+    char to[MU_FIELD_MAX + 1];
+    struct mind_letter letter = clips_post_blank;
+    double distance_mm;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, "send-near", 2, &fields) ||
+        !clips_value_number(env, "send-near", 1, &distance_mm)) {
         return;
     }
-    letter.content = content.at;
-    post_hand(env, &letter, out);
+    if (!isfinite(distance_mm) || distance_mm < 0) {
+        clips_value_refuse(env, "send-near", "a distance in mm, 0 or more");
+        return;
+    }
+    snprintf(to, sizeof to, "near:%.15g", distance_mm / 1000);
+    letter.dst = to;
+    post_letter(env, "send-near", &letter, &fields, out);
 }
 
 /* The text of a mail fact's slot, "" for nil. */
@@ -275,77 +298,108 @@ static const char *post_slot(const struct fact *f, size_t index)
     return strcmp(text, "nil") == 0 ? "" : text;
 }
 
+static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct mind_letter *letter)
+{
+    enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
+    const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
+    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(post_slot(f, FROM))) {
+        return false;
+    }
+    const struct field *layer = &f->theProposition.theFields[LAYER];
+    double number = clips_value_of(layer->type, layer->value);
+    letter->dst = post_slot(f, FROM);
+    letter->ontology = post_slot(f, ONTOLOGY);
+    letter->in_reply_to = post_slot(f, REPLY_WITH);
+    letter->conversation = post_slot(f, CONVERSATION);
+    letter->layer = number >= 1 && number <= UINT32_MAX ? (uint32_t)number : 0;
+    return true;
+}
+
+/* A handler of a layer has no fact yet: it names the mail by its number. */
+static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
+                             struct mind_letter *letter)
+{
+    const struct mind_mail *handled = m->handled;
+    if (!handled || mail->type != INTEGER ||
+        (uint64_t)((const struct integerHashNode *)mail->value)->contents != handled->id) {
+        return false;
+    }
+    letter->dst = handled->src;
+    letter->ontology = handled->ontology;
+    letter->in_reply_to = handled->reply_with;
+    letter->conversation = handled->conversation;
+    letter->layer = handled->layer;
+    return true;
+}
+
 void clips_post_reply(void *env, DATA_OBJECT *out)
 {
-    enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8 };
-    struct mind *m = clips_env_mind(env);
-    struct mind_letter letter = post_blank;
+    const struct mind *m = clips_env_mind(env);
+    struct mind_letter letter = clips_post_blank;
     DATA_OBJECT mail;
+    DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_value_any(env, 1, &mail)) {
+    if (!clips_post_fields(env, "reply", 2, &fields) || !clips_value_any(env, 1, &mail)) {
         return;
     }
-    const struct fact *f = mail.type == FACT_ADDRESS ? mail.value : NULL;
-    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(post_slot(f, FROM))) {
+    letter.performative = "tell";
+    if (!reply_to_fact(m, &mail, &letter) && !reply_to_handled(m, &mail, &letter)) {
         clips_value_refuse(env, "reply", "a mail fact and fields");
         return;
     }
-    letter.dst = post_slot(f, FROM);
-    letter.performative = "tell";
-    letter.ontology = post_slot(f, ONTOLOGY);
-    letter.in_reply_to = post_slot(f, REPLY_WITH);
-    letter.conversation = post_slot(f, CONVERSATION);
-    post_letter(env, "reply", &letter, 2, out);
+    post_letter(env, "reply", &letter, &fields, out);
 }
 
-/* WHO: a name, or a multifield of names, joined by commas. */
-static bool post_who(void *env, struct mu_text *to)
+/* A group's own name will do where no agent bears it.  @return whether it is such a name */
+static bool you_do_group(const struct mind *m, const char *name)
 {
-    DATA_OBJECT who;
-    if (!clips_value_any(env, 1, &who)) {
+    const struct mind_ports *ports = &m->options.ports;
+    struct mind_member member;
+    const char *group;
+    if (!mu_name_valid(name) || mu_name_reserved(name) || !ports->entry ||
+        (ports->lookup && ports->lookup(ports->self, name, &member) == MU_OK)) {
         return false;
     }
-    bool single = who.type != MULTIFIELD;
-    bool good = single || who.begin <= who.end;
-    for (long i = single ? 0 : who.begin; good && i <= (single ? 0 : who.end); i++) {
-        struct field f = {.type = who.type, .value = who.value};
-        if (!single) {
-            f = ((struct multifield *)who.value)->theFields[i];
-        }
-        bool word = f.type == SYMBOL || f.type == STRING;
-        good = word && mu_name_valid(ValueToString(f.value));
-        if (good) {
-            mu_text_add(to, to->len > 0 ? "," : "");
-            mu_text_add(to, ValueToString(f.value));
+    for (size_t i = 0; (group = ports->entry(ports->self, MIND_GROUPS, "", i)) != NULL; i++) {
+        if (strcmp(group, name) == 0) {
+            return true;
         }
     }
-    if (!good || to->cut) {
-        clips_value_refuse(env, "you-do", "a name or a multifield of names, a command, its fields");
-    }
-    return good && !to->cut;
+    return false;
 }
 
 void clips_post_you_do(void *env, DATA_OBJECT *out)
 {
-    static char names[4096]; /* one thread, and the port copies it */
-    struct mind_letter letter = post_blank;
-    struct mu_text to;
+    static const char wanted[] = "a name, a group or a multifield of names, a command, its fields";
+    char group[MU_FIELD_MAX + 1];
+    struct mind *m = clips_env_mind(env);
+    struct mind_letter letter = clips_post_blank;
     struct mu_text line;
-    const char *command;
+    DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    mu_text_init(&to, names, sizeof names);
-    mu_text_init(&line, clips_env_mind(env)->scratch, MU_CONTENT_MAX);
-    if (!post_who(env, &to) || !clips_value_word(env, "you-do", 2, &command)) {
+    if (!clips_post_fields(env, "you-do", 2, &fields)) {
         return;
     }
+    letter.dst = clips_post_who(env, "you-do", 1, wanted);
+    if (!letter.dst) {
+        return;
+    }
+    if (fields.end < 0 || !who_is_word(((struct multifield *)fields.value)->theFields[0].type)) {
+        clips_value_refuse(env, "you-do", wanted);
+        return;
+    }
+    if (you_do_group(m, letter.dst)) {
+        snprintf(group, sizeof group, "group:%s", letter.dst);
+        letter.dst = group;
+    }
+    mu_text_init(&line, m->scratch, MU_CONTENT_MAX);
     mu_text_add(&line, "(");
-    if (!post_arguments(env, "you-do", 2, &line)) {
+    if (!clips_post_content(env, "you-do", &fields, &line)) {
         return;
     }
     mu_text_add(&line, ")");
-    letter.dst = to.at;
     letter.directive = true;
     letter.performative = "do";
     letter.content = line.at;
-    post_hand(env, &letter, out);
+    clips_post_hand(env, &letter, out);
 }

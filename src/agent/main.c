@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-robot: one robot's controller, with a CLIPS mind between its senses and its motors. */
 #include "agent/mind.h"
+#include "agent/pages.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/name.h"
@@ -8,6 +9,7 @@
 #include "core/options.h"
 #include "core/paths.h"
 #include "muster/muster.h"
+#include "runtime/kind.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -33,7 +35,8 @@ struct robot {
     mu_agent *agent;
     bool refused;
     bool box_full;  /* said once */
-    uint64_t mails; /* that have come */
+    uint64_t mails; /* that the rules have seen */
+    bool numbered;  /* the mail at hand is among them */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
     char print[PRINT_MAX]; /* a line that rules have begun */
@@ -121,6 +124,10 @@ static mu_result port_send(void *self, const struct mind_letter *letter)
                            .in_reply_to = letter->in_reply_to,
                            .conversation = letter->conversation,
                            .content = letter->content,
+                           .layer = letter->layer,
+                           .priority = letter->priority,
+                           .level = letter->level,
+                           .reply_by_ns = letter->reply_by_ns,
                            .ttl_ns = letter->ttl_ns};
     return mu_agent_send(r->agent, &mail, NULL);
 }
@@ -153,6 +160,19 @@ static mu_result port_listing(void *self, size_t index, struct mind_member *out)
     }
     member_fill(out, member);
     return MU_OK;
+}
+
+static mu_result port_change(void *self, enum mind_change change, const char *name,
+                             const char *attributes)
+{
+    struct robot *r = self;
+    return pages_change(r->agent, change, name, attributes);
+}
+
+static const char *port_entry(void *self, enum mind_list list, const char *of, size_t index)
+{
+    struct robot *r = self;
+    return pages_entry(r->process, list, of, index);
 }
 
 /* One write, so that the lines of robots that share a terminal do not mix. */
@@ -211,7 +231,7 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
         return;
     }
     struct mu_mail mail = {.dst = refused->src,
-                           .layer = MU_LAYER_SPEECH,
+                           .layer = refused->layer,
                            .performative = "failure",
                            .in_reply_to = refused->reply_with,
                            .conversation = refused->conversation,
@@ -221,20 +241,47 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
     }
 }
 
-static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+/* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
+static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
+{
+    return (struct mind_mail){.id = id,
+                              .src = mail->src,
+                              .performative = mail->performative,
+                              .language = mail->language,
+                              .ontology = mail->ontology,
+                              .reply_with = mail->reply_with,
+                              .in_reply_to = mail->in_reply_to,
+                              .conversation = mail->conversation,
+                              .content = mail->content,
+                              .layer = mail->layer};
+}
+
+/* What rules have said of a layer comes before what a robot does by itself. */
+static enum mu_take take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
-    /* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
-    struct mind_mail letter = {.id = ++r->mails,
-                               .src = mail->src,
-                               .performative = mail->performative,
-                               .language = mail->language,
-                               .ontology = mail->ontology,
-                               .reply_with = mail->reply_with,
-                               .in_reply_to = mail->in_reply_to,
-                               .conversation = mail->conversation,
-                               .content = mail->content};
+    r->numbered = mind_has_layer(r->mind, mail->layer);
+    if (!r->numbered) {
+        return MU_PASS;
+    }
+    struct mind_mail letter = letter_of(mail, ++r->mails);
+    return mind_handle(r->mind, &letter) ? MU_TAKEN : MU_PASS;
+}
+
+/* What no kind takes: layers 1 to 3 have asked the rules already, higher ones have not. */
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    struct robot *r = self;
+    if (mail->layer > MU_LAYER_SPEECH && take_by_rules(self, a, mail) != MU_PASS) {
+        return;
+    }
+    struct mind_mail letter = letter_of(mail, r->mails);
+    if (!mind_understands(r->mind, &letter)) {
+        kind_not_understood(a, mail);
+        return;
+    }
+    letter.id = r->numbered ? r->mails : ++r->mails;
     if (mind_take_mail(r->mind, &letter) == MU_FULL) {
         mail_refuse(r, mail);
     }
@@ -258,21 +305,85 @@ static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
     }
 }
 
-/* What this robot knows, for whoever asks. */
+/* What this robot knows, for whoever asks: all facts, or those of the relation that is named. */
 static enum mu_take take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
     struct mu_text answer;
     mu_text_init(&answer, r->answer, sizeof r->answer);
-    bool done = mind_line(r->mind, "(facts)", &answer) == MU_OK;
+    bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
     line_answer(r, mail, done);
     return MU_TAKEN;
 }
 
-static const struct mu_layer_handler robot_handlers[] = {{MU_LAYER_QUERY, "facts", take_facts},
-                                                         {0, NULL, NULL}};
-static const struct mu_agent_kind robot_kind = {.name = "robot", .handlers = robot_handlers};
+/* --- its life --------------------------------------------------------------------------------- */
+
+static void on_create(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_CREATE);
+}
+
+static void on_run(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_RUN);
+}
+
+static void on_arrive(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_ARRIVE);
+}
+
+static void on_clone(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_CLONE);
+}
+
+/* There is no next step: the rules fire once more, and what they send still goes out. */
+static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
+{
+    struct mind_act act;
+    mind_event_now(r->mind, event, &act);
+    mu_agent_fired(a, act.firings, act.rules);
+}
+
+static void on_leave(void *self, mu_agent *a)
+{
+    fire_last(self, a, MU_ON_LEAVE);
+}
+
+static void on_dispose(void *self, mu_agent *a)
+{
+    fire_last(self, a, MU_ON_DISPOSE);
+}
+
+static const struct mu_layer_handler robot_handlers[] = {
+    {MU_LAYER_SYSTEM, NULL, take_by_rules},
+    {MU_LAYER_QUERY, NULL, take_by_rules},
+    {MU_LAYER_SPEECH, NULL, take_by_rules},
+    {MU_LAYER_QUERY, "facts", take_facts},
+    {0, NULL, NULL},
+};
+static const struct mu_agent_kind robot_kind = {.name = "robot",
+                                                .handlers = robot_handlers,
+                                                .hooks = {[MU_ON_CREATE] = on_create,
+                                                          [MU_ON_RUN] = on_run,
+                                                          [MU_ON_ARRIVE] = on_arrive,
+                                                          [MU_ON_LEAVE] = on_leave,
+                                                          [MU_ON_CLONE] = on_clone,
+                                                          [MU_ON_DISPOSE] = on_dispose}};
+
+static void on_refusal(void *self, mu_agent *a, const char *change, const char *reason)
+{
+    struct robot *r = self;
+    mu_log(MU_LOG_INFO, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a), change,
+           reason);
+    mind_refused(r->mind, change, reason);
+}
 
 static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
@@ -379,6 +490,8 @@ static mu_result mind_make(struct robot *r, const struct settings *set)
                                              .send = port_send,
                                              .lookup = port_lookup,
                                              .listing = port_listing,
+                                             .change = port_change,
+                                             .entry = port_entry,
                                              .print = port_print}};
     struct mu_fault fault;
     mu_result made = mind_open(&r->mind, &options, &fault);
@@ -405,7 +518,8 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
                                    .on_directive = on_directive,
                                    .on_state = on_state,
                                    .on_step = on_step,
-                                   .on_act = on_act};
+                                   .on_act = on_act,
+                                   .on_refusal = on_refusal};
     MU_TRY(mu_agent_join(r->process, &r->agent, set->name, MU_KIND_ROBOT, 0, &handlers));
     mu_agent_be(r->agent, &robot_kind);
     return mu_process_await_broker(r->process, BROKER_PATIENCE_NS);
@@ -439,9 +553,9 @@ int main(int argc, char **argv)
     }
     mu_memory_seal();
     mu_result ran = mu_process_run(r->process);
+    mu_process_close(r->process);
     if (r->print_len > 0) {
         print_flush(r);
     }
-    mu_process_close(r->process);
     return r->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
 }

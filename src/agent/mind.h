@@ -11,6 +11,7 @@
 
 #include "core/fault.h"
 #include "core/text.h"
+#include "muster/kind.h"
 #include "muster/result.h"
 
 #include <stdbool.h>
@@ -33,16 +34,37 @@ struct mind_mail {
     const char *performative, *language, *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content; /* in its language; "clips": fields as CLIPS prints them */
+    uint32_t layer;      /* enum mu_layer, or a higher one; 0: MU_LAYER_SPEECH */
 };
 
 /* A mail that rules send.  The strings live until the port returns. */
 struct mind_letter {
-    const char *dst; /* an agent's name, or "all" */
+    const char *dst; /* as in struct mu_mail */
     bool directive;  /* (you-do ...): performative "do", content a CLIPS line */
     const char *performative, *language, *ontology;
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
-    uint64_t ttl_ns; /* (reply-by): of no use to anybody when so old; 0: never */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t ttl_ns;      /* of no use to anybody when so old; 0: never */
+    uint32_t layer;       /* 0: MU_LAYER_SPEECH */
+    enum mu_priority priority;
+    enum mu_level level;
+};
+
+/* What rules change in the groups and the yellow pages. */
+enum mind_change {
+    MIND_GROUP_CREATE,
+    MIND_GROUP_JOIN,
+    MIND_GROUP_LEAVE,
+    MIND_ADVERTISE,
+    MIND_WITHDRAW
+};
+
+/* What rules ask of them. */
+enum mind_list {
+    MIND_GROUPS,   /* all groups */
+    MIND_MEMBERS,  /* the members of a group */
+    MIND_PROVIDERS /* the agents that a query finds */
 };
 
 /* A line of the white pages. */
@@ -62,6 +84,11 @@ struct mind_ports {
     mu_result (*lookup)(void *self, const char *name, struct mind_member *out);
     /** The index-th line of the white pages in order of name.  MU_OK, or MU_DONE past the last. */
     mu_result (*listing)(void *self, size_t index, struct mind_member *out);
+    /** Begins a change of a group or service.  MU_OK; MU_FULL: no room, nothing was begun. */
+    mu_result (*change)(void *self, enum mind_change change, const char *name,
+                        const char *attributes);
+    /** The index-th name of a list; of: the group, or the query.  NULL past the last. */
+    const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
 };
@@ -107,7 +134,8 @@ MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_faul
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
 
-/** Replaces the percept facts; ages and removes message facts.  Opens a control step. */
+/** Replaces the percept facts; events become facts; message facts age and go.  Opens a control
+ * step. */
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
 /**
@@ -122,6 +150,39 @@ void mind_percept(struct mind *m, const struct mind_percept *percept);
  *         all the same
  */
 MU_MUST_USE mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail);
+
+/** @return whether rules have a handler of that layer: (on-layer) */
+bool mind_has_layer(const struct mind *m, uint32_t layer);
+
+/**
+ * Hands a mail to the rules' handlers of its layer, the youngest first, until one takes it.
+ *
+ * @return whether one has
+ */
+bool mind_handle(struct mind *m, const struct mind_mail *mail);
+
+/**
+ * @return whether a mail that no handler took is one for mind_take_mail: an answer; a speech act
+ *         whose performative is empty, KQML's or FIPA's; any of a higher layer with a handler
+ */
+bool mind_understands(const struct mind *m, const struct mind_mail *mail);
+
+/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens. */
+void mind_event(struct mind *m, enum mu_event event);
+
+/** The same at once, for what cannot wait: rules fire once more, outside of a step. */
+void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act);
+
+/** The broker refused a change: (event refused group-create scouts group-exists). */
+void mind_refused(struct mind *m, const char *change, const char *reason);
+
+/**
+ * Lists facts as (facts) does, as many as fit.
+ *
+ * @param relation  the template whose facts are wanted; "": all facts
+ * @return MU_OK, or MU_ABSENT: no fact of that name was ever there, and out says so
+ */
+mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out);
 
 /** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
 void mind_fire(struct mind *m, struct mind_act *act);

@@ -25,7 +25,7 @@
 ; line: (send nobody hello)
 ; expect: FALSE
 ; line: (send "not a name" hello)
-; expect: [MUSTER1] Function send expected the name of an agent
+; expect: [MUSTER1] Function send expected the name of an agent, or several
 ; expect: FALSE
 ; expect: refused
 ; line: (send)
@@ -57,10 +57,10 @@
 ; expect: mail red inform ontology=maze reply-with=q conversation=c1 "x 1"
 ; expect: q
 ; line: (speak inform red "as it is" language plain in-reply-to z reply-by 9.0)
-; expect: mail red inform language=plain in-reply-to=z ttl=9.0 "as it is"
+; expect: mail red inform language=plain in-reply-to=z reply-by=9.0 ttl=9.0 "as it is"
 ; expect: TRUE
 ; line: (speak inform red x colour blue)
-; expect: [MUSTER1] Function speak expected pairs of a value and one of these keys: language ontology reply-with in-reply-to reply-by conversation
+; expect: [MUSTER1] Function speak expected pairs of a value and one of these keys: language ontology reply-with in-reply-to reply-by conversation layer priority level
 ; expect: FALSE
 ; expect: refused
 ; line: (speak inform red x ontology)
@@ -82,11 +82,11 @@
 ; expect: do red "(eval "(exit)" "a) (b")"
 ; expect: TRUE
 ; line: (you-do 3 wander)
-; expect: [MUSTER1] Function you-do expected a name or a multifield of names, a command, its fields
+; expect: [MUSTER1] Function you-do expected a name, a group or a multifield of names, a command, its fields
 ; expect: FALSE
 ; expect: refused
 ; line: (you-do (create$) wander)
-; expect: [MUSTER1] Function you-do expected a name or a multifield of names, a command, its fields
+; expect: [MUSTER1] Function you-do expected a name, a group or a multifield of names, a command, its fields
 ; expect: FALSE
 ; expect: refused
 ;

@@ -8,17 +8,23 @@
  *   ; mail: red mate-pos red 1.0 2.0  arrives in the next step
  *   ; speech: ask-one q1 red what     the same with a performative and a reply-with
  *   ; text: red plain any words       the same in another language than clips
+ *   ; layer: 4 cfp q1 red price       the same in a layer, with a performative and a reply-with
+ *   ; event: on-run                   happens to the robot
+ *   ; refused: group-create north group-exists   what the broker says to a change
  *   ; step: x=100 heading=90 sonar=5000 s3=400 stalled=1   one control step; mm, deg; values stay
  *   ; steps: 50                       so many
  *   ; line: (follow red)              what a person types
+ *   ; facts: goal                     what another agent asks for; no word: all facts
  *   ; acts: on                        each step also says why it ended and which rules fired
  *   ; expect: text                    the next line of output
  *
- * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `mail TO "content"`
- * and `do WHO "line"`.  The file is loaded over the library as a robot's rule file, then its
- * comments are done in order.  Output that no expect: names is a failure.
+ * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `mail TO "content"`,
+ * `do WHO "line"`, `change WHAT NAME "attributes"`, and what becomes of a mail that is not kept.
+ * The file is loaded over the library as a robot's rule file, then its comments are done in order.
+ * Output that no expect: names is a failure.
  */
 #include "agent/mind.h"
+#include "core/attributes.h"
 #include "muster/limits.h"
 
 #include <math.h>
@@ -33,6 +39,7 @@ static const double deg = 180 / 3.14159265358979323846;
 struct waiting {
     char from[64], performative[64], reply_with[64], language[64];
     char content[LINE_MAX_BYTES];
+    uint32_t layer;
 };
 
 struct bench {
@@ -109,6 +116,19 @@ static mu_result post(void *self, const struct mind_letter *letter)
             mu_text_format(&t, " %s%s", parts[i][0], parts[i][1]);
         }
     }
+    static const char *const levels[] = {"ram", "logged", "synced"};
+    if (letter->layer && letter->layer != MU_LAYER_SPEECH) {
+        mu_text_format(&t, " layer=%u", (unsigned)letter->layer);
+    }
+    if (letter->priority) {
+        mu_text_format(&t, " priority=%d", letter->priority);
+    }
+    if (letter->level) {
+        mu_text_format(&t, " level=%s", levels[letter->level]);
+    }
+    if (letter->reply_by_ns) {
+        mu_text_format(&t, " reply-by=%.1f", (double)letter->reply_by_ns * 1e-9);
+    }
     if (letter->ttl_ns) {
         mu_text_format(&t, " ttl=%.1f", (double)letter->ttl_ns * 1e-9);
     }
@@ -143,6 +163,63 @@ static mu_result lookup(void *self, const char *name, struct mind_member *out)
         }
     }
     return MU_ABSENT;
+}
+
+/* Its groups, and its yellow pages in order of service and agent. */
+static const char *const group_members[][2] = {
+    {"north", "blue"}, {"north", "red"}, {"scouts", "green"}};
+static const char *const group_names[] = {"north", "scouts"};
+static const char *const offers[][3] = {{"camera", "green", "x=1 y=2"},
+                                        {"mapper", "green", "role=scout battery=0.8"},
+                                        {"mapper", "red", "role=digger battery=0.4 x=5 y=5"}};
+
+static const char *provider(const char *text, size_t index)
+{
+    struct mu_query query;
+    size_t found = 0;
+    if (mu_attributes_query(&query, text) != MU_OK) {
+        return NULL;
+    }
+    for (size_t i = 0; i < sizeof offers / sizeof offers[0]; i++) {
+        if (mu_attributes_match(&query, offers[i][0], offers[i][2]) && found++ == index) {
+            return offers[i][1];
+        }
+    }
+    return NULL;
+}
+
+static const char *entry(void *self, enum mind_list list, const char *of, size_t index)
+{
+    (void)self;
+    size_t found = 0;
+    if (list == MIND_PROVIDERS) {
+        return provider(of, index);
+    }
+    if (list == MIND_GROUPS) {
+        return index < sizeof group_names / sizeof group_names[0] ? group_names[index] : NULL;
+    }
+    for (size_t i = 0; i < sizeof group_members / sizeof group_members[0]; i++) {
+        if (strcmp(group_members[i][0], of) == 0 && found++ == index) {
+            return group_members[i][1];
+        }
+    }
+    return NULL;
+}
+
+static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes)
+{
+    static const char *const words[] = {"group-create", "group-join", "group-leave", "advertise",
+                                        "withdraw"};
+    char bytes[LINE_MAX_BYTES];
+    struct mu_text t;
+    if (strcmp(name, "nobody") == 0) {
+        return MU_FULL;
+    }
+    mu_text_init(&t, bytes, sizeof bytes);
+    mu_text_format(&t, "change %s %s \"%s\"", words[what], name, attributes);
+    out_flush(self);
+    out_line(self, t.at);
+    return MU_OK;
 }
 
 static void complain(struct bench *b, const char *want, const char *got)
@@ -194,22 +271,39 @@ static void show_act(struct bench *b, const struct mind_act *act)
     }
 }
 
+/* As a robot does; what it knows of layers 1 and 2 by itself is not here. */
+static void receive(struct bench *b, const struct mind_mail *mail)
+{
+    if (mind_handle(b->mind, mail)) {
+        return;
+    }
+    if (!mind_understands(b->mind, mail)) {
+        out_flush(b);
+        out_line(b, "not understood");
+    } else if (mind_take_mail(b->mind, mail) != MU_OK) {
+        out_line(b, "mail refused");
+    }
+}
+
 static void step(struct bench *b)
 {
     struct mind_act act;
-    struct mind_percept p = {
-        .time_ns = b->steps++ * MU_STEP_NS, .x_m = b->x_mm / 1000, .y_m = b->y_mm / 1000,
-        .heading_rad = b->heading_deg / deg, .forward_m_s = b->speed_mm_s / 1000,
-        .turn_rad_s = b->turn_deg_s / deg, .stalled = b->stalled, .sonar_count = SONARS,
-        .sonar_m = b->sonar_m};
+    struct mind_percept p = {.time_ns = b->steps++ * MU_STEP_NS,
+                             .x_m = b->x_mm / 1000,
+                             .y_m = b->y_mm / 1000,
+                             .heading_rad = b->heading_deg / deg,
+                             .forward_m_s = b->speed_mm_s / 1000,
+                             .turn_rad_s = b->turn_deg_s / deg,
+                             .stalled = b->stalled,
+                             .sonar_count = SONARS,
+                             .sonar_m = b->sonar_m};
     mind_percept(b->mind, &p);
     for (size_t i = 0; i < b->mail_count; i++) {
         const struct waiting *w = &b->mails[i];
-        struct mind_mail mail = {++b->mail_id, w->from, w->performative, w->language, "",
-                                 w->reply_with, "", "", w->content};
-        if (mind_take_mail(b->mind, &mail) != MU_OK) {
-            out_line(b, "mail refused");
-        }
+        struct mind_mail mail = {
+            ++b->mail_id, w->from, w->performative, w->language, "", w->reply_with,
+            "",           "",      w->content,      w->layer};
+        receive(b, &mail);
     }
     b->mail_count = 0;
     mind_fire(b->mind, &act);
@@ -299,6 +393,57 @@ static void do_speech(struct bench *b, const char *text)
     mu_text_copy(w->content, sizeof w->content, cut_word(text, w->from, sizeof w->from));
 }
 
+static void do_layer(struct bench *b, const char *text)
+{
+    char *rest;
+    struct waiting *w = new_mail(b);
+    w->layer = (uint32_t)strtoul(text, &rest, 10);
+    text = cut_word(rest + (*rest == ' '), w->performative, sizeof w->performative);
+    text = cut_word(text, w->reply_with, sizeof w->reply_with);
+    mu_text_copy(w->content, sizeof w->content, cut_word(text, w->from, sizeof w->from));
+}
+
+/* What cannot wait for a step does not. */
+static void do_event(struct bench *b, const char *text)
+{
+    static const char *const names[MU_EVENTS] = {"on-create", "on-run",   "on-arrive",
+                                                 "on-leave",  "on-clone", "on-dispose"};
+    struct mind_act act;
+    for (size_t i = 0; i < MU_EVENTS; i++) {
+        if (strcmp(names[i], text) != 0) {
+            continue;
+        }
+        if (i == MU_ON_LEAVE || i == MU_ON_DISPOSE) {
+            mind_event_now(b->mind, (enum mu_event)i, &act);
+        } else {
+            mind_event(b->mind, (enum mu_event)i);
+        }
+        return;
+    }
+    complain(b, "an event", text);
+}
+
+static void do_refused(struct bench *b, const char *text)
+{
+    char words[64];
+    const char *last = strrchr(text, ' ');
+    snprintf(words, sizeof words, "%.*s", last ? (int)(last - text) : 0, text);
+    mind_refused(b->mind, words, last ? last + 1 : "");
+}
+
+static void do_facts(struct bench *b, const char *text)
+{
+    static char bytes[LINES_MAX * 64];
+    struct mu_text out;
+    mu_text_init(&out, bytes, sizeof bytes);
+    mu_result r = mind_facts(b->mind, text, &out);
+    out_print(b, bytes);
+    out_flush(b);
+    if (r != MU_OK) {
+        out_line(b, "refused");
+    }
+}
+
 static void do_text(struct bench *b, const char *text)
 {
     struct waiting *w = new_mail(b);
@@ -333,7 +478,8 @@ static const struct {
     void (*call)(struct bench *b, const char *text);
 } directives[] = {{"step", do_step},     {"steps", do_steps}, {"mail", do_mail},
                   {"speech", do_speech}, {"text", do_text},   {"line", do_line},
-                  {"acts", do_acts}};
+                  {"layer", do_layer},   {"event", do_event}, {"refused", do_refused},
+                  {"facts", do_facts},   {"acts", do_acts}};
 
 /* One line of the file; a comment that is a directive is done. */
 static void do_file_line(struct bench *b, const char *line)
@@ -401,10 +547,13 @@ static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
     if (options && strstr(options, "budget=")) {
         budget = (unsigned)strtoul(strstr(options, "budget=") + 7, NULL, 10);
     }
-    struct mind_options o = {.name = "blue", .seed = 1, .rules_folder = library ? "rules" : NULL,
-                             .firings_max = budget, .forward_max_m_s = 0.5,
+    struct mind_options o = {.name = "blue",
+                             .seed = 1,
+                             .rules_folder = library ? "rules" : NULL,
+                             .firings_max = budget,
+                             .forward_max_m_s = 0.5,
                              .turn_max_rad_s = 90 / deg,
-                             .ports = {b, post, lookup, listing, out_print}};
+                             .ports = {b, post, lookup, listing, change, entry, out_print}};
     mu_result r = mind_open(&b->mind, &o, fault);
     minds[mind_count++] = b->mind;
     return r == MU_OK ? mind_load(b->mind, b->file, fault) : r;

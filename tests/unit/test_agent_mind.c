@@ -91,7 +91,7 @@ static void sense(struct mind *m)
 
 static mu_result take_mail(struct mind *m, uint64_t id, const char *content)
 {
-    struct mind_mail mail = {id, "red", "", "", "", "", "", "", content};
+    struct mind_mail mail = {id, "red", "", "", "", "", "", "", content, 0};
     return mind_take_mail(m, &mail);
 }
 
