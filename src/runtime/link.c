@@ -12,6 +12,10 @@
 /* So long a process listens before it chooses, unless it hears of the best there can be. */
 static const uint64_t SETTLE_NS = 100000000;
 
+/* A broker that has not answered for so long is asked again.  More than it waits for a name that
+ * another process holds. */
+static const uint64_t ANSWER_NS = 2000000000;
+
 /* Who was not here for so long has missed heartbeats and listens for one more before it believes in
  * a silence. */
 static const uint64_t ABSENCE_NS = 500000000;
@@ -40,8 +44,17 @@ static void beacons_take(struct link *l)
     }
 }
 
-/* Goes to a broker: another one, or another life of the same.  A higher incarnation of the agents
- * makes it answer, even if it knows them from before and has never missed them. */
+/* Says all agents.  A later life of the same broker answers of itself: it has heard them for the
+ * first time.  Another broker may know them from before, and not have missed them: a higher
+ * incarnation makes it answer, though it forgets what it had to tell them. */
+static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
+{
+    p->incarnation = anew ? mu_clock_wall_ns() : p->incarnation;
+    p->link.asked_ns = now_ns;
+    process_register(p);
+}
+
+/* Goes to a broker: another one, or another life of the same. */
 static mu_result broker_enter(mu_process *p, const struct choice_broker *to)
 {
     struct link *l = &p->link;
@@ -59,7 +72,38 @@ static mu_result broker_enter(mu_process *p, const struct choice_broker *to)
     }
     l->incarnation = to->incarnation;
     l->silent = false;
-    process_register(p);
+    agents_say(p, is_other, mu_clock_ns());
+    return MU_OK;
+}
+
+bool link_is_ours(mu_process *p, const muster_Delivery *d)
+{
+    struct link *l = &p->link;
+    if (d->broker_incarnation == l->incarnation) {
+        return true;
+    }
+    if (p->in_lockstep || d->broker_incarnation < l->incarnation ||
+        strcmp(d->broker, l->broker) != 0) {
+        return false;
+    }
+    l->incarnation = d->broker_incarnation;
+    choice_follow(&l->choice, l->broker, l->incarnation);
+    agents_say(p, false, mu_clock_ns());
+    return true;
+}
+
+/* The broker is there: if it has missed us, our next heartbeat tells it. */
+static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uint64_t now_ns)
+{
+    struct link *l = &p->link;
+    l->silent = false;
+    if (now->incarnation != l->incarnation) {
+        return broker_enter(p, now);
+    }
+    bool answered = p->broker_incarnation == l->incarnation || p->agent_count == 0;
+    if (!answered && now_ns - l->asked_ns > ANSWER_NS) {
+        agents_say(p, true, now_ns);
+    }
     return MU_OK;
 }
 
@@ -87,8 +131,7 @@ mu_result link_look(mu_process *p)
     }
     const struct choice_broker *now = choice_find(&l->choice, l->broker);
     if (now && now->there) {
-        l->silent = false; /* if it has missed us, our next heartbeat tells it */
-        return now->incarnation != l->incarnation ? broker_enter(p, now) : MU_OK;
+        return broker_keep(p, now, now_ns);
     }
     if (now_ns < l->patient_until_ns) {
         return MU_OK;
