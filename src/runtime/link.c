@@ -54,26 +54,31 @@ static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
     process_register(p);
 }
 
-/* Goes to a broker: another one, or another life of the same. */
-static mu_result broker_enter(mu_process *p, const struct choice_broker *to)
+/* Goes to a broker: another one, or another life of the same.  An Up that has not gone out is put
+ * together anew: the acknowledgements in it are of boxes that are no more. */
+static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnation)
 {
     struct link *l = &p->link;
-    bool is_other = strcmp(l->broker, to->name) != 0;
+    bool is_other = strcmp(l->broker, name) != 0;
+    p->out_pending = false;
     if (is_other) {
         bus_writer_close(&p->up);
-        p->out_pending = false;
-        mu_text_copy(l->broker, sizeof l->broker, to->name);
-        snprintf(l->partition, sizeof l->partition, "broker.%s", to->name);
+        mu_text_copy(l->broker, sizeof l->broker, name);
+        snprintf(l->partition, sizeof l->partition, "broker.%s", l->broker);
         MU_TRY(bus_writer_open(&p->bus, BUS_UP, l->partition, p->with_body ? "simulator" : NULL,
                                &p->up));
     }
-    if (l->incarnation != to->incarnation) {
-        p->mail = NULL;
-    }
-    l->incarnation = to->incarnation;
+    l->incarnation = incarnation;
     l->silent = false;
     agents_say(p, is_other, mu_clock_ns());
     return MU_OK;
+}
+
+/* The same because of a heartbeat: what lies in hand is of an earlier broker. */
+static mu_result broker_turn_to(mu_process *p, const struct choice_broker *to)
+{
+    p->mail = NULL;
+    return broker_enter(p, to->name, to->incarnation);
 }
 
 bool link_is_ours(mu_process *p, const muster_Delivery *d)
@@ -86,10 +91,8 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d)
         strcmp(d->broker, l->broker) != 0) {
         return false;
     }
-    l->incarnation = d->broker_incarnation;
-    choice_follow(&l->choice, l->broker, l->incarnation);
-    agents_say(p, false, mu_clock_ns());
-    return true;
+    choice_follow(&l->choice, l->broker, d->broker_incarnation);
+    return broker_enter(p, d->broker, d->broker_incarnation) == MU_OK;
 }
 
 /* The broker is there: if it has missed us, our next heartbeat tells it. */
@@ -98,7 +101,7 @@ static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uin
     struct link *l = &p->link;
     l->silent = false;
     if (now->incarnation != l->incarnation) {
-        return broker_enter(p, now);
+        return broker_turn_to(p, now);
     }
     bool answered = p->broker_incarnation == l->incarnation || p->agent_count == 0;
     if (!answered && now_ns - l->asked_ns > ANSWER_NS) {
@@ -140,5 +143,5 @@ mu_result link_look(mu_process *p)
     l->silent = !is_first;
     const struct choice_broker *best =
         choice_best(&l->choice, p->host, is_first && l->wanted[0] ? l->wanted : NULL);
-    return best && !must_wait(l, best, p->host, now_ns) ? broker_enter(p, best) : MU_OK;
+    return best && !must_wait(l, best, p->host, now_ns) ? broker_turn_to(p, best) : MU_OK;
 }
