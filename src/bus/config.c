@@ -86,11 +86,15 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
     peers_write(xml, options, interface);
     /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s.
      * Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
-     * default of 500 kB would refuse writes long before.  HeartbeatInterval: who waits for what it
-     * wrote to arrive, as at the end, waits so long; shorter ones make readers acknowledge more. */
-    mu_text_add(xml, "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
-                     "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
-                     "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">20ms</HeartbeatInterval>"
-                     "<Watermarks><WhcHigh>8MB</WhcHigh></Watermarks></Internal>"
-                     "</Domain></CycloneDDS>");
+     * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker
+     * that was killed and is back would stop for 10 s, until the lease of the killed one ends.
+     * HeartbeatInterval: who waits for what it wrote to arrive, as at the end, waits so long;
+     * shorter ones make readers acknowledge more. */
+    mu_text_add(
+        xml,
+        "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
+        "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
+        "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">20ms</HeartbeatInterval>"
+        "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit></Watermarks></Internal>"
+        "</Domain></CycloneDDS>");
 }

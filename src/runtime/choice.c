@@ -62,6 +62,14 @@ void choice_lose(struct choice *c, const char *name)
     }
 }
 
+void choice_follow(struct choice *c, const char *name, uint64_t incarnation)
+{
+    struct choice_broker *b = broker_of(c, name);
+    if (b) {
+        b->incarnation = incarnation;
+    }
+}
+
 static bool is_better(const struct choice_broker *a, const struct choice_broker *b,
                       const char *host)
 {

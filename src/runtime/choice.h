@@ -34,6 +34,9 @@ void choice_note(struct choice *c, const muster_Beacon *beacon);
 /** A broker is silent, or has left. */
 void choice_lose(struct choice *c, const char *name);
 
+/** Another life of a broker was heard before its heartbeat. */
+void choice_follow(struct choice *c, const char *name, uint64_t incarnation);
+
 /** @return the broker of that name, silent or not, or NULL */
 const struct choice_broker *choice_find(const struct choice *c, const char *name);
 

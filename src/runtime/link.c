@@ -12,6 +12,10 @@
 /* So long a process listens before it chooses, unless it hears of the best there can be. */
 static const uint64_t SETTLE_NS = 100000000;
 
+/* A broker that has not answered for so long is asked again.  More than it waits for a name that
+ * another process holds. */
+static const uint64_t ANSWER_NS = 2000000000;
+
 /* Who was not here for so long has missed heartbeats and listens for one more before it believes in
  * a silence. */
 static const uint64_t ABSENCE_NS = 500000000;
@@ -40,26 +44,69 @@ static void beacons_take(struct link *l)
     }
 }
 
-/* Goes to a broker: another one, or another life of the same.  A higher incarnation of the agents
- * makes it answer, even if it knows them from before and has never missed them. */
-static mu_result broker_enter(mu_process *p, const struct choice_broker *to)
+/* Says all agents.  A later life of the same broker answers of itself: it has heard them for the
+ * first time.  Another broker may know them from before, and not have missed them: a higher
+ * incarnation makes it answer, though it forgets what it had to tell them. */
+static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
+{
+    p->incarnation = anew ? mu_clock_wall_ns() : p->incarnation;
+    p->link.asked_ns = now_ns;
+    process_register(p);
+}
+
+/* Goes to a broker: another one, or another life of the same.  An Up that has not gone out is put
+ * together anew: the acknowledgements in it are of boxes that are no more. */
+static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnation)
 {
     struct link *l = &p->link;
-    bool is_other = strcmp(l->broker, to->name) != 0;
+    bool is_other = strcmp(l->broker, name) != 0;
+    p->out_pending = false;
     if (is_other) {
         bus_writer_close(&p->up);
-        p->out_pending = false;
-        mu_text_copy(l->broker, sizeof l->broker, to->name);
-        snprintf(l->partition, sizeof l->partition, "broker.%s", to->name);
+        mu_text_copy(l->broker, sizeof l->broker, name);
+        snprintf(l->partition, sizeof l->partition, "broker.%s", l->broker);
         MU_TRY(bus_writer_open(&p->bus, BUS_UP, l->partition, p->with_body ? "simulator" : NULL,
                                &p->up));
     }
-    if (l->incarnation != to->incarnation) {
-        p->mail = NULL;
-    }
-    l->incarnation = to->incarnation;
+    l->incarnation = incarnation;
     l->silent = false;
-    process_register(p);
+    agents_say(p, is_other, mu_clock_ns());
+    return MU_OK;
+}
+
+/* The same because of a heartbeat: what lies in hand is of an earlier broker. */
+static mu_result broker_turn_to(mu_process *p, const struct choice_broker *to)
+{
+    p->mail = NULL;
+    return broker_enter(p, to->name, to->incarnation);
+}
+
+bool link_is_ours(mu_process *p, const muster_Delivery *d)
+{
+    struct link *l = &p->link;
+    if (d->broker_incarnation == l->incarnation) {
+        return true;
+    }
+    if (p->in_lockstep || d->broker_incarnation < l->incarnation ||
+        strcmp(d->broker, l->broker) != 0) {
+        return false;
+    }
+    choice_follow(&l->choice, l->broker, d->broker_incarnation);
+    return broker_enter(p, d->broker, d->broker_incarnation) == MU_OK;
+}
+
+/* The broker is there: if it has missed us, our next heartbeat tells it. */
+static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uint64_t now_ns)
+{
+    struct link *l = &p->link;
+    l->silent = false;
+    if (now->incarnation != l->incarnation) {
+        return broker_turn_to(p, now);
+    }
+    bool answered = p->broker_incarnation == l->incarnation || p->agent_count == 0;
+    if (!answered && now_ns - l->asked_ns > ANSWER_NS) {
+        agents_say(p, true, now_ns);
+    }
     return MU_OK;
 }
 
@@ -87,8 +134,7 @@ mu_result link_look(mu_process *p)
     }
     const struct choice_broker *now = choice_find(&l->choice, l->broker);
     if (now && now->there) {
-        l->silent = false; /* if it has missed us, our next heartbeat tells it */
-        return now->incarnation != l->incarnation ? broker_enter(p, now) : MU_OK;
+        return broker_keep(p, now, now_ns);
     }
     if (now_ns < l->patient_until_ns) {
         return MU_OK;
@@ -97,5 +143,5 @@ mu_result link_look(mu_process *p)
     l->silent = !is_first;
     const struct choice_broker *best =
         choice_best(&l->choice, p->host, is_first && l->wanted[0] ? l->wanted : NULL);
-    return best && !must_wait(l, best, p->host, now_ns) ? broker_enter(p, best) : MU_OK;
+    return best && !must_wait(l, best, p->host, now_ns) ? broker_turn_to(p, best) : MU_OK;
 }

@@ -20,6 +20,7 @@ struct link {
     char partition[LINK_PARTITION_MAX]; /* of its Up reader */
     uint64_t incarnation;               /* of the broker */
     bool silent;                        /* nothing is heard of it */
+    uint64_t asked_ns;                  /* when it was told of all agents last */
     uint64_t heard_ns;                  /* when the first broker was heard of; 0: none */
     uint64_t looked_ns;                 /* when link_look was here last */
     uint64_t patient_until_ns;          /* nobody's silence counts before */
@@ -27,6 +28,12 @@ struct link {
 
 /** Begins to listen for wanted, or NULL.  @return MU_OK; MU_FAULT_USAGE: no name; MU_FAULT_DDS */
 MU_MUST_USE mu_result link_open(mu_process *p, const char *wanted);
+
+/**
+ * Says whether a Delivery is from our broker.  A later life of it may be heard of in this way
+ * first: then the process is with that from now on.
+ */
+bool link_is_ours(mu_process *p, const muster_Delivery *d);
 
 /** Hears brokers, and goes to one, or to another, when it is time. */
 MU_MUST_USE mu_result link_look(mu_process *p);

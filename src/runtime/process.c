@@ -131,7 +131,6 @@ void process_register(mu_process *p)
 {
     p->ready = false;
     p->heartbeat_ns = mu_clock_ns();
-    p->incarnation = mu_clock_wall_ns();
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
         a->registered = false;
@@ -179,7 +178,7 @@ void process_next_delivery(mu_process *p)
     enum bus_life life;
     do {
         p->mail = bus_next(&p->delivery, &life);
-    } while (p->mail && (life != BUS_DATA || p->mail->broker_incarnation != p->link.incarnation));
+    } while (p->mail && (life != BUS_DATA || !link_is_ours(p, p->mail)));
 }
 
 /* Takes the step that is there: the reader keeps only the newest. */

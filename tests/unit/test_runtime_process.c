@@ -327,12 +327,13 @@ static void test_mail_without_an_answer_goes_out_again(void)
 
 static void test_another_life_of_the_broker(void)
 {
-    uint64_t before = seen.incarnation;
+    uint64_t before = mind.process->incarnation;
     forget();
     shine(&mind, "alpha", 7, 2);
     SPIN_UNTIL(&mind, seen.registrations >= 1);
-    CU_ASSERT(seen.incarnation > before); /* it must answer, even if it knows the name */
+    CU_ASSERT_EQUAL(seen.incarnation, before); /* it keeps what it has for the agents */
     CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
+    SPIN_UNTIL(&mind, seen.incarnation > before); /* it is asked again, as it does not answer */
 
     /* Mail waits for the answer, and what the earlier life says is not heard any more. */
     CU_ASSERT_EQUAL(mu_agent_send(agent_find(mind.process, "red"),
@@ -355,12 +356,37 @@ static void test_another_life_of_the_broker(void)
     CU_ASSERT_STRING_EQUAL(heard.at, ""); /* it is welcome only once */
 }
 
+/* It hears of the process at once, and may write to it before its heartbeat is there. */
+static void test_another_life_is_known_by_what_it_delivers(void)
+{
+    forget();
+    muster_Delivery d = delivery_to(&mind, muster_STEP_NOW);
+    muster_Verdict v = {
+        .agent = words("red"), .accepted = true, .broker_incarnation = 9, .reason = words("")};
+    d.verdicts._buffer = &v;
+    d.verdicts._length = d.verdicts._maximum = 1;
+    d.broker_incarnation = 9;
+    d.broker = words("stranger");
+    deliver(&mind, &d);
+    spin_for(&mind, 20000000);
+    CU_ASSERT_EQUAL(mind.process->broker_incarnation, 7);
+    d.broker = words("alpha");
+    deliver(&mind, &d);
+    SPIN_UNTIL(&mind, mind.process->broker_incarnation == 9);
+    CU_ASSERT_STRING_EQUAL(mu_process_broker(mind.process), "alpha");
+    SPIN_UNTIL(&mind, seen.mails == 1); /* what had no answer goes out again */
+    spin_for(&mind, 50000000);          /* the last heartbeat is of the earlier life */
+    CU_ASSERT_EQUAL(mind.process->link.incarnation, 9);
+}
+
 static void test_a_silent_broker_is_left(void)
 {
+    uint64_t before = mind.process->incarnation;
     forget();
     muster_Beacon gone = {.broker = words("alpha"), .host = words("")};
     bus_dispose(&mind.beacon, &gone);
     SPIN_UNTIL(&mind, strcmp(seen.broker, "beta") == 0);
+    CU_ASSERT(seen.incarnation > before); /* it must answer, even if it knows the name */
     CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
     deliver_verdict(&mind, "red");
     SPIN_UNTIL(&mind, mu_process_broker(mind.process) != NULL);
@@ -519,6 +545,8 @@ int main(void)
         {"mail out and in", test_mail_out_and_in},
         {"mail without an answer goes out again", test_mail_without_an_answer_goes_out_again},
         {"another life of the broker", test_another_life_of_the_broker},
+        {"another life is known by what it delivers",
+         test_another_life_is_known_by_what_it_delivers},
         {"a silent broker is left", test_a_silent_broker_is_left},
         {"running ends when told", test_running_ends_when_told},
         {"closing takes the agents back", test_closing_takes_the_agents_back},

@@ -101,10 +101,8 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     CU_ASSERT(process.queues[QUEUE_SEND].first == a0 && process.queues[QUEUE_ACK].first == a0);
     CU_ASSERT_EQUAL(process.owed.parcels, 1);
     forget();
-    uint64_t before = process.incarnation;
     process_register(&process);
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
-    CU_ASSERT(process.incarnation > before); /* it answers, even if it knows the names */
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_SEND].first);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
     CU_ASSERT_EQUAL(process.owed.parcels, 0);
