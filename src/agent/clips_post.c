@@ -82,7 +82,8 @@ static bool post_name(void *env, const char *function, int index, const char **o
     if (!clips_value_word(env, function, index, out)) {
         return false;
     }
-    if (!mu_name_valid(*out)) {
+    const char *colon = strchr(*out, ':'); /* of an address, which the broker takes apart */
+    if (!mu_name_valid(*out) && (!colon || colon == *out)) {
         clips_value_refuse(env, function, "the name of an agent");
         return false;
     }

@@ -115,6 +115,7 @@ void agent_progress(struct mu_agent *a)
 
 static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
+    bool is_new = a->broker_incarnation != v->broker_incarnation;
     outbox_continue(&a->outbox, v->last_seq);
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
         a->last_number = a->acked_number = 0; /* its boxes count from 1 */
@@ -122,6 +123,9 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
     }
     a->broker_incarnation = v->broker_incarnation;
     outbox_confirm(&a->outbox, 1, v->last_seq);
+    if (is_new) {
+        resolver_offer(a);
+    }
     agent_progress(a);
     if (outbox_has_unsent(&a->outbox)) {
         queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);

@@ -24,12 +24,18 @@ static const uint64_t STEP_PATIENCE_NS = 300000000;
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
+static bool process_takes_steps(const mu_process *p)
+{
+    return p->with_body || p->watches;
+}
+
 static mu_result endpoints_open(mu_process *p)
 {
+    const char *simulator = process_takes_steps(p) ? "simulator" : NULL;
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
-    MU_TRY(bus_writer_open(&p->bus, BUS_UP, "broker", p->with_body ? "simulator" : NULL, &p->up));
+    MU_TRY(bus_writer_open(&p->bus, BUS_UP, "broker", simulator, &p->up));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
-    if (p->with_body) {
+    if (simulator) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
     }
     return MU_OK;
@@ -45,6 +51,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
     p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->bodies = p->watches ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
@@ -55,7 +62,8 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
 {
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->with_body = options->with_body;
-    if (options->agents > MU_LOCAL_AGENTS_MAX) {
+    p->watches = options->watches;
+    if (options->agents > MU_LOCAL_AGENTS_MAX || (p->with_body && p->watches)) {
         return MU_FAULT_USAGE;
     }
     process_take_memory(p, options->agents, options->outbox);
@@ -119,9 +127,22 @@ bool mu_process_has_broker(const mu_process *p)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return p->with_body && p->greeted && p->broker_incarnation != 0 &&
+    return process_takes_steps(p) && p->greeted && p->broker_incarnation != 0 &&
            bus_writer_reaches(&p->up, "broker") && bus_writer_reaches(&p->up, "simulator") &&
            bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
+}
+
+/* @return whether the simulator's steps may come soon */
+static bool process_awaits_steps(const mu_process *p)
+{
+    return p->with_body || (p->watches && bus_reader_matches(&p->sense) > 0);
+}
+
+/* The run is over, or its simulator is gone: no step will come. */
+static void lockstep_leave(mu_process *p)
+{
+    p->in_lockstep = p->lived_in_lockstep = p->greeted = false;
+    p->step = NULL;
 }
 
 static void registrations_keep(mu_process *p)
@@ -129,9 +150,7 @@ static void registrations_keep(mu_process *p)
     uint64_t now_ns = mu_clock_ns();
     bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
     if (due && p->in_lockstep && bus_reader_matches(&p->sense) == 0) {
-        p->in_lockstep = p->lived_in_lockstep = p->greeted =
-            false; /* the simulator is gone: no step will come */
-        p->step = NULL;
+        lockstep_leave(p);
     }
     /* In lock step nothing that is looked at here changes anything; before, every change counts. */
     bool look = !p->in_lockstep && (due || !p->ready);
@@ -161,7 +180,7 @@ static void next_step(mu_process *p)
     enum bus_life life;
     const muster_Sense *sense;
     do {
-        sense = p->with_body ? bus_next(&p->sense, &life) : NULL;
+        sense = process_takes_steps(p) ? bus_next(&p->sense, &life) : NULL;
     } while (sense && life != BUS_DATA);
     if (!sense) {
         return;
@@ -172,8 +191,12 @@ static void next_step(mu_process *p)
     }
     p->step_wall_ns = mu_clock_ns();
     p->in_lockstep = sense->lockstep && !sense->last;
-    p->done = sense->last;
     p->step = sense->last ? NULL : sense;
+    if (sense->last && p->watches) {
+        lockstep_leave(p); /* it serves the next run, too */
+    } else {
+        p->done = sense->last;
+    }
 }
 
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
@@ -232,8 +255,8 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     registrations_keep(p);
     roll_write(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p) &&
-                   p->roll.due_count == 0;
+    bool settled = p->broker_incarnation != 0 && (p->ready || !process_awaits_steps(p)) &&
+                   step_retry(p) && p->roll.due_count == 0;
     int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
     if (!p->in_lockstep) {
         step_flush(p);

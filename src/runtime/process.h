@@ -13,6 +13,7 @@
 #include "runtime/members.h"
 #include "runtime/outbox.h"
 #include "runtime/queue.h"
+#include "runtime/resolver.h"
 #include "runtime/roll.h"
 #include "wire.h"
 
@@ -33,6 +34,7 @@ struct mu_agent {
     enum mu_state state;
     struct mu_handlers handlers;
     struct kind_part part;  /* what its kind has come to */
+    struct resolver resolver;
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
     bool no_broadcasts;
@@ -59,7 +61,7 @@ struct mu_process {
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
-    bool with_body;
+    bool with_body, watches; /* one at most; either: the simulator's steps are wanted */
     struct bus_writer registration, up;
     struct bus_reader delivery, sense;
     uint64_t incarnation;
@@ -94,6 +96,7 @@ struct mu_process {
     muster_Ack acks[PROCESS_UP_ACKS];
     struct mu_agent *out_ackers[PROCESS_UP_ACKS]; /* whose they are */
     muster_Mail mails[PROCESS_UP_MAILS];
+    struct mu_percept *bodies;   /* MU_ROBOTS_MAX; NULL: it does not watch */
     bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };
 

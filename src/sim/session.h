@@ -36,6 +36,7 @@ struct session_robot {
 struct session_process {
     char name[MU_PROCESS_MAX + 1];
     struct bus_writer sense;
+    bool watches;     /* it sees all bodies, and has none */
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
     bool greeted;     /* a Sense with nothing in it has gone to it */
@@ -50,7 +51,8 @@ struct session_options {
     uint64_t duration_ns; /* 0: no end */
     double rate;          /* times real time; 0: as fast as it goes */
     bool free;            /* no lock step */
-    bool waits_for_go;    /* the first step waits for a RunCommand */
+    bool waits_for_go;    /* the first step waits for a RunCommand, */
+    uint32_t watchers;    /* and for so many processes that watch */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
 };
 
@@ -69,6 +71,7 @@ struct session {
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
+    muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
     muster_RobotTotals *totals;
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */
