@@ -19,22 +19,21 @@
 
 typedef struct mu_resolution mu_resolution;
 
-/**
- * Says whom an address stands for, by mu_resolution_add; nobody is an answer, too.
- *
- * @param rest    what stands behind the colon
- * @param sender  whose mail it is; the broker leaves the sender out
- * @return whether it is an address of the scheme: if not, the sender is told unknown-name
- */
-typedef bool mu_resolve(void *self, mu_agent *a, const char *rest, const char *sender,
-                        mu_resolution *r);
+/* Says whom an address stands for; see mu_agent_resolve. */
+typedef bool (*mu_resolve)(void *self, mu_agent *a, const char *rest, const char *sender,
+                           mu_resolution *r);
 
 /**
  * Makes an agent a resolver, of one scheme; a later call replaces it.
  *
+ * @param resolve  says whom an address stands for, by mu_resolution_add; nobody is an answer, too.
+ *                 It gets what stands behind the colon, and whose mail it is, whom the broker
+ *                 leaves out.  It returns whether it is an address: if not, the sender is told
+ *                 unknown-name.
+ * @param self     its first argument
  * @return as mu_agent_advertise; MU_MALFORMED: the scheme is not a name
  */
-MU_MUST_USE mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve *resolve,
+MU_MUST_USE mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve resolve,
                                        void *self);
 
 /**

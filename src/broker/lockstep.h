@@ -5,8 +5,9 @@
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
  * The order: acknowledgements, expiry of mail and leases, states, mails by (src, seq), mails from
- * outside by (src, seq), addresses that nobody has resolved in time, mails that have become due.  Only which mails from outside have arrived by
- * then depends on the clock, and the simulator is told which.
+ * outside by (src, seq), addresses that nobody has resolved in time, mails that have become due.
+ * Only which mails from outside have arrived by then depends on the clock, and the simulator is
+ * told which.
  */
 #ifndef MUSTER_BROKER_LOCKSTEP_H
 #define MUSTER_BROKER_LOCKSTEP_H

@@ -56,7 +56,8 @@ struct run {
 /** A signal asked the run to end. */
 extern volatile sig_atomic_t run_signal;
 
-/** Starts broker, simulator, resolvers and robots, in run_start.c.  @return MU_OK or a fault, explained */
+/** Starts broker, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
+ *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */

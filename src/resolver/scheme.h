@@ -10,8 +10,8 @@
 
 struct scheme {
     const char *name;
-    const char *means;   /* for people */
-    mu_resolve *resolve; /* self is the mu_process */
+    const char *means;  /* for people */
+    mu_resolve resolve; /* self is the mu_process */
     /* A control step begins, as mu_handlers.on_world; NULL: bodies do not matter. */
     void (*see)(const struct mu_percept *bodies, size_t count);
 };

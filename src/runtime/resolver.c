@@ -20,7 +20,7 @@ static mu_result scheme_advertise(mu_agent *a)
     return mu_agent_advertise(a, "resolver", attributes, 0);
 }
 
-mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve *resolve, void *self)
+mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve resolve, void *self)
 {
     if (!scheme || !mu_name_valid(scheme) || !resolve) {
         return MU_MALFORMED;

@@ -12,7 +12,7 @@
 /* What an agent keeps of it; all zero: it resolves nothing. */
 struct resolver {
     char scheme[MU_NAME_MAX + 1];
-    mu_resolve *resolve;
+    mu_resolve resolve;
     void *self;
 };
 
