@@ -24,6 +24,7 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
                .data_size = sizeof(double),
                .sequence = {.entry = &schema_real, .min = 3, .max = 3}}},
     TEXT("rules", NEEDED, struct experiment_robot, rules),
+    TEXT("broker", MAY, struct experiment_robot, broker),
     CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
     CYAML_FIELD_END};
 _Static_assert(sizeof(struct experiment_pose) == 3 * sizeof(double), "a pose is three numbers");
@@ -67,7 +68,8 @@ static const cyaml_schema_field_t schema_fields[] = {
                       step_ms),
     CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
                      on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
-    CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0, 1),
+    CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0,
+                         EXPERIMENT_BROKERS_MAX),
     CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
                          EXPERIMENT_RESOLVERS_MAX),
     TEXT("policy", MAY, struct experiment, policy),

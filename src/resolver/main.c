@@ -39,7 +39,7 @@ static void schemes_print(FILE *to)
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set->network),
+        MU_JOIN_OPTIONS(set->network),
         {.name = "name",
          .kind = MU_OPTION_STRING,
          .unit = "NAME",
@@ -108,7 +108,8 @@ static mu_result resolver_join(struct resolver *r, const struct settings *set)
     snprintf(name, sizeof name, "resolver.%s", set->scheme->name);
     struct mu_process_options options = {.domain = (int)set->network.domain,
                                          .interface = set->network.interface,
-                                         .peer = set->network.peer,
+                                         .peer = mu_network_peers(&set->network),
+                                         .broker = set->network.broker,
                                          .name = "resolver",
                                          .watches = true};
     MU_TRY(mu_process_open(&r->process, &options));

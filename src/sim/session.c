@@ -181,6 +181,9 @@ static void registration_take(struct session *s, const muster_Registration *r, e
             changed = entry_take(s, r, i) || changed;
         }
         int32_t process = process_find(s, r->process);
+        if (process >= 0) {
+            mu_text_copy(s->processes[process].broker, MU_NAME_MAX + 1, r->broker);
+        }
         if (process >= 0 && r->part == 0) { /* the others are not written for that */
             s->processes[process].ready = r->ready;
         }
@@ -231,6 +234,28 @@ static bool process_is_ready(const struct session *s, int32_t process)
     return p->ready && p->heard && bus_reader_hears(&s->ups, &p->sense, p->name);
 }
 
+/* A lock step has one broker, which its Roster is for.  @return its name; "" when no robot is there
+ * yet, or in free running: every broker */
+static const char *broker_of(const struct session *s)
+{
+    if (s->options.free) {
+        return "";
+    }
+    const char *broker = s->options.broker;
+    for (size_t i = 0; i < s->robot_count && !broker; i++) {
+        bool there = s->robots[i].controlled && s->robots[i].process >= 0;
+        broker = there ? s->processes[s->robots[i].process].broker : NULL;
+    }
+    return broker ? broker : "";
+}
+
+/* Who watches belongs to the run, unless it lives with a broker that does not. */
+static bool process_watches(const struct session *s, const struct session_process *p)
+{
+    const char *broker = broker_of(s);
+    return p->watches && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+}
+
 /* Those who watch are waited for when they have said so; how many are to come is known to whoever
  * has started them. */
 static void watchers_await(const struct session *s, struct mu_text *missing)
@@ -238,8 +263,8 @@ static void watchers_await(const struct session *s, struct mu_text *missing)
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        count += p->watches;
-        if (p->watches && !process_is_ready(s, (int32_t)i)) {
+        count += process_watches(s, p);
+        if (process_watches(s, p) && !process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
         }
     }
@@ -251,6 +276,7 @@ static void watchers_await(const struct session *s, struct mu_text *missing)
 
 static bool everybody_is_ready(struct session *s)
 {
+    const char *broker = broker_of(s);
     struct mu_text missing;
     mu_text_init(&missing, s->waits_for, sizeof s->waits_for);
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -263,6 +289,9 @@ static bool everybody_is_ready(struct session *s)
         }
         if (process < 0 || !process_is_ready(s, process)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
+        } else if (broker[0] && strcmp(s->processes[process].broker, broker) != 0) {
+            mu_text_format(&missing, "%s%s (its broker is %s, not %s)", missing.len ? " " : "",
+                           s->robots[i].name, s->processes[process].broker, broker);
         }
     }
     watchers_await(s, &missing);
@@ -314,8 +343,11 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     for (uint32_t i = 0; i < s->process_count; i++) {
         names[i] = s->processes[i].name;
     }
-    muster_Roster roster = {
-        .simulator = s->name, .lockstep = lockstep, .step = s->step, .step_ns = s->options.step_ns};
+    muster_Roster roster = {.simulator = s->name,
+                            .broker = (char *)(uintptr_t)broker_of(s), /* nobody writes there */
+                            .lockstep = lockstep,
+                            .step = s->step,
+                            .step_ns = s->options.step_ns};
     roster.processes._buffer = names;
     roster.processes._length = roster.processes._maximum = s->process_count;
     return bus_write(&s->roster, &roster);
@@ -323,7 +355,7 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
 
 static bool process_is_used(const struct session *s, uint32_t process)
 {
-    bool used = s->processes[process].watches;
+    bool used = process_watches(s, &s->processes[process]);
     for (size_t r = 0; r < s->robot_count; r++) {
         used = used || s->robots[r].process == (int32_t)process;
     }

@@ -201,6 +201,11 @@ static void test_other_faults(void)
         {BASE "brokers: [b c]\n", 6, 11, "cannot be a broker's name"},
         {BASE "resolvers: [near:2]\n", 6, 13, "expected a scheme of addresses"},
         {BASE "resolvers: [near, role, near]\n", 6, 25, "stands here a second time"},
+        {BASE "brokers: [a, b, c, d, e]\n", 6, 10, "expected at most 4"},
+        {BASE "brokers: [b, c, b]\n", 6, 17, "a second broker with the name 'b'"},
+        {"world: a.world\nduration: 1\nbrokers: [b]\n"
+         "robots: [{name: a, rules: a.clp, broker: c}]\n",
+         4, 42, "no broker 'c'"},
         {BASE "observer:\n  - {at: 1, do: pink, line: (a)}\n", 7, 17, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [red, pink], line: (a)}\n", 7, 23, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected 1 to"},
