@@ -17,6 +17,7 @@ MAY_INCLUDE = {
     "broker": {"core", "bus"},
     "sim": {"core", "world", "bus"},
     "agent": {"core", "world", "bus", "runtime"},
+    "resolver": {"core", "bus", "runtime"},
     "ctl": {"core", "world", "bus", "runtime"},
 }
 # Foreign headers, and the only files that may include them.

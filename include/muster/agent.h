@@ -91,6 +91,7 @@ struct mu_mail {
 
 /* What a robot's body feels and sees at the start of a control step. */
 struct mu_percept {
+    const char *robot; /* whose body it is; valid in the handler only */
     int64_t step;
     uint64_t time_ns;
     double x_m, y_m, heading_rad;
@@ -128,6 +129,9 @@ struct mu_handlers {
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
+    /** Of a process that watches: a control step begins, and this is how every body of the world
+     *  stands and moves, in the world's order, without its sonar.  Mail of the step comes after. */
+    void (*on_world)(void *self, mu_agent *a, const struct mu_percept *bodies, size_t count);
     /** What became of the mails first_seq to last_seq. */
     void (*on_receipt)(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
                        enum mu_outcome outcome);
@@ -143,6 +147,8 @@ struct mu_process_options {
     const char *peer;      /* hosts of brokers and simulator, joined by commas; NULL: this one */
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
+    bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
+                              step wait for them, too */
     uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
     const char *broker; /* name of the broker to begin with, which is waited for; NULL: the

@@ -132,6 +132,14 @@
 #define MU_OUTBOX_MAX 1024
 #endif
 
+/** Mails that wait until an address is resolved: of members of a lock step, and of others. */
+#ifndef MU_RESOLVE_MAX
+#define MU_RESOLVE_MAX 1024
+#endif
+
+/** Mails of one sender among them. */
+#define MU_RESOLVE_SENDER_MAX 64
+
 /** Lines of a trust policy. */
 #ifndef MU_TRUST_LINES_MAX
 #define MU_TRUST_LINES_MAX 1024

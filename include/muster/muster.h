@@ -12,6 +12,7 @@
 #include "muster/kind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
+#include "muster/resolver.h"
 #include "muster/result.h"
 
 #endif

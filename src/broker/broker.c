@@ -55,6 +55,7 @@ struct broker *broker_open(const struct broker_options *options)
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
     pages_init(&b->pages);
+    resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
@@ -263,6 +264,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
         pages_expire(b, runclock_mail_ns(&b->clock));
+        resolve_expire(b, runclock_mail_ns(&b->clock));
         router_admit_due(b, runclock_run_ns(&b->clock));
     }
 }
@@ -272,7 +274,7 @@ uint64_t broker_deadline_ns(const struct broker *b)
     uint64_t first_ns = presence_deadline_ns(b);
     uint64_t others[] = {
         resend_deadline_ns(b),        courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
-        pacer_deadline_ns(&b->pacer), journal_deadline_ns(b)};
+        pacer_deadline_ns(&b->pacer), journal_deadline_ns(b), UINT64_MAX};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -283,6 +285,9 @@ uint64_t broker_deadline_ns(const struct broker *b)
     }
     if (pages_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
         others[4] = runclock_now_of_mail_ns(&b->clock, pages_deadline_mail_ns(b));
+    }
+    if (resolve_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
+        others[7] = runclock_now_of_mail_ns(&b->clock, resolve_deadline_mail_ns(b));
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         first_ns = others[i] < first_ns ? others[i] : first_ns;

@@ -8,13 +8,15 @@
 
 #include <string.h>
 
-void desk_take(struct broker *b, uint32_t own, const struct mail *m)
+void desk_take(struct broker *b, uint32_t own, struct mail *m)
 {
     bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
     if (m->letter.layer == 0) {
         directive_take(b, own, m);
     } else if (asks_state) {
         query_state_answer(b, own, m);
+    } else if (own == REGISTRY_BROKER && resolve_is_answer(m)) {
+        resolve_take_answer(b, m);
     } else if (own == REGISTRY_BROKER) {
         query_answer(b, m);
     } else {

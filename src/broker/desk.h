@@ -12,6 +12,6 @@
 struct broker;
 
 /** Does what the mail wants, and answers it; own is whom it is for. */
-void desk_take(struct broker *b, uint32_t own, const struct mail *m);
+void desk_take(struct broker *b, uint32_t own, struct mail *m);
 
 #endif

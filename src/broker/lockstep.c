@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/lockstep.h"
 
+#include "broker/address.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -73,6 +74,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         share_add(&turn->outside_use, &want);
         share_add(&l->outside_use, &want);
         l->outside_waiting++;
+        turn->addresses += address_kind(m->letter.dst) == ADDRESS_SCHEME;
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -80,6 +82,11 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
     }
     list_append(from_outside ? &turn->outside : &turn->mails, m);
     return true;
+}
+
+bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent)
+{
+    return l->turns[agent].addresses > 0;
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
@@ -184,6 +191,7 @@ static void outside_apply(struct broker *b)
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
+            turn->addresses -= address_kind(m->letter.dst) == ADDRESS_SCHEME;
             struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
             share_subtract(&turn->outside_use, &less);
             share_subtract(&l->outside_use, &less);
@@ -215,6 +223,7 @@ static void step_apply(struct broker *b)
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
+    resolve_expire(b, runclock_mail_ns(&b->clock));
     turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
     b->lockstep.applying = false;
@@ -399,6 +408,7 @@ static void lockstep_end(struct broker *b)
 static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
 {
     struct lockstep *l = &b->lockstep;
+    resolve_give_up(b);
     l->on = true;
     l->step = roster->step;
     l->step_ns = roster->step_ns;

@@ -5,8 +5,9 @@
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
  * The order: acknowledgements, expiry of mail and leases, states, mails by (src, seq), mails from
- * outside by (src, seq), mails that have become due.  Only which mails from outside have arrived by
- * then depends on the clock, and the simulator is told which.
+ * outside by (src, seq), addresses that nobody has resolved in time, mails that have become due.
+ * Only which mails from outside have arrived by then depends on the clock, and the simulator is
+ * told which.
  */
 #ifndef MUSTER_BROKER_LOCKSTEP_H
 #define MUSTER_BROKER_LOCKSTEP_H
@@ -29,6 +30,7 @@ struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
+    uint32_t addresses; /* among the mails from outside: those to SCHEME:REST */
     bool active; /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
@@ -84,6 +86,9 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
+
+/** @return whether mail of the agent waits here whose receivers nobody knows yet */
+bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent);
 
 /** The simulator has been told of the mails from outside. */
 void lockstep_told(struct broker *b);

@@ -8,6 +8,7 @@
  *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, share,
  *                                                                  mailbox, boxroom, booking,
  *                                                                  events, pacer
+ *   resolve    mail to SCHEME:REST waits while somebody is asked    pages, query, router
  *   guard      whose directives go on to whom                      trust, audit
  *   desk       mail to the broker itself and its parts             directive, query, counters
  *   lockstep   collects a step's mail and lets it take effect      router, presence
@@ -33,6 +34,7 @@
 #include "broker/places.h"
 #include "broker/receipts.h"
 #include "broker/registry.h"
+#include "broker/resolve.h"
 #include "broker/runclock.h"
 #include "broker/schedule.h"
 #include "broker/share.h"
@@ -67,6 +69,7 @@ struct broker {
     struct lockstep lockstep;
     struct courier courier;
     struct pages pages;
+    struct resolve resolve;
     struct ages ages;
     struct trust trust;
     struct audit audit;

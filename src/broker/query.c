@@ -32,7 +32,7 @@ static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muste
     m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;
-    m->language = m->reply_with = words("");
+    m->language = words("");
     m->due_ns = -1;
     m->seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
     router_post(b, receiver, m);
@@ -43,6 +43,7 @@ void query_reply(struct broker *b, uint32_t own, const struct mail *question,
 {
     muster_Mail m = {.performative = words(performative),
                      .ontology = question->letter.ontology,
+                     .reply_with = words(""),
                      .in_reply_to = question->letter.reply_with,
                      .conversation = question->letter.conversation,
                      .content = content};
@@ -59,8 +60,21 @@ void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
 {
     muster_Mail m = {.performative = words("inform"),
                      .ontology = words(""),
+                     .reply_with = words(""),
                      .in_reply_to = words(in_reply_to),
                      .conversation = words(conversation),
+                     .content = b->text};
+    answer_post(b, REGISTRY_BROKER, receiver, &m);
+}
+
+void query_ask(struct broker *b, uint32_t receiver, const char *performative,
+               const char *reply_with)
+{
+    muster_Mail m = {.performative = words(performative),
+                     .ontology = words(""),
+                     .reply_with = words(reply_with),
+                     .in_reply_to = words(""),
+                     .conversation = words(""),
                      .content = b->text};
     answer_post(b, REGISTRY_BROKER, receiver, &m);
 }

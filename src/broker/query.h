@@ -54,6 +54,10 @@ void query_send(struct broker *b, const struct mail *question, const char *perfo
 void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
                   const char *conversation);
 
+/** Asks an agent what stands in b->text. */
+void query_ask(struct broker *b, uint32_t receiver, const char *performative,
+               const char *reply_with);
+
 /** Reads content that is one field.  @return false if it is not */
 bool query_field(const char *content, struct mu_text *out);
 

@@ -6,6 +6,7 @@
 #include "broker/border.h"
 #include "broker/boxroom.h"
 #include "broker/desk.h"
+#include "broker/fields.h"
 #include "broker/guard.h"
 #include "broker/journal.h"
 #include "broker/parts.h"
@@ -61,6 +62,27 @@ static void audience_of_names(struct broker *b, const char *names, uint32_t send
     }
 }
 
+/* Those whom a resolver has named: the sender, and who is nobody, are left out; of the lock step
+ * nobody can be among them but when a step ends. */
+static void audience_of_answer(struct broker *b, const char *names, uint32_t sender,
+                               struct audience *to)
+{
+    char name[MU_NAME_MAX + 1];
+    struct mu_text read;
+    uint64_t mark = ++b->registry.mark;
+    bool open = !b->lockstep.on || b->lockstep.applying;
+    mu_text_init(&read, name, sizeof name);
+    to->count = to->unknown = to->refused = 0;
+    while (fields_next(&names, &read) || read.cut) {
+        uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
+            b->registry.agents[agent].mark != mark && (open || !presence_in_lockstep(b, agent))) {
+            b->registry.agents[agent].mark = mark;
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
 static bool kind_is_addressed(enum address_kind kind, muster_Kind of)
 {
     return kind == ADDRESS_ALL || (kind == ADDRESS_ROBOTS && of == muster_KIND_ROBOT) ||
@@ -101,7 +123,7 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
         return;
     }
     if (kind == ADDRESS_SCHEME) {
-        to->unknown++; /* nobody resolves it */
+        to->unknown += !resolve_is_possible(b, letter->dst);
         return;
     }
     for (uint32_t i = 0; i < b->registry.count; i++) {
@@ -118,8 +140,11 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
 bool router_meets_lockstep(struct broker *b, const struct mail *m)
 {
     struct audience to;
+    if (address_kind(m->letter.dst) == ADDRESS_SCHEME) {
+        return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
+    }
     audience_of(b, &m->letter, m->sender, &to);
-    bool meets = false;
+    bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
         meets = presence_in_lockstep(b, to.agents[i]) ||
@@ -403,8 +428,31 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
 
 bool router_route(struct broker *b, struct mail *m)
 {
+    enum resolve_need need = resolve_needs(b, m);
+    if (need == RESOLVE_NOTHING) {
+        return router_go_on(b, m, NULL);
+    }
+    if (need == RESOLVE_FULL) {
+        router_turn_away(b, m);
+    } else if (booking_take(b, m, 1)) {
+        resolve_wait(b, m);
+    } else {
+        b->counters.sent++;
+        answer(b, m, muster_OUTCOME_BOX_FULL);
+        store_release(&b->store, m);
+    }
+    return true;
+}
+
+bool router_go_on(struct broker *b, struct mail *m, const char *names)
+{
     struct audience to;
-    audience_of(b, &m->letter, m->sender, &to);
+    if (names) {
+        audience_of_answer(b, names, m->sender, &to);
+    } else {
+        audience_of(b, &m->letter, m->sender, &to);
+        to.unknown = address_kind(m->letter.dst) == ADDRESS_SCHEME ? 1 : to.unknown;
+    }
     m->order = ++b->orders;
     if (m->letter.layer == 0) {
         to.refused = guard_sift(b, m, to.agents, &to.count);

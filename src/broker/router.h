@@ -20,6 +20,14 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool router_route(struct broker *b, struct mail *m);
 
+/**
+ * Goes on with a mail that need not wait for an address, or no longer.
+ *
+ * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
+ * @return as router_route
+ */
+bool router_go_on(struct broker *b, struct mail *m, const char *names);
+
 /** Refuses an admitted mail for which a lock step has no more room. */
 void router_turn_away(struct broker *b, struct mail *m);
 

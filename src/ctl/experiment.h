@@ -17,6 +17,7 @@ enum {
     EXPERIMENT_EXPECTATIONS_MAX = 64,
     EXPERIMENT_GLOBALS_MAX = 64,
     EXPERIMENT_OVERRIDES_MAX = 64,
+    EXPERIMENT_RESOLVERS_MAX = 16,
     EXPERIMENT_BROKERS_MAX = 4,    /* as many as one host can have */
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
@@ -75,6 +76,8 @@ struct experiment {
     enum experiment_on_crash on_crash;
     char **brokers; /* their names; none: main */
     unsigned brokers_count;
+    char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
+    unsigned resolvers_count;
     struct experiment_robot *robots;
     unsigned robots_count;
     struct experiment_command *observer;

@@ -68,6 +68,25 @@ static mu_result check_file(struct experiment_source *s, char **path, int node, 
     return MU_OK;
 }
 
+static mu_result check_resolvers(struct experiment_source *s)
+{
+    const struct experiment *e = s->experiment;
+    for (unsigned i = 0; i < e->resolvers_count; i++) {
+        if (!mu_name_valid(e->resolvers[i])) {
+            return experiment_fault(s, NULL, check_item(s, "resolvers", i),
+                                    "expected a scheme of addresses, such as near, not '%.80s'",
+                                    e->resolvers[i]);
+        }
+        for (unsigned k = 0; k < i; k++) {
+            if (strcmp(e->resolvers[k], e->resolvers[i]) == 0) {
+                return experiment_fault(s, NULL, check_item(s, "resolvers", i),
+                                        "'%s' stands here a second time", e->resolvers[i]);
+            }
+        }
+    }
+    return MU_OK;
+}
+
 /* @return the index of a broker, or how many there are */
 static unsigned check_find_broker(const struct experiment *e, const char *name)
 {
@@ -322,6 +341,7 @@ mu_result experiment_check(struct experiment_source *source)
 {
     const struct experiment *e = source->experiment;
     mu_result result = check_top(source);
+    result = result == MU_OK ? check_resolvers(source) : result;
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);
     }

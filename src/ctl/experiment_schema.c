@@ -70,6 +70,8 @@ static const cyaml_schema_field_t schema_fields[] = {
                      on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
     CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0,
                          EXPERIMENT_BROKERS_MAX),
+    CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
+                         EXPERIMENT_RESOLVERS_MAX),
     TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),

@@ -32,6 +32,7 @@ static const struct verb verbs[] = {
     {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
     {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},
     {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
+    {"resolver", NULL, "muster-resolver", "SCHEME", "addresses such as role:scout or near:2.5"},
     {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
     {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
     {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},

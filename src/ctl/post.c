@@ -21,7 +21,7 @@ struct verb {
 static const struct verb VERB_SEND = {"send",
                                       "TO WORD... [OPTION...]",
                                       "Sends a mail; TO is a name, names joined by commas, all, "
-                                      "robots, special or group:G.",
+                                      "robots, special, group:G, or an address such as role:R.",
                                       2,
                                       NULL,
                                       false,

@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "ctl/runs.h"
 #include "ctl/verbs.h"
+#include "muster/directory.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
 
@@ -424,11 +425,24 @@ static int start_patience(const struct run *r)
     return MU_EXIT_DDS;
 }
 
+/* @return whether every scheme of the experiment has its resolver in the yellow pages */
+static bool resolvers_are_in(const struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    bool all = true;
+    for (unsigned i = 0; i < e->resolvers_count && all; i++) {
+        char query[MU_QUERY_MAX + 1];
+        snprintf(query, sizeof query, "resolver scheme=%s", e->resolvers[i]);
+        all = mu_process_find_service(r->process, query, 0) != NULL;
+    }
+    return all;
+}
+
 /* Until all are there and the broker has every command. */
 static int gather(struct run *r)
 {
     int code = -1;
-    while (code < 0 && !(r->registered && r->state == muster_RUN_READY)) {
+    while (code < 0 && !(r->registered && r->state == muster_RUN_READY && resolvers_are_in(r))) {
         code = round_live(r);
         code = code < 0 ? start_patience(r) : code;
     }

@@ -67,7 +67,8 @@ const char *run_broker(const struct run *r, unsigned index);
 /** Writes the name of its process among the children: RUN_CHILD_MAX bytes. */
 void run_child_name(const struct run *r, unsigned index, char *name);
 
-/** Starts brokers, simulator and robots, in run_start.c.  @return MU_OK or a fault, explained */
+/** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
+ *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */

@@ -109,6 +109,9 @@ static mu_result simulator_start(struct run *r)
     if (r->options.free) {
         word_add("--free");
     }
+    if (e->resolvers_count > 0) {
+        word_add("--watchers=%u", e->resolvers_count);
+    }
     places_add(e);
     return supervise_start(&r->children, "simulator", "muster-sim", words_end());
 }
@@ -127,12 +130,24 @@ static mu_result robot_start(struct run *r, const struct experiment_robot *robot
     return supervise_start(&r->children, robot->name, "muster-robot", words_end());
 }
 
+static mu_result resolver_start(struct run *r, const char *scheme)
+{
+    words_begin("muster-resolver");
+    word_add("%s", scheme);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    return supervise_start(&r->children, scheme, "muster-resolver", words_end());
+}
+
 mu_result run_start(struct run *r)
 {
     for (unsigned i = 0; i < run_brokers(r); i++) {
         MU_TRY(broker_start(r, i));
     }
     MU_TRY(simulator_start(r));
+    for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
+        MU_TRY(resolver_start(r, r->experiment->resolvers[i]));
+    }
     for (unsigned i = 0; i < r->experiment->robots_count; i++) {
         MU_TRY(robot_start(r, &r->experiment->robots[i]));
     }

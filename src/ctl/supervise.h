@@ -16,7 +16,7 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 8, SUPERVISE_WORDS_MAX = 1024 };
+enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 32, SUPERVISE_WORDS_MAX = 1024 };
 
 struct child {
     char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */

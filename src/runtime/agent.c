@@ -126,6 +126,7 @@ static void meet_other_broker(struct mu_agent *a)
 
 static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
+    bool is_new = a->broker_incarnation != v->broker_incarnation;
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
         meet_other_broker(a);
     }
@@ -134,6 +135,9 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
      * what the broker still knows.  What an earlier one may have had keeps its numbers. */
     if (a->outbox.first_seq >= a->earlier_end) {
         outbox_continue(&a->outbox, v->last_seq);
+    }
+    if (is_new) {
+        resolver_offer(a);
     }
     agent_progress(a);
     if (outbox_has_unsent(&a->outbox)) {

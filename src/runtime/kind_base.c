@@ -5,6 +5,7 @@
 #include "runtime/kind.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
+#include "runtime/resolver.h"
 
 #include <string.h>
 
@@ -109,11 +110,17 @@ static enum mu_take take_services(void *self, mu_agent *a, const struct mu_mail 
 }
 
 static const struct mu_layer_handler base_handlers[] = {
-    {MU_LAYER_SYSTEM, "suspend", take_suspend},  {MU_LAYER_SYSTEM, "resume", take_resume},
-    {MU_LAYER_SYSTEM, "dispose", take_dispose},  {MU_LAYER_SYSTEM, "dispatch", take_move},
-    {MU_LAYER_SYSTEM, "retract", take_move},     {MU_LAYER_SYSTEM, "clone", take_move},
-    {MU_LAYER_QUERY, "state", take_state},       {MU_LAYER_QUERY, "groups", take_groups},
-    {MU_LAYER_QUERY, "services", take_services}, {0, NULL, NULL},
+    {MU_LAYER_SYSTEM, "suspend", take_suspend},
+    {MU_LAYER_SYSTEM, "resume", take_resume},
+    {MU_LAYER_SYSTEM, "dispose", take_dispose},
+    {MU_LAYER_SYSTEM, "dispatch", take_move},
+    {MU_LAYER_SYSTEM, "retract", take_move},
+    {MU_LAYER_SYSTEM, "clone", take_move},
+    {MU_LAYER_QUERY, "state", take_state},
+    {MU_LAYER_QUERY, "groups", take_groups},
+    {MU_LAYER_QUERY, "services", take_services},
+    {MU_LAYER_QUERY, "resolve", resolver_take},
+    {0, NULL, NULL},
 };
 
 const struct mu_agent_kind mu_base_kind = {.name = "agent", .handlers = base_handlers};

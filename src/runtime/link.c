@@ -65,8 +65,8 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
         bus_writer_close(&p->up);
         mu_text_copy(l->broker, sizeof l->broker, name);
         snprintf(l->partition, sizeof l->partition, "broker.%s", l->broker);
-        MU_TRY(bus_writer_open(&p->bus, BUS_UP, l->partition, p->with_body ? "simulator" : NULL,
-                               &p->up));
+        MU_TRY(bus_writer_open(&p->bus, BUS_UP, l->partition,
+                               process_takes_steps(p) ? "simulator" : NULL, &p->up));
     }
     l->incarnation = incarnation;
     l->silent = false;

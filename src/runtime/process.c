@@ -27,11 +27,16 @@ static const uint64_t STEP_PATIENCE_NS = 300000000;
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
+bool process_takes_steps(const mu_process *p)
+{
+    return p->with_body || p->watches;
+}
+
 static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
-    if (p->with_body) {
+    if (process_takes_steps(p)) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
     }
     return MU_OK;
@@ -47,6 +52,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
     p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->bodies = p->watches ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
@@ -58,7 +64,8 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
 {
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->with_body = options->with_body;
-    if (options->agents > MU_LOCAL_AGENTS_MAX) {
+    p->watches = options->watches;
+    if (options->agents > MU_LOCAL_AGENTS_MAX || (p->with_body && p->watches)) {
         return MU_FAULT_USAGE;
     }
     process_take_memory(p, options->agents, options->outbox);
@@ -144,10 +151,23 @@ void process_register(mu_process *p)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return p->with_body && p->greeted && p->broker_incarnation != 0 &&
+    return process_takes_steps(p) && p->greeted && p->broker_incarnation != 0 &&
            bus_writer_reaches(&p->up, p->link.partition) &&
            bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
            bus_reader_matches(&p->sense) > 0;
+}
+
+/* @return whether the simulator's steps may come soon */
+static bool process_awaits_steps(const mu_process *p)
+{
+    return p->with_body || (p->watches && bus_reader_matches(&p->sense) > 0);
+}
+
+/* The run is over, or its simulator is gone: no step will come. */
+static void lockstep_leave(mu_process *p)
+{
+    p->in_lockstep = p->lived_in_lockstep = p->greeted = false;
+    p->step = NULL;
 }
 
 static void registrations_keep(mu_process *p)
@@ -155,9 +175,7 @@ static void registrations_keep(mu_process *p)
     uint64_t now_ns = mu_clock_ns();
     bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
     if (due && p->in_lockstep && bus_reader_matches(&p->sense) == 0) {
-        p->in_lockstep = p->lived_in_lockstep = p->greeted =
-            false; /* the simulator is gone: no step will come */
-        p->step = NULL;
+        lockstep_leave(p);
     }
     /* In lock step nothing that is looked at here changes anything; before, every change counts. */
     bool look = !p->in_lockstep && (due || !p->ready);
@@ -187,7 +205,7 @@ static void next_step(mu_process *p)
     enum bus_life life;
     const muster_Sense *sense;
     do {
-        sense = p->with_body ? bus_next(&p->sense, &life) : NULL;
+        sense = process_takes_steps(p) ? bus_next(&p->sense, &life) : NULL;
     } while (sense && life != BUS_DATA);
     if (!sense) {
         return;
@@ -198,8 +216,12 @@ static void next_step(mu_process *p)
     }
     p->step_wall_ns = mu_clock_ns();
     p->in_lockstep = sense->lockstep && !sense->last;
-    p->done = sense->last;
     p->step = sense->last ? NULL : sense;
+    if (sense->last && p->watches) {
+        lockstep_leave(p); /* it serves the next run, too */
+    } else {
+        p->done = sense->last;
+    }
 }
 
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
@@ -265,7 +287,7 @@ static int64_t patience_ns(mu_process *p)
     if (!mu_process_broker(p)) {
         return EXPECTANT_NS;
     }
-    bool settled = p->roll.due_count == 0 && (p->ready || !p->with_body);
+    bool settled = p->roll.due_count == 0 && (p->ready || !process_awaits_steps(p));
     return settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
 }
 

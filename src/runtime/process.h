@@ -15,6 +15,7 @@
 #include "runtime/outbox.h"
 #include "runtime/owed.h"
 #include "runtime/queue.h"
+#include "runtime/resolver.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
 #include "wire.h"
@@ -36,6 +37,7 @@ struct mu_agent {
     enum mu_state state;
     struct mu_handlers handlers;
     struct kind_part part;  /* what its kind has come to */
+    struct resolver resolver;
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
@@ -67,7 +69,7 @@ struct mu_process {
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
-    bool with_body;
+    bool with_body, watches; /* one at most; either: the simulator's steps are wanted */
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */
@@ -106,10 +108,14 @@ struct mu_process {
     muster_Ack acks[PROCESS_UP_ACKS];
     struct mu_agent *out_ackers[PROCESS_UP_ACKS]; /* whose they are */
     muster_Mail mails[PROCESS_UP_MAILS];
+    struct mu_percept *bodies;   /* MU_ROBOTS_MAX; NULL: it does not watch */
     bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };
 
 /* process.c */
+
+/** @return whether the simulator's steps are for it */
+bool process_takes_steps(const mu_process *p);
 
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);

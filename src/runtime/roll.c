@@ -62,6 +62,7 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
                              .incarnation = p->incarnation,
                              .host = p->host,
                              .pid = (uint32_t)getpid(),
+                             .watches = p->watches,
                              .ready = p->ready};
     uint32_t first = part * MU_PART_AGENTS;
     uint32_t count = p->agent_count - first;

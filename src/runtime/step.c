@@ -134,7 +134,8 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
 
 static struct mu_percept percept_of(const muster_Sense *sense, const muster_Percept *robot)
 {
-    return (struct mu_percept){.step = sense->step,
+    return (struct mu_percept){.robot = robot->robot,
+                               .step = sense->step,
                                .time_ns = sense->time_ns,
                                .x_m = robot->x_m,
                                .y_m = robot->y_m,
@@ -146,8 +147,27 @@ static struct mu_percept percept_of(const muster_Sense *sense, const muster_Perc
                                .sonar_m = robot->sonar_m._buffer};
 }
 
+/* Who watches is shown the whole world. */
+static void world_take(mu_process *p, const muster_Sense *sense)
+{
+    uint32_t count = sense->robots._length < MU_ROBOTS_MAX ? sense->robots._length : MU_ROBOTS_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        p->bodies[i] = percept_of(sense, &sense->robots._buffer[i]);
+    }
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (!a->gone && a->handlers.on_world) {
+            a->handlers.on_world(a->handlers.self, a, p->bodies, count);
+        }
+    }
+}
+
 static void percepts_take(mu_process *p, const muster_Sense *sense)
 {
+    if (p->watches) {
+        world_take(p, sense);
+        return;
+    }
     for (uint32_t i = 0; i < sense->robots._length; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a && a->handlers.on_step) {
@@ -159,7 +179,7 @@ static void percepts_take(mu_process *p, const muster_Sense *sense)
 
 static void agents_act(mu_process *p, const muster_Sense *sense)
 {
-    for (uint32_t i = 0; i < sense->robots._length; i++) {
+    for (uint32_t i = 0; i < sense->robots._length && !p->watches; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a && a->state == MU_RUNNING && a->handlers.on_act) {
             struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);

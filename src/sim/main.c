@@ -24,6 +24,7 @@ struct settings {
     struct mu_network network;
     int64_t seed;
     double duration_s, rate, step_ms, silence_s;
+    int64_t watchers;
     bool free, waits_for_go, verbose;
     const char *csv;
     struct mu_option_list robots; /* names; none: all of the world */
@@ -80,6 +81,13 @@ static struct mu_option option_table[] = {
      .kind = MU_OPTION_FLAG,
      .help = "the first step waits for `muster run`",
      .target = &set.waits_for_go},
+    {.name = "watchers",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "processes that see all bodies, such as resolvers, for which the first step waits",
+     .target = &set.watchers,
+     .max = MU_PROCESSES_MAX},
     {.name = "csv",
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
@@ -246,6 +254,7 @@ int main(int argc, char **argv)
                                       .rate = set.rate,
                                       .free = set.free,
                                       .waits_for_go = set.waits_for_go,
+                                      .watchers = (uint32_t)set.watchers,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9)};
     if (session_open(s, &options, world, engine_open(world, &physics), recorder) != MU_OK) {
         return MU_EXIT_DDS;

@@ -47,6 +47,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     }
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
+    s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
     s->totals = mu_startup_array(s->robot_count, sizeof *s->totals);
     return topics_open(s);
 }
@@ -102,7 +103,14 @@ static void samples_lay_out(struct session *s)
                 p->sample.robots._length++;
             }
         }
+        if (p->watches) {
+            p->sample.robots._buffer = s->bodies;
+            p->sample.robots._length = (uint32_t)s->robot_count;
+        }
         p->sample.robots._maximum = p->sample.robots._length;
+    }
+    for (size_t r = 0; r < s->robot_count; r++) {
+        s->bodies[r].robot = s->world->robots[r].name;
     }
 }
 
@@ -128,7 +136,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
         return left;
     }
     /* A body that has a controller: another one must wait until that has gone. */
-    if (e->kind != muster_KIND_ROBOT || (robot->process >= 0 && !holds)) {
+    if (e->kind != muster_KIND_ROBOT || r->watches || (robot->process >= 0 && !holds)) {
         return false;
     }
     robot->process = holds ? robot->process : process_add(s, r->process);
@@ -151,9 +159,23 @@ static bool process_leave(struct session *s, const muster_Registration *r, bool 
     return changed;
 }
 
+/* @return whether a process has begun or ceased to watch */
+static bool watcher_take(struct session *s, const muster_Registration *r, bool watches)
+{
+    int32_t process = r->part == 0 ? process_find(s, r->process) : -1;
+    if (process < 0 && watches && r->part == 0) {
+        process = process_add(s, r->process);
+    }
+    if (process < 0 || s->processes[process].watches == watches) {
+        return false;
+    }
+    s->processes[process].watches = watches;
+    return true;
+}
+
 static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
 {
-    bool changed = false;
+    bool changed = watcher_take(s, r, life == BUS_DATA && r->watches);
     if (life == BUS_DATA) {
         for (uint32_t i = 0; i < r->agents._length; i++) {
             changed = entry_take(s, r, i) || changed;
@@ -166,7 +188,7 @@ static void registration_take(struct session *s, const muster_Registration *r, e
             s->processes[process].ready = r->ready;
         }
     } else {
-        changed = process_leave(s, r, life == BUS_LOST);
+        changed = process_leave(s, r, life == BUS_LOST) || changed;
     }
     if (s->step >= 0 && changed) {
         samples_lay_out(s); /* free running: the others keep their own robots' percepts */
@@ -206,6 +228,12 @@ static void process_greet(struct session_process *p)
     }
 }
 
+static bool process_is_ready(const struct session *s, int32_t process)
+{
+    const struct session_process *p = &s->processes[process];
+    return p->ready && p->heard && bus_reader_hears(&s->ups, &p->sense, p->name);
+}
+
 /* A lock step has one broker, which its Roster is for.  @return its name; "" when no robot is there
  * yet, or in free running: every broker */
 static const char *broker_of(const struct session *s)
@@ -221,6 +249,31 @@ static const char *broker_of(const struct session *s)
     return broker ? broker : "";
 }
 
+/* Who watches belongs to the run, unless it lives with a broker that does not. */
+static bool process_watches(const struct session *s, const struct session_process *p)
+{
+    const char *broker = broker_of(s);
+    return p->watches && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+}
+
+/* Those who watch are waited for when they have said so; how many are to come is known to whoever
+ * has started them. */
+static void watchers_await(const struct session *s, struct mu_text *missing)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        const struct session_process *p = &s->processes[i];
+        count += process_watches(s, p);
+        if (process_watches(s, p) && !process_is_ready(s, (int32_t)i)) {
+            mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
+        }
+    }
+    if (count < s->options.watchers) {
+        mu_text_format(missing, "%s%u resolvers", missing->len ? " " : "",
+                       (unsigned)(s->options.watchers - count));
+    }
+}
+
 static bool everybody_is_ready(struct session *s)
 {
     const char *broker = broker_of(s);
@@ -234,14 +287,14 @@ static bool everybody_is_ready(struct session *s)
         if (!s->robots[i].controlled) {
             continue;
         }
-        if (process < 0 || !s->processes[process].ready || !s->processes[process].heard ||
-            !bus_reader_hears(&s->ups, &s->processes[process].sense, s->processes[process].name)) {
+        if (process < 0 || !process_is_ready(s, process)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
         } else if (broker[0] && strcmp(s->processes[process].broker, broker) != 0) {
             mu_text_format(&missing, "%s%s (its broker is %s, not %s)", missing.len ? " " : "",
                            s->robots[i].name, s->processes[process].broker, broker);
         }
     }
+    watchers_await(s, &missing);
     return missing.len == 0;
 }
 
@@ -302,14 +355,15 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
 
 static bool process_is_used(const struct session *s, uint32_t process)
 {
-    bool used = false;
+    bool used = process_watches(s, &s->processes[process]);
     for (size_t r = 0; r < s->robot_count; r++) {
         used = used || s->robots[r].process == (int32_t)process;
     }
     return used;
 }
 
-/* Drops processes that control nothing: they came and went before the first step. */
+/* Drops processes that neither control nor watch anything: they came and went before the first
+ * step. */
 static void processes_prune(struct session *s)
 {
     uint32_t kept = 0;

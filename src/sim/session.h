@@ -37,6 +37,7 @@ struct session_process {
     char name[MU_PROCESS_MAX + 1];
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
+    bool watches;     /* it sees all bodies, and has none */
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
     bool greeted;     /* a Sense with nothing in it has gone to it */
@@ -52,7 +53,8 @@ struct session_options {
     double rate;          /* times real time; 0: as fast as it goes */
     bool free;            /* no lock step */
     const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
-    bool waits_for_go;    /* the first step waits for a RunCommand */
+    bool waits_for_go;    /* the first step waits for a RunCommand, */
+    uint32_t watchers;    /* and for so many processes that watch */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
 };
 
@@ -71,6 +73,7 @@ struct session {
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
+    muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
     muster_RobotTotals *totals;
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */

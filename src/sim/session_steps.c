@@ -34,6 +34,15 @@ static void percept_fill(muster_Percept *to, struct engine_percept *from)
     to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
 }
 
+/* Who watches sees where each body is and how it moves, and hears no echo. */
+static void bodies_fill(struct session *s)
+{
+    for (size_t r = 0; r < s->robot_count; r++) {
+        percept_fill(&s->bodies[r], &s->robots[r].percept);
+        s->bodies[r].sonar_m._length = s->bodies[r].sonar_m._maximum = 0;
+    }
+}
+
 static bool sense_write(struct session_process *p)
 {
     p->sample_pending = bus_write(&p->sense, &p->sample) != MU_OK;
@@ -43,6 +52,7 @@ static bool sense_write(struct session_process *p)
 static void senses_send(struct session *s, bool last)
 {
     uint32_t next = 0;
+    bodies_fill(s);
     for (uint32_t i = 0; i < s->process_count; i++) {
         for (size_t r = 0; r < s->robot_count; r++) {
             if (s->robots[r].process == (int32_t)i) {
@@ -145,6 +155,11 @@ static mu_result silence_report(struct session *s)
         int32_t process = s->robots[i].process;
         if (process >= 0 && s->processes[process].answered < s->step) {
             mu_text_format(&who, " %s", s->robots[i].name);
+        }
+    }
+    for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
+        if (s->processes[i].watches && s->processes[i].answered < s->step) {
+            mu_text_format(&who, " %s", s->processes[i].name);
         }
     }
     return MU_TIMEOUT;

@@ -318,6 +318,47 @@ static void test_names_and_mail_come_back(void)
     EXPECT("blue #1 red/2 two; blue welcome 1048576");
 }
 
+/* Mail to an address is kept when it is known for whom, and not before. */
+static void test_an_address_is_kept_when_it_is_resolved(void)
+{
+    team();
+    story_join("rita");
+    muster_Mail offer = letter("rita", 1, "broker", "resolver \"scheme=near\"");
+    offer.layer = 2;
+    offer.performative = words("advertise");
+    story_mail(offer);
+    (void)story_collect();
+    CU_ASSERT_TRUE(commit(true));
+    log_mail(1, "near:2", "one");
+    log_mail(2, "green", "two");
+    CU_ASSERT_FALSE(commit(true));
+    EXPECT("rita #1 broker/4611686018427387905 resolve \"near:2\" red");
+    die_and_come_back(SECOND);
+    story_join("red");
+    story_join("rita");
+    again(1, muster_LEVEL_LOGGED); /* what the earlier life has not kept is no duplicate */
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 1-1 stored");
+    log_mail(2, "near:2", "two");
+    CU_ASSERT_FALSE(commit(true));
+    muster_Mail answer = letter("rita", 2, "broker", "green blue");
+    answer.layer = 2;
+    answer.performative = words("inform");
+    answer.in_reply_to = words("resolve-4611686018427387905");
+    (void)story_collect();
+    story_mail(answer);
+    EXPECT("rita 2-2 delivered");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL_FATAL(disk.rows_count, 2);
+    CU_ASSERT_STRING_EQUAL(disk.rows[1].dst, "near:2");
+    CU_ASSERT_STRING_EQUAL(disk.rows[1].waiting, "blue,green");
+    EXPECT("red 2-2 stored");
+    die_and_come_back(SECOND); /* nobody is asked again */
+    story_register("blue", "p-blue");
+    story_match("p-blue");
+    EXPECT("blue #1 red/2 two; blue welcome 1048576");
+}
+
 static void test_stored_mail_says_that_it_may_have_come_before(void)
 {
     team();
@@ -662,6 +703,7 @@ int main(void)
         {"a receipt follows the commit", test_a_receipt_follows_the_commit},
         {"what comes and goes in one round", test_what_comes_and_goes_in_one_round_costs_no_row},
         {"names and mail come back", test_names_and_mail_come_back},
+        {"an address is kept when it is resolved", test_an_address_is_kept_when_it_is_resolved},
         {"stored mail may have come before", test_stored_mail_says_that_it_may_have_come_before},
         {"who does not come back", test_receipts_of_who_does_not_come_back_are_dropped},
         {"duplicates across a restart", test_duplicates_across_a_restart},

@@ -66,7 +66,7 @@ static void test_everything(void)
 {
     CU_ASSERT_EQUAL_FATAL(
         load("name: all-of-it\nseed: 18446744073709551615\nstep_ms: 60\non-crash: stop\n"
-             "brokers: [b1]\nworld: a.world\nduration: 60.5\n"
+             "brokers: [b1]\nresolvers: [near, role]\nworld: a.world\nduration: 60.5\n"
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
              "  - {name: blue, rules: a.clp}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
@@ -81,6 +81,8 @@ static void test_everything(void)
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
     CU_ASSERT_EQUAL_FATAL(e->brokers_count, 1);
     CU_ASSERT_STRING_EQUAL(e->brokers[0], "b1");
+    CU_ASSERT_EQUAL_FATAL(e->resolvers_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->resolvers[1], "role");
     CU_ASSERT_EQUAL_FATAL(e->robots[0].globals_count, 2);
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[0].name, "mate");
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[1].value, "\"a b\"");
@@ -197,6 +199,8 @@ static void test_other_faults(void)
         {BASE "name: a/b\n", 6, 7, "expected a name"},
         {BASE "name: ..\n", 6, 7, "expected a name"},
         {BASE "brokers: [b c]\n", 6, 11, "cannot be a broker's name"},
+        {BASE "resolvers: [near:2]\n", 6, 13, "expected a scheme of addresses"},
+        {BASE "resolvers: [near, role, near]\n", 6, 25, "stands here a second time"},
         {BASE "brokers: [a, b, c, d, e]\n", 6, 10, "expected at most 4"},
         {BASE "brokers: [b, c, b]\n", 6, 17, "a second broker with the name 'b'"},
         {"world: a.world\nduration: 1\nbrokers: [b]\n"

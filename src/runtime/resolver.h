@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file resolver.h
+ * An agent that resolves addresses: what it offers, and its answers to the broker.
+ */
+#ifndef MUSTER_RUNTIME_RESOLVER_H
+#define MUSTER_RUNTIME_RESOLVER_H
+
+#include "muster/kind.h"
+#include "muster/resolver.h"
+
+/* What an agent keeps of it; all zero: it resolves nothing. */
+struct resolver {
+    char scheme[MU_NAME_MAX + 1];
+    mu_resolve resolve;
+    void *self;
+};
+
+/** A broker has accepted the agent that did not know it: it is to know what the agent resolves. */
+void resolver_offer(mu_agent *a);
+
+/** Takes the broker's question, a handler of every kind. */
+enum mu_take resolver_take(void *self, mu_agent *a, const struct mu_mail *mail);
+
+#endif

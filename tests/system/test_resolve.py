@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Addresses that programs resolve: role, task, near, and one of somebody's own."""
+import contextlib
+import json
+import signal
+
+from support import (BUILD, MUSTER, ROOT, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, members, muster, new_domain, program, wait_for)
+
+# Every robot says every step to whoever is near that it is there, and prints whom it hears.
+RULES = """; SPDX-License-Identifier: Apache-2.0
+(defrule call
+    (position ?time $?)
+    =>
+    (bind ?sent (send "near:2.3" here)))
+(defrule hear
+    ?m <- (mail (from ?from) (content here))
+    =>
+    (retract ?m)
+    (printout t "hears " ?from crlf))
+"""
+
+
+def near_experiment(path):
+    """red, blue and green in a line, 2.2 m from one to the next."""
+    (path / "near.clp").write_text(RULES)
+    robots = "".join(f"  - {{name: {name}, pose: [{x}, 4.5, 0], rules: near.clp}}\n"
+                     for name, x in (("red", -2.2), ("blue", 0), ("green", 2.2)))
+    file = path / "near.yaml"
+    file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 3\nresolvers: [near, role]\n"
+                    f"robots:\n{robots}")
+    return file
+
+
+def heard(done):
+    """Who hears whom, of all that the robots have printed."""
+    return {line.replace(" hears ", " ") for line in (done.stdout + done.stderr).splitlines()
+            if " hears " in line}
+
+
+NEIGHBOURS = {"red: blue", "blue: red", "blue: green", "green: blue"}
+
+
+def test_near_in_lock_step_is_the_same_every_time():
+    with folder() as out:
+        file = near_experiment(out)
+        runs = []
+        for i in range(2):
+            done = muster("run", file, "--out", out / f"run-{i}", "--domain", new_domain())
+            check_equal(done.returncode, 0, done.stderr)
+            check_equal(heard(done), NEIGHBOURS, "who hears whom")
+            runs.append(json.loads((out / f"run-{i}" / "summary.json").read_text()))
+        check_equal(runs[0]["hash"], runs[1]["hash"], "the hash")
+        check_equal(runs[0]["mail"], runs[1]["mail"], "the mail")
+        # 30 steps, of which the last two cannot be heard any more, and the answer takes one.
+        check(all(r["mail_sent"] == 30 for r in runs[0]["robots"]), runs[0]["robots"])
+
+
+def test_near_in_a_free_run():
+    with folder() as out:
+        done = muster("run", near_experiment(out), "--free", "--duration", 2, "--out", out / "run",
+                      "--domain", new_domain())
+        check_equal(done.returncode, 0, done.stderr)
+        check_equal(heard(done), NEIGHBOURS, "who hears whom")
+
+
+def test_a_resolver_that_there_is_not():
+    with folder() as out:
+        file = near_experiment(out)
+        file.write_text(file.read_text().replace("[near, role]", "[far]"))
+        done = muster("run", file, "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 2, done.stderr)
+        check("near:REST" in done.stderr, done.stderr)
+        file.write_text(file.read_text().replace("[far]", "[near, near]"))
+        done = muster("run", file, "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 3, done.stderr)
+        check(f"{file}:3:" in done.stderr, done.stderr)
+        file.write_text(file.read_text().replace("[near, near]", "[]"))
+        done, summary = experiment_run(out / "none", "--domain", new_domain(), file=file)
+        check_equal(done.returncode, 0, done.stderr)
+        check(all(r["mail_received"] <= 1 for r in summary["robots"]), summary["robots"])
+
+
+@contextlib.contextmanager
+def scouts(*attributes):
+    """A broker and agents that offer something, and note what they hear; gives what they heard."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        for i, offer in enumerate(attributes):
+            processes.start(program("pages_agent"), domain, f"agent{i}", out / f"{i}", offer)
+
+        def said(index):
+            path = out / f"{index}"
+            return path.read_text() if path.exists() else ""
+
+        for i in range(len(attributes)):
+            wait_for(lambda i=i: said(i), 10, f"agent{i} is there")
+        yield processes, domain, said
+
+
+def resolver_start(processes, domain, *words):
+    name = f"resolver.{words[-1] if len(words) > 1 else words[0].name}"
+    resolver = processes.start(*words, *(["--domain"] if len(words) > 1 else []), domain)
+    wait_for(lambda: name in members(domain), 10, f"{name} is there")
+    return resolver
+
+
+def send(domain, to, *words):
+    return muster("send", to, *words, "--domain", domain).returncode
+
+
+def resolves(domain, to, said, index):
+    """What is offered may still be under way when a name is there."""
+    def arrives():
+        return send(domain, to, "knock", to) == 0 and f"mail operator knock {to}" in said(index)
+
+    wait_for(arrives, 10, f"mail to {to} arrives")
+
+
+def test_roles_and_tasks_on_the_command_line():
+    with scouts("role=scout", "role=digger task=map") as (processes, domain, said):
+        check_equal(send(domain, "role:scout", "too early"), 7, "nobody resolves it yet")
+        resolver_start(processes, domain, MUSTER, "resolver", "role")
+        resolver_start(processes, domain, MUSTER, "resolver", "task")
+        resolves(domain, "role:scout", said, 0)
+        resolves(domain, "task:map", said, 1)
+        check_equal(send(domain, "role:scout", "hello"), 0, "mail to a role")
+        check_equal(send(domain, "task:map", "draw"), 0, "mail to a task")
+        check_equal(send(domain, "role:cook", "nobody is one"), 0, "mail to nobody")
+        check_equal(send(domain, "near:2", "nobody resolves it"), 7, "another scheme")
+        wait_for(lambda: "mail operator hello" in said(0), 10, "the scout has its mail")
+        wait_for(lambda: "mail operator draw" in said(1), 10, "the map maker, too")
+        check("hello" not in said(1) and "draw" not in said(0), "each has its own alone")
+
+
+def test_a_resolver_that_sleeps():
+    with scouts("role=scout") as (processes, domain, said):
+        resolver = resolver_start(processes, domain, MUSTER, "resolver", "role")
+        resolves(domain, "role:scout", said, 0)
+        resolver.send_signal(signal.SIGSTOP)
+        check_equal(send(domain, "role:scout", "hello"), 7, "no answer, or nobody to ask")
+        check_equal(send(domain, "agent0", "by name"), 0, "the broker goes on")
+        resolver.send_signal(signal.SIGCONT)
+        wait_for(lambda: send(domain, "role:scout", "awake") == 0, 10, "it answers again")
+        wait_for(lambda: "mail operator awake" in said(0), 10, "mail arrives again")
+        check("hello" not in said(0), "what was refused does not arrive later")
+
+
+def test_a_resolver_of_ones_own():
+    with scouts("battery=0.2", "battery=0.8") as (processes, domain, said):
+        resolver_start(processes, domain, BUILD / "examples" / "battery")
+        resolves(domain, "battery:low", said, 0)
+        resolves(domain, "battery:1", said, 1)
+        check_equal(send(domain, "battery:low", "home"), 0, "mail to who has little left")
+        check_equal(send(domain, "battery:0.9", "all"), 0, "mail to both")
+        check_equal(send(domain, "battery:x", "none"), 7, "no such address")
+        for i in range(2):
+            wait_for(lambda i=i: "mail operator all" in said(i), 10, f"agent{i} has its mail")
+        check("mail operator home" in said(0) and "home" not in said(1), said(1))
