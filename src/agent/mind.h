@@ -126,6 +126,9 @@ MU_MUST_USE mu_result mind_take_mail(struct mind *m, const struct mind_mail *mai
 /** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
 void mind_fire(struct mind *m, struct mind_act *act);
 
+/** The same with a smaller budget. */
+void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
+
 /**
  * Does what a person or another agent typed: a command, an expression or a construct.
  *

@@ -4,7 +4,6 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/name.h"
-#include "core/text.h"
 #include "ctl/words.h"
 
 #include <stdio.h>
@@ -13,6 +12,17 @@
 static const double ANSWER_PATIENCE_S = 5.0;
 static const uint64_t JOIN_PATIENCE_NS = 3000000000;
 static const int64_t ROUND_NS = 20000000;
+
+void change_add_offer(struct mu_text *t, const char *service, const char *attributes,
+                      double lease_s)
+{
+    mu_text_format(t, "%s \"", service);
+    for (const char *c = attributes; *c; c++) {
+        mu_text_add(t, *c == '"' || *c == '\\' ? "\\" : "");
+        mu_text_add_bytes(t, c, 1);
+    }
+    mu_text_format(t, "\" %.9f", lease_s);
+}
 
 bool change_name_check(const char *program, const char *as)
 {

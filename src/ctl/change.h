@@ -6,6 +6,7 @@
 #ifndef MUSTER_CTL_CHANGE_H
 #define MUSTER_CTL_CHANGE_H
 
+#include "core/text.h"
 #include "ctl/operator.h"
 
 struct change {
@@ -14,6 +15,10 @@ struct change {
     const char *content;      /* without the agent */
     bool of_nobody;           /* it concerns no agent */
 };
+
+/** Adds what `advertise` says of a service: its name, its attributes, its lease. */
+void change_add_offer(struct mu_text *t, const char *service, const char *attributes,
+                      double lease_s);
 
 /** @return whether that can be an agent's name in which a change is made; said if not */
 bool change_name_check(const char *program, const char *as);

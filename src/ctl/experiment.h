@@ -16,6 +16,7 @@ enum {
     EXPERIMENT_COMMANDS_MAX = 1024,
     EXPERIMENT_EXPECTATIONS_MAX = 64,
     EXPERIMENT_GLOBALS_MAX = 64,
+    EXPERIMENT_GROUPS_MAX = 64, /* of a robot, and so with services */
     EXPERIMENT_OVERRIDES_MAX = 64,
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
@@ -37,6 +38,10 @@ struct experiment_robot {
     char *rules;                  /* absolute path; in the file, relative to it */
     struct experiment_global *globals;
     unsigned globals_count;
+    char **groups; /* that it is in from the start */
+    unsigned groups_count;
+    char **services; /* that it offers from the start: "mapper role=scout" */
+    unsigned services_count;
 };
 
 /* What the observer commands, and when. */

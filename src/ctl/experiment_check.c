@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What no schema can say: names, ranges, times, files. */
+#include "core/attributes.h"
 #include "core/name.h"
 #include "ctl/experiment_schema.h"
 #include "muster/limits.h"
@@ -150,6 +151,39 @@ static mu_result check_globals(struct experiment_source *s, const struct experim
     return MU_OK;
 }
 
+static mu_result check_groups(struct experiment_source *s, const struct experiment_robot *robot,
+                              int node)
+{
+    int groups = yaml_tree_child(s->tree, node, "groups");
+    for (unsigned i = 0; i < robot->groups_count; i++) {
+        if (!mu_name_valid(robot->groups[i])) {
+            return experiment_fault(s, NULL, yaml_tree_item(s->tree, groups, i),
+                                    "expected the name of a group, not '%.80s'", robot->groups[i]);
+        }
+    }
+    return MU_OK;
+}
+
+/* A service, and behind it key=value, separated by spaces. */
+static mu_result check_services(struct experiment_source *s, const struct experiment_robot *robot,
+                                int node)
+{
+    int services = yaml_tree_child(s->tree, node, "services");
+    for (unsigned i = 0; i < robot->services_count; i++) {
+        char name[MU_NAME_MAX + 2];
+        const char *service = robot->services[i];
+        size_t len = strcspn(service, " ");
+        snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name), service);
+        if (!mu_name_valid(name) || !mu_attributes_valid(service + len)) {
+            return experiment_fault(s, NULL, yaml_tree_item(s->tree, services, i),
+                                    "expected a service and its attributes, such as 'mapper "
+                                    "role=scout', not '%.80s'",
+                                    service);
+        }
+    }
+    return MU_OK;
+}
+
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
@@ -172,6 +206,8 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
                                 "expected a pose: [x, y, degrees] beside a body");
     }
     mu_result result = check_globals(s, robot, node);
+    result = result == MU_OK ? check_groups(s, robot, node) : result;
+    result = result == MU_OK ? check_services(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
                : result;

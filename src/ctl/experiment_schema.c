@@ -25,6 +25,10 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
                .sequence = {.entry = &schema_real, .min = 3, .max = 3}}},
     TEXT("rules", NEEDED, struct experiment_robot, rules),
     CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
+    CYAML_FIELD_SEQUENCE("groups", MAY, struct experiment_robot, groups, &schema_name, 0,
+                         EXPERIMENT_GROUPS_MAX),
+    CYAML_FIELD_SEQUENCE("services", MAY, struct experiment_robot, services, &schema_name, 0,
+                         EXPERIMENT_GROUPS_MAX),
     CYAML_FIELD_END};
 _Static_assert(sizeof(struct experiment_pose) == 3 * sizeof(double), "a pose is three numbers");
 

@@ -122,12 +122,7 @@ static int service_add(const struct request *r)
     }
     struct mu_text t;
     mu_text_init(&t, content, sizeof content);
-    mu_text_format(&t, "%s \"", r->words[0]);
-    for (const char *c = attributes; *c; c++) {
-        mu_text_add(&t, *c == '"' || *c == '\\' ? "\\" : "");
-        mu_text_add_bytes(&t, c, 1);
-    }
-    mu_text_format(&t, "\" %.9f", r->lease_s);
+    change_add_offer(&t, r->words[0], attributes, r->lease_s);
     MU_ASSERT(!t.cut);
     return service_change(r, "advertise", content);
 }
