@@ -73,6 +73,23 @@ static mu_result pages_check(const struct settings *set)
     return MU_OK;
 }
 
+static mu_result settings_check(const struct settings *set)
+{
+    if (!set->name || !set->rules) {
+        fprintf(stderr, "muster robot: give it a name and rules, for example: "
+                        "muster robot red --rules rules/follower.clp\n");
+        return MU_FAULT_USAGE;
+    }
+    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
+        fprintf(stderr,
+                "muster robot: '%s' cannot be a robot's name: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
+                set->name);
+        return MU_FAULT_USAGE;
+    }
+    return pages_check(set);
+}
+
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
@@ -134,20 +151,8 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
     if (parsed != MU_OK || set->functions) {
         return parsed;
     }
-    if (options.words_count != 1 || !set->rules) {
-        fprintf(stderr, "muster robot: give it a name and rules, for example: "
-                        "muster robot red --rules rules/follower.clp\n");
-        return MU_FAULT_USAGE;
-    }
-    set->name = options.words[0];
-    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
-        fprintf(stderr,
-                "muster robot: '%s' cannot be a robot's name: it must match "
-                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
-                set->name);
-        return MU_FAULT_USAGE;
-    }
-    return pages_check(set);
+    set->name = options.words_count == 1 ? options.words[0] : NULL;
+    return settings_check(set);
 }
 
 /* --- what the mind asks for ------------------------------------------------------------------- */

@@ -68,7 +68,7 @@ static void test_everything(void)
         load("name: all-of-it\nseed: 18446744073709551615\nstep_ms: 60\non-crash: stop\n"
              "brokers: [b1]\nworld: a.world\nduration: 60.5\n"
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
-             "  - {name: blue, rules: a.clp}\n"
+             "  - {name: blue, rules: a.clp, groups: [g, scouts], services: [map x=1 y=2, sing]}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
              "  - {at: 2.5, do: [red, blue, 'group:g'], line: (stop)}\n"
              "expect:\n  - {near: [blue, red], within: 2.5}\n"
@@ -84,6 +84,11 @@ static void test_everything(void)
     CU_ASSERT_EQUAL_FATAL(e->robots[0].globals_count, 2);
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[0].name, "mate");
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[1].value, "\"a b\"");
+    CU_ASSERT_EQUAL(e->robots[0].groups_count, 0);
+    CU_ASSERT_EQUAL_FATAL(e->robots[1].groups_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->robots[1].groups[1], "scouts");
+    CU_ASSERT_EQUAL_FATAL(e->robots[1].services_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->robots[1].services[0], "map x=1 y=2");
     CU_ASSERT_EQUAL_FATAL(e->observer_count, 2);
     CU_ASSERT_EQUAL_FATAL(e->observer[0].targets_count, 1);
     CU_ASSERT_STRING_EQUAL(e->observer[0].targets[0], "all");
@@ -178,6 +183,11 @@ static void test_robot_faults(void)
         {ROBOT("name: a, globals: {b: '\"c\\\"'}"), 4, 42, "expected one CLIPS field"},
         {ROBOT("name: a, globals: {'?*b*': c}"), 4, 39, "without ?* and *"},
         {ROBOT("name: a, globals: {b: c, b: d}"), 4, 45, "'b' stands here a second time"},
+        {ROBOT("name: a, groups: [g, 1st]"), 4, 41, "name of a group, not '1st'"},
+        {ROBOT("name: a, groups: g"), 4, 37, "expected"},
+        {ROBOT("name: a, services: [1st]"), 4, 40, "such as 'mapper role=scout', not '1st'"},
+        {ROBOT("name: a, services: ['map x']"), 4, 40, "not 'map x'"},
+        {ROBOT("name: a, services: [map, '']"), 4, 45, "expected a text"},
     };
     CHECK_BAD(cases);
 }
@@ -315,6 +325,19 @@ static void test_limits(void)
     }
     char text[4096];
     struct mu_text out;
+    static const char *const lists[] = {"groups", "services"};
+    for (int i = 0; i < 4; i++) {
+        mu_text_init(&out, text, sizeof text);
+        mu_text_format(&out,
+                       "world: a.world\nduration: 1\nrobots:\n  - name: a\n"
+                       "    rules: a.clp\n    %s: [g",
+                       lists[i / 2]);
+        for (int k = 1; k < EXPERIMENT_GROUPS_MAX + i % 2; k++) {
+            mu_text_format(&out, ", g%d", k);
+        }
+        mu_text_add(&out, "]\n");
+        CU_ASSERT_EQUAL(load(text, NULL), i % 2 ? MU_FAULT_FILE : MU_OK);
+    }
     for (int extra = 0; extra < 2; extra++) {
         mu_text_init(&out, text, sizeof text);
         mu_text_add(&out, "world: a.world\nduration: 1\nrobots:\n"
