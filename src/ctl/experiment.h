@@ -66,6 +66,11 @@ struct experiment_expectation {
 /* A process of the run that dies ends the run. */
 enum experiment_on_crash { EXPERIMENT_STOP };
 
+/* What the run's broker is told. */
+struct experiment_broker {
+    double delivery_interval_ms; /* 0: it delivers at once */
+};
+
 struct experiment {
     char *name;   /* the file's name without folder and ending, unless it says otherwise;
                      letters, digits, _ . -, so that a folder may bear it */
@@ -77,6 +82,7 @@ struct experiment {
     enum experiment_on_crash on_crash;
     char **brokers; /* the name of the broker; none: main */
     unsigned brokers_count;
+    struct experiment_broker broker;
     struct experiment_robot *robots;
     unsigned robots_count;
     struct experiment_command *observer;

@@ -17,6 +17,7 @@
 enum {
     CHECK_DURATION_MAX_S = 1000000,
     CHECK_STEP_MAX_MS = 10000,
+    CHECK_INTERVAL_MAX_MS = 60000,
     CHECK_SUBSTEP_MS = 20,
     CHECK_NAME_MAX = 63
 };
@@ -101,6 +102,13 @@ static mu_result check_top(struct experiment_source *s)
             return experiment_fault(s, NULL, check_item(s, "brokers", i),
                                     "'%.80s' cannot be a broker's name", e->brokers[i]);
         }
+    }
+    double interval_ms = e->broker.delivery_interval_ms;
+    if (!(interval_ms >= 0 && interval_ms <= CHECK_INTERVAL_MAX_MS)) {
+        int broker = check_section(s, "broker");
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, broker, "delivery-interval"),
+                                "expected an interval of 0 to %d ms, not %g", CHECK_INTERVAL_MAX_MS,
+                                interval_ms);
     }
     mu_result checked =
         e->policy ? check_file(s, &e->policy, check_section(s, "policy"), "policy") : MU_OK;

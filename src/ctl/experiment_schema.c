@@ -62,6 +62,11 @@ static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(
 
 static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 
+static const cyaml_schema_field_t schema_broker_fields[] = {
+    CYAML_FIELD_FLOAT("delivery-interval", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL,
+                      struct experiment_broker, delivery_interval_ms),
+    CYAML_FIELD_END};
+
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
     TEXT("world", NEEDED, struct experiment, world),
@@ -72,6 +77,8 @@ static const cyaml_schema_field_t schema_fields[] = {
     CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
                      on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
     CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0, 1),
+    CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,
+                        schema_broker_fields),
     TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),

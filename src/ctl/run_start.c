@@ -53,6 +53,9 @@ static mu_result broker_start(struct run *r)
     words_begin("muster-broker");
     word_add("%s", e->brokers_count > 0 ? e->brokers[0] : "main");
     word_add("--domain=%d", r->domain);
+    if (e->broker.delivery_interval_ms > 0) {
+        word_add("--delivery-interval=%.17g", e->broker.delivery_interval_ms);
+    }
     if (e->policy) {
         word_add("--policy=%s", e->policy);
     }

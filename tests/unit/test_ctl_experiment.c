@@ -66,7 +66,7 @@ static void test_everything(void)
 {
     CU_ASSERT_EQUAL_FATAL(
         load("name: all-of-it\nseed: 18446744073709551615\nstep_ms: 60\non-crash: stop\n"
-             "brokers: [b1]\nworld: a.world\nduration: 60.5\n"
+             "brokers: [b1]\nbroker: {delivery-interval: 20}\nworld: a.world\nduration: 60.5\n"
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
              "  - {name: blue, rules: a.clp, groups: [g, scouts], services: [map x=1 y=2, sing]}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
@@ -79,6 +79,7 @@ static void test_everything(void)
     CU_ASSERT_STRING_EQUAL(e->name, "all-of-it");
     CU_ASSERT_EQUAL(e->seed, UINT64_MAX);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_DOUBLE_EQUAL(e->broker.delivery_interval_ms, 20, 0);
     CU_ASSERT_EQUAL_FATAL(e->brokers_count, 1);
     CU_ASSERT_STRING_EQUAL(e->brokers[0], "b1");
     CU_ASSERT_EQUAL_FATAL(e->robots[0].globals_count, 2);
@@ -207,6 +208,11 @@ static void test_other_faults(void)
         {BASE "name: a/b\n", 6, 7, "expected a name"},
         {BASE "name: ..\n", 6, 7, "expected a name"},
         {BASE "brokers: [b c]\n", 6, 11, "cannot be a broker's name"},
+        {BASE "broker: {delivery-interval: -1}\n", 6, 29, "0 to 60000 ms, not -1"},
+        {BASE "broker: {delivery-interval: 60001}\n", 6, 29, "0 to 60000 ms"},
+        {BASE "broker: {delivery-interval: .nan}\n", 6, 29, "expected"},
+        {BASE "broker: {delivery: 1}\n", 6, 10, "expected"},
+        {BASE "broker: main\n", 6, 9, "expected a mapping"},
         {BASE "observer:\n  - {at: 1, do: pink, line: (a)}\n", 7, 17, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [red, pink], line: (a)}\n", 7, 23, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected 1 to"},
