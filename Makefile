@@ -57,7 +57,7 @@ LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
-LIBS_broker  := -lddsc
+LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions -lclips -lddsc -lccd -lpng -lm
 LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm
@@ -162,6 +162,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
 
+.PHONY: soak-store
+soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice
+	@BUILD=$(BUILD) tests/soak/store.py
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -178,6 +182,25 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
+
+# Against other brokers: their packages are asked for here, and needed nowhere else.
+PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)
+LIBS_peer_muster := -lddsc -lm
+LIBS_peer_mqtt   := -lmosquitto
+LIBS_peer_redis  := -lhiredis
+OBJS_peer_muster := $(call module_objs,runtime)
+$(PEERS): $(O)/bench/broker/peer_%: $(O)/bench/broker/peer_%.o $$(OBJS_peer_$$*) \
+  $(patsubst %,$(O)/bench/broker/%.o,load load_crowd load_box) $(call objs,core)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_peer_$*)
+
+$(PEERS:%=%.o): | bench-broker-packages
+
+.PHONY: bench-broker bench-broker-packages
+bench-broker-packages:
+	@bench/broker/packages
+bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosquitto and Redis: ARGS="--rounds 5 --only NAME --markdown"
+	@O=$(O) BUILD=$(BUILD) bench/broker/run $(ARGS)
 
 # --- hygiene -------------------------------------------------------------------------------------
 .PHONY: fmt fmt-check docs install uninstall clean help

@@ -28,6 +28,7 @@ ONLY_IN = {
     r"png\.h": r"src/world/bitmap",
     r"cyaml/|yaml\.h": r"src/ctl/(experiment|yaml)",
     r"openssl/": r"src/sim/runhash",
+    r"sqlite3\.h": r"src/broker/disk",
 }
 BANNED = r"\b(strcpy|strcat|sprintf|vsprintf|gets|atoi|atof|strtok|alloca)\s*\("
 ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free)\s*\("

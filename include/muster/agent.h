@@ -140,18 +140,16 @@ struct mu_handlers {
 struct mu_process_options {
     int domain;            /* DDS domain */
     const char *interface; /* address of the interface; NULL: 127.0.0.1 */
-    const char *peer;      /* host of the broker; NULL: this one */
+    const char *peer;      /* hosts of brokers and simulator, joined by commas; NULL: this one */
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
-    uint32_t agents; /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
-    uint32_t outbox; /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
+    uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
+    uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
+    const char *broker; /* name of the broker to begin with, which is waited for; NULL: the
+                           first one of this host, else of another */
 };
 
-/**
- * Connects to the bus.
- *
- * @return MU_OK; MU_FAULT_DDS; MU_FAULT_USAGE: no address, or no host, or too many agents
- */
+/** Connects to the bus.  @return MU_OK; MU_FAULT_USAGE: an option is wrong; MU_FAULT_DDS */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
 /** Lets every agent leave and disconnects; NULL: nothing to do. */
@@ -188,6 +186,15 @@ MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_n
 
 /** @return whether a broker is connected */
 bool mu_process_has_broker(const mu_process *p);
+
+/**
+ * The broker that has answered.  When it is silent for a second the process goes to another one
+ * that is there, or waits for the first to come back; its agents keep their names, and what nobody
+ * has answered for goes out again.  In lock step a process stays.
+ *
+ * @return its name, valid until the next spin; NULL: none has answered, or it is silent
+ */
+const char *mu_process_broker(const mu_process *p);
 
 /**
  * Enters an agent; the answer comes to on_registered.

@@ -44,6 +44,14 @@
 #define MU_SERVICES_MAX 4096
 #endif
 
+/** Brokers that one network can have. */
+#ifndef MU_BROKERS_MAX
+#define MU_BROKERS_MAX 32
+#endif
+
+/** Hosts that --peer can name. */
+#define MU_PEERS_MAX 16
+
 /** Longest query on services, in bytes. */
 #define MU_QUERY_MAX 255
 

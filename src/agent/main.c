@@ -38,6 +38,7 @@ struct robot {
     bool refused;
     bool box_full;       /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
+    uint64_t mails;      /* that have come */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
     char print[PRINT_MAX]; /* a line that rules have begun */
@@ -93,7 +94,7 @@ static mu_result settings_check(const struct settings *set)
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set->network),
+        MU_JOIN_OPTIONS(set->network),
         {.name = "rules",
          .letter = 'r',
          .kind = MU_OPTION_STRING,
@@ -297,7 +298,8 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
-    struct mind_mail letter = {.id = mail->number,
+    /* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
+    struct mind_mail letter = {.id = ++r->mails,
                                .src = mail->src,
                                .performative = mail->performative,
                                .language = mail->language,
@@ -502,8 +504,9 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
 {
     struct mu_process_options options = {.domain = (int)set->network.domain,
                                          .interface = set->network.interface,
-                                         .peer = set->network.peer,
+                                         .peer = mu_network_peers(&set->network),
                                          .name = set->name,
+                                         .broker = set->network.broker,
                                          .with_body = true};
     MU_TRY(mu_process_open(&r->process, &options));
     struct mu_handlers handlers = {.self = r,
@@ -540,8 +543,9 @@ int main(int argc, char **argv)
     if (ready == MU_TIMEOUT) {
         fprintf(stderr,
                 "muster robot: no broker answers in domain %d; start one with: "
-                "muster broker NAME --domain %d\n",
-                (int)set.network.domain, (int)set.network.domain);
+                "muster broker %s --domain %d\n",
+                (int)set.network.domain, set.network.broker ? set.network.broker : "NAME",
+                (int)set.network.domain);
     }
     if (ready != MU_OK) {
         return mu_exit_for(ready);

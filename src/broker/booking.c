@@ -31,6 +31,14 @@ bool booking_take(struct broker *b, struct mail *m, uint32_t posts)
     return why == SHARE_FITS;
 }
 
+void booking_restore(struct broker *b, struct mail *m, uint32_t posts)
+{
+    struct share_use use = {.mails = 1, .bytes = store_bytes(m), .posts = posts};
+    m->side = SHARE_OUTSIDE;
+    share_add(&b->shares.senders[SHARE_OUTSIDE][m->payer], &use);
+    share_add(&b->shares.all[SHARE_OUTSIDE], &use);
+}
+
 void booking_give_back(struct broker *b, const struct mail *m, uint32_t posts)
 {
     struct share_use less = {.posts = posts};

@@ -58,6 +58,9 @@ struct broker *broker_open(const struct broker_options *options)
     trust_init(&b->trust);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
+    journal_init(&b->journal, options->has_store);
+    pages_journal_attach(b);
+    b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;
 }
@@ -256,6 +259,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     resend_tick(b);
     router_tick(b);
     courier_tick(b);
+    journal_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
         pages_expire(b, runclock_mail_ns(&b->clock));
@@ -267,8 +271,8 @@ uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
     uint64_t others[] = {
-        resend_deadline_ns(b),       courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
-        pacer_deadline_ns(&b->pacer)};
+        resend_deadline_ns(b),        courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
+        pacer_deadline_ns(&b->pacer), journal_deadline_ns(b)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {
@@ -338,6 +342,7 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                               .malformed = c->malformed,
                               .dropped = c->dropped,
                               .over_share = c->over_share,
+                              .no_store = c->no_store,
                               .stored = b->store.mails,
                               .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
     status->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */

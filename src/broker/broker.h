@@ -36,6 +36,8 @@ struct broker_options {
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
     uint32_t box_mails;            /* MU_BOX_MAX when 0 */
     uint32_t box_bytes;            /* MU_BOX_BYTES_MAX when 0 */
+    bool has_store;                /* somebody writes the journal (journal.h) to a disk */
+    uint64_t number_base; /* boxes count from here: above all that an earlier life gave out */
 };
 
 /** Takes all memory that the broker will ever use.  One broker in a process. */

@@ -36,8 +36,7 @@ static const struct counter counters[] = {
     {PART_REGISTRAR, "names", "names ever registered, the broker and its parts included",
      AT(registry.count)},
     {PART_REGISTRAR, "processes", "processes that it serves now", AT(places.used_count)},
-    {PART_REGISTRAR, "claims", "names that another process waits for now",
-     AT(claims.count)},
+    {PART_REGISTRAR, "claims", "names that another process waits for now", AT(claims.count)},
     {PART_REGISTRAR, "changes", "changes of the white pages", AT(registry.changes.version)},
 
     {PART_POSTMASTER, "sent", "mails, one a receiver", AT(counters.sent)},

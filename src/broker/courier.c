@@ -133,10 +133,11 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
         if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
             b->courier.open_delay_ns += mail_delay_ns(b, m);
         }
-        d->parcels._buffer[d->parcels._length++] =
-            (muster_Parcel){.box = b->registry.agents[agent].name,
-                            .number = number + part->parcels,
-                            .letter = m->letter};
+        muster_Parcel *parcel = &d->parcels._buffer[d->parcels._length++];
+        *parcel = (muster_Parcel){.box = b->registry.agents[agent].name,
+                                  .number = number + part->parcels,
+                                  .letter = m->letter};
+        parcel->letter.again = m->letter.again || b->mailbox.posts[i].sent;
     }
     return i == MU_NONE && (awake || gate < GATE_OPEN);
 }
@@ -167,7 +168,7 @@ static void welcome_add(struct broker *b, struct courier_part *part, muster_Deli
         d->verdicts._buffer[d->verdicts._length++] =
             (muster_Verdict){.agent = a->name,
                              .accepted = true,
-                             .last_seq = a->last_seq,
+                             .last_seq = registry_last_seq(a),
                              .broker_incarnation = b->incarnation,
                              .reason = none};
     }
@@ -232,8 +233,10 @@ static void outside_fill(struct broker *b, muster_Delivery *d)
 static void delivery_begin(struct broker *b, const struct place *at, muster_Delivery *d)
 {
     struct courier *c = &b->courier;
-    *d = (muster_Delivery){
-        .step = muster_STEP_NOW, .broker = b->name, .roll_call = at->roll_call_due};
+    *d = (muster_Delivery){.broker = b->name,
+                           .broker_incarnation = b->incarnation,
+                           .step = muster_STEP_NOW,
+                           .roll_call = at->roll_call_due};
     d->process = (char *)(uintptr_t)at->name; /* idlc has no const; nobody writes there */
     d->parcels._buffer = c->parcels;
     d->receipts._buffer = c->receipts;

@@ -16,7 +16,7 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent)
 {
     struct box *box = &m->boxes[agent];
     if (!box->begun) {
-        *box = (struct box){.begun = true, .out = MU_NONE};
+        *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
         for (int i = 0; i <= POST_FLIGHT; i++) {
             box->lists[i] = (struct post_queue){.head = MU_NONE, .tail = MU_NONE};
         }

@@ -66,6 +66,7 @@ struct mailbox {
     uint32_t posts_used; /* high-water mark */
     uint32_t posts_free;
     uint32_t posts_live;
+    uint64_t base;                   /* every box counts from here */
     struct box *boxes;               /* one for each agent of the registry */
     uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
     struct pairs pairs;

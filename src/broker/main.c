@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/broker.h"
+#include "broker/disk.h"
 #include "broker/files.h"
 #include "broker/health.h"
+#include "broker/herald.h"
+#include "broker/opening.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -11,6 +14,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,6 +28,9 @@ static const int64_t IMPATIENT_NS = 2000000;
  */
 static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 
+/* So long it listens for another one of its name before it answers anybody. */
+static const uint64_t DOUBT_NS = 300000000;
+
 /* The writer into one process's partition. */
 struct mailbag {
     char process[MU_PROCESS_MAX + 1];
@@ -35,9 +42,11 @@ struct mailbag {
 struct post {
     struct bus bus;
     struct broker *broker;
+    struct disk *disk; /* NULL: without a store */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct health health;
+    struct herald herald;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
@@ -60,10 +69,12 @@ static uint64_t post_now(const struct post *p)
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct post *p)
+static mu_result post_open(struct post *p, const char *name)
 {
+    char partition[sizeof "broker." + MU_NAME_MAX];
+    snprintf(partition, sizeof partition, "broker.%s", name);
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
-    MU_TRY(bus_reader_open(&p->bus, BUS_UP, "broker", &p->ups));
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, partition, &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
@@ -72,19 +83,6 @@ static mu_result post_open(struct post *p)
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
-
-static void registrations_take(struct post *p)
-{
-    enum bus_life life;
-    const muster_Registration *r;
-    while ((r = bus_next(&p->registrations, &life))) {
-        if (life == BUS_DATA) {
-            broker_registration(p->broker, r, post_now(p));
-        } else {
-            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
-        }
-    }
-}
 
 static struct mailbag *bag_find(struct post *p, const char *process)
 {
@@ -110,10 +108,23 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
     return true;
 }
 
+/* The end of a roster has the simulator's name alone. */
+static bool roster_is_ours(const struct post *p, const muster_Roster *roster, enum bus_life life)
+{
+    if (life != BUS_DATA) {
+        return strcmp(roster->simulator, p->simulator) == 0;
+    }
+    return roster->broker[0] == '\0' || strcmp(roster->broker, p->herald.beacons.name) == 0;
+}
+
 static void rosters_take(struct post *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
+        if (!roster_is_ours(p, p->roster, life)) {
+            p->roster = NULL;
+            continue;
+        }
         p->roster_ns = p->roster_ns ? p->roster_ns : mu_clock_ns();
         bool may_wait = life == BUS_DATA && mu_clock_ns() - p->roster_ns < ROSTER_PATIENCE_NS;
         if (may_wait && !roster_is_heard(p, p->roster)) {
@@ -136,16 +147,38 @@ static void up_take(struct post *p, const muster_Up *up)
     broker_up(p->broker, up, post_now(p));
 }
 
-static void post_take(struct post *p)
+static void ups_take(struct post *p)
 {
     enum bus_life life;
-    registrations_take(p);
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
         if (life == BUS_DATA) {
             up_take(p, up);
         }
     }
+}
+
+/* Who leaves has said its last before: that is heard first. */
+static void registrations_take(struct post *p)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&p->registrations, &life))) {
+        ups_take(p);
+        if (life == BUS_DATA) {
+            broker_registration(p->broker, r, post_now(p));
+            life = bus_fate(&p->registrations);
+        }
+        if (life != BUS_DATA) {
+            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
+        }
+    }
+}
+
+static void post_take(struct post *p)
+{
+    registrations_take(p);
+    ups_take(p);
     rosters_take(p);
 }
 
@@ -189,6 +222,9 @@ static void bags_follow(struct post *p)
 /* Both directions must stand before a registration is confirmed; the simulator sends no mail. */
 static bool bag_stands(const struct post *p, const struct mailbag *bag)
 {
+    if (bus_writer_matches(&bag->writer) == 0) {
+        return false; /* the usual case while many processes come, and cheap to see */
+    }
     bool mute = bag->matched || strcmp(bag->process, p->simulator) == 0;
     return mute ? bus_writer_reaches(&bag->writer, bag->process)
                 : bus_reader_hears(&p->ups, &bag->writer, bag->process);
@@ -268,13 +304,25 @@ static int64_t wait_ns(const struct post *p, bool impatient)
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
 }
 
+/* What must be on disk before anybody is told. */
+static void store_write(struct post *p)
+{
+    muster_Level level;
+    if (p->disk && journal_wanted(p->broker, &level)) {
+        (void)disk_commit(p->disk, p->broker, level, post_now(p));
+    }
+}
+
 static void post_round(struct post *p)
 {
+    herald_hear(&p->herald);
+    herald_tell(&p->herald, p->broker);
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     bags_follow(p);
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
+    store_write(p);
     impatient = !deliveries_write(p) || impatient;
     pages_tell(p);
     events_tell(p);
@@ -282,31 +330,43 @@ static void post_round(struct post *p)
     if (look) {
         p->looked_ns = mu_clock_ns();
         health_tell(&p->health, p->broker, p->looked_ns);
+        if (p->disk) {
+            disk_rest(p->disk, post_now(p));
+        }
     }
     bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
 }
 
-/* Opens the broker and its files.  @return MU_EXIT_DONE, or the exit code, explained */
-static int broker_begin(struct post *p, const struct settings *s, const char *name)
+/* Nobody is answered while another broker of this name may be there. */
+static void doubt_settle(struct post *p, bool is_lone)
 {
-    char host[MU_FIELD_MAX + 1] = "";
-    gethostname(host, sizeof host - 1);
-    struct broker_options broker = {.name = name,
-                                    .incarnation = mu_clock_wall_ns(),
-                                    .host = host,
-                                    .pid = (uint32_t)getpid(),
-                                    .wall_ns = mu_clock_wall_ns(),
-                                    .delivery_interval_ns =
-                                        (uint64_t)(s->delivery_interval_ms * 1e6),
-                                    .audit = s->audit != NULL,
-                                    .box_policy = s->box_policy,
-                                    .box_mails = (uint32_t)s->box_mails,
-                                    .box_bytes = (uint32_t)s->box_bytes};
-    p->broker = broker_open(&broker);
-    if (s->policy && files_policy_load(p->broker, s->policy) != MU_OK) {
-        return MU_EXIT_FILE;
+    struct herald *h = &p->herald;
+    uint64_t until_ns = post_now(p) + DOUBT_NS;
+    while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
+        herald_hear(h);
+        herald_tell(h, p->broker);
+        bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
-    return files_audit_open(&p->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
+    herald_be_sure(h);
+}
+
+/* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
+static int network_join(struct post *p, const struct mu_network *network,
+                        const struct broker_options *broker)
+{
+    struct bus_options bus = {.domain = (int)network->domain,
+                              .place = BUS_BROKER,
+                              .name = "broker",
+                              .interface = network->interface,
+                              .hub = mu_network_peers(network)};
+    mu_result opened = bus_open(&p->bus, &bus);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
+                bus.domain);
+    }
+    bool joined = opened == MU_OK && post_open(p, broker->name) == MU_OK &&
+                  herald_open(&p->herald, &p->bus, broker) == MU_OK;
+    return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
 int main(int argc, char **argv)
@@ -321,32 +381,34 @@ int main(int argc, char **argv)
 
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
-    code = broker_begin(p, &settings, name);
+    const struct mu_network *network = &settings.network;
+    struct opening opening = {0};
+    code = opening_run(&opening, &settings, name);
+    p->broker = opening.broker;
+    p->disk = opening.disk;
+    p->audit = opening.audit;
+    code = code == MU_EXIT_DONE ? network_join(p, network, &opening.options) : code;
     if (code != MU_EXIT_DONE) {
         return code;
-    }
-    struct bus_options bus = {.domain = (int)settings.network.domain,
-                              .place = BUS_BROKER,
-                              .name = "broker",
-                              .interface = settings.network.interface,
-                              .hub = settings.network.peer};
-    mu_result opened = bus_open(&p->bus, &bus);
-    if (opened == MU_BUSY) {
-        fprintf(stderr, "muster broker: domain %d has a broker already; see: muster ps\n",
-                bus.domain);
-    }
-    if (opened != MU_OK || post_open(p) != MU_OK) {
-        return MU_EXIT_DDS;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d", name, bus.domain);
-    while (!signal_came) {
+    doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
+           p->bus.index);
+    while (!signal_came && !p->herald.yields) {
         post_round(p);
     }
-    health_close(&p->health, p->broker);
+    herald_close(&p->herald);
+    if (!p->herald.yields) {
+        health_close(&p->health, p->broker);
+    }
     bus_close(&p->bus);
-    return MU_EXIT_DONE;
+    if (p->disk) {
+        disk_close(p->disk);
+    }
+    return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

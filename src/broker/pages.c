@@ -130,6 +130,7 @@ void pages_tell(struct broker *b)
         return;
     }
     uint64_t since = p->services_seen;
+    pages_journal_mark(b, p->groups_seen, since);
     p->services_seen = services;
     p->groups_seen = groups;
     subscribers_tell(b, since);

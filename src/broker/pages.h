@@ -67,6 +67,12 @@ void pages_forget_told(struct place *at);
 /** Adds to a Delivery what has changed since the last one. */
 void pages_fill(struct broker *b, const struct place *at, muster_Delivery *d);
 
+/** Before anything is restored: the journal keeps the lines. */
+void pages_journal_attach(struct broker *b);
+
+/** Lines that have changed since these versions are to be on disk. */
+void pages_journal_mark(struct broker *b, uint64_t groups_since, uint64_t services_since);
+
 /** The Delivery has gone out. */
 void pages_delivered(struct broker *b, struct place *at);
 

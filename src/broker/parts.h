@@ -13,6 +13,7 @@
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
+ *   journal    what must be on disk before anybody is told         registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
@@ -24,6 +25,7 @@
 #include "broker/counters.h"
 #include "broker/courier.h"
 #include "broker/events.h"
+#include "broker/journal.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/pacer.h"
@@ -43,7 +45,7 @@ enum { BROKER_LINE_MAX = 320 };
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed, dropped, over_share;
+    uint64_t duplicates_dropped, resent, malformed, dropped, over_share, no_store;
     uint64_t directed; /* directives let through, one a receiver */
 };
 
@@ -68,6 +70,7 @@ struct broker {
     struct ages ages;
     struct trust trust;
     struct audit audit;
+    struct journal journal;
     struct broker_counters counters;
     struct events events;
     struct pacer pacer;

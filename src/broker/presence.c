@@ -2,6 +2,7 @@
 #include "broker/presence.h"
 
 #include "broker/border.h"
+#include "broker/journal.h"
 #include "broker/parts.h"
 #include "core/name.h"
 #include "core/text.h"
@@ -53,6 +54,7 @@ static void seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot
     tenants_add(&b->registry, &b->places, place, slot, agent);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
+    journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
     pages_presence(b, agent);

@@ -82,6 +82,13 @@ void registry_touch(struct registry *r, uint32_t agent)
     }
 }
 
+uint64_t registry_last_seq(const struct agent *a)
+{
+    uint64_t earlier = a->seen_seq ? 0 : a->earlier_seq;
+    uint64_t last = a->seen_seq > a->durable_seq ? a->seen_seq : a->durable_seq;
+    return last > earlier ? last : earlier;
+}
+
 uint32_t registry_next_page(struct registry *r)
 {
     if (r->news_count == 0) {
@@ -104,7 +111,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->is = *presence;
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
-    a->gone = false;
+    a->gone = a->awaited = false;
     registry_touch(r, agent);
 }
 

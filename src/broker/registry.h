@@ -57,10 +57,16 @@ struct agent {
     struct tenant tenant;           /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
-    uint64_t last_seq; /* of the mails that it has sent */
-    uint64_t mark;     /* the last list of receivers that it was put on */
+    uint64_t seen_seq;     /* the last mail that it has sent in this life of the broker */
+    uint64_t durable_seq;  /* the last one that went to the store, in any life */
+    uint64_t earlier_seq;  /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved_seq; /* on disk: later lives count from here */
+    uint64_t mark;         /* the last list of receivers that it was put on */
     bool verdict_due;
-    bool gone; /* its process went in lock step: counts when that ends */
+    bool gone;    /* its process went in lock step: counts when that ends */
+    bool unsaved; /* the journal has to write its line */
+    bool awaited; /* known of an earlier life of the broker: its receipts are kept for it */
+    muster_Kind saved_kind;
 };
 
 struct registry {
@@ -107,6 +113,9 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
 
 /** @return whether the state changed */
 bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
+
+/** @return the number that a new process of that name goes on after */
+uint64_t registry_last_seq(const struct agent *a);
 
 /** @return the next page in which a line has changed since it was last given here, or MU_NONE */
 uint32_t registry_next_page(struct registry *r);

@@ -7,6 +7,7 @@
 #include "broker/boxroom.h"
 #include "broker/desk.h"
 #include "broker/guard.h"
+#include "broker/journal.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 
@@ -145,11 +146,12 @@ static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome resu
 
 static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
 {
-    if (b->registry.agents[sender].process == MU_NONE) { /* nor is the broker told anything */
+    const struct agent *a = &b->registry.agents[sender];
+    if (a->process == MU_NONE && !a->awaited) { /* the absent are told nothing, nor is the broker */
         return;
     }
     receipts_add(&b->receipts, sender, seq, result);
-    if (!news_can_wait(b, sender, result)) {
+    if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
         tenants_wake(&b->registry, &b->places, sender);
     }
 }
@@ -178,6 +180,7 @@ static void settle(struct broker *b, struct mail *m)
     MU_ASSERT(m->unsettled > 0);
     m->unsettled--;
     booking_give_back(b, m, 1);
+    journal_settled(b, m);
     if (m->unsettled == 0) {
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
@@ -281,7 +284,7 @@ static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
     return true;
 }
 
-static void put_on_schedules(struct broker *b, struct mail *m, bool held)
+static void put_on_schedules(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
 {
     uint64_t now_ns = runclock_mail_ns(&b->clock);
     ages_add(&b->ages, m, now_ns);
@@ -289,8 +292,8 @@ static void put_on_schedules(struct broker *b, struct mail *m, bool held)
         m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
         schedule_add(&b->due, m);
     }
-    if (m->letter.ttl_ns > 0 && now_ns + m->letter.ttl_ns > now_ns) {
-        m->at_ns[SCHEDULE_EXPIRY] = now_ns + m->letter.ttl_ns;
+    if (m->letter.ttl_ns > 0 && now_ns + left_ns >= now_ns) {
+        m->at_ns[SCHEDULE_EXPIRY] = now_ns + left_ns;
         schedule_add(&b->expiry, m);
     }
 }
@@ -326,13 +329,16 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
         answer(b, m, muster_OUTCOME_STORED);
     } else if (m->unsettled == 0) {
         answer(b, m, muster_OUTCOME_DELIVERED);
+    } else if (stored && m->letter.level != muster_LEVEL_RAM) {
+        m->tell_stored = true; /* when it is */
     } else if (stored && !m->answered) {
         tell_sender(b, m->sender, m->letter.seq, muster_OUTCOME_STORED);
     }
     if (m->unsettled == 0) {
         store_release(&b->store, m);
     } else {
-        put_on_schedules(b, m, held);
+        put_on_schedules(b, m, held, m->letter.ttl_ns);
+        journal_put(b, m);
     }
 }
 
@@ -345,6 +351,60 @@ static bool mail_book(struct broker *b, struct mail *m, const struct audience *t
     answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
     store_release(&b->store, m);
     return false;
+}
+
+void router_stored(struct broker *b, struct mail *m)
+{
+    if (m->tell_stored && !m->answered) {
+        tell_sender(b, m->sender, m->letter.seq, muster_OUTCOME_STORED);
+    }
+    m->tell_stored = false;
+}
+
+void router_undo(struct broker *b, struct mail *m)
+{
+    uint32_t next = MU_NONE;
+    for (uint32_t post = m->posts; post != MU_NONE; post = next) {
+        next = b->mailbox.posts[post].sibling_next;
+        mailbox_withdraw(&b->mailbox, post);
+        b->counters.waiting--;
+        b->counters.no_store++;
+        m->unsettled--;
+        booking_give_back(b, m, 1);
+    }
+    MU_ASSERT(m->unsettled == 0);
+    schedule_remove(&b->due, m);
+    schedule_remove(&b->expiry, m);
+    ages_remove(&b->ages, m);
+    answer(b, m, muster_OUTCOME_NO_STORE);
+    store_release(&b->store, m);
+}
+
+bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns)
+{
+    struct audience to = {.count = 0};
+    audience_of_names(b, waiting, m->sender, &to);
+    m->order = ++b->orders;
+    bool held = mail_must_wait(b, m);
+    booking_restore(b, m, to.count); /* it had its room: no limit that is lower by now takes that */
+    for (uint32_t i = 0; i < to.count; i++) {
+        b->counters.sent++;
+        if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
+            b->counters.waiting++;
+            m->unsettled++;
+        } else {
+            b->counters.box_full++;
+        }
+    }
+    if (m->unsettled < to.count) {
+        booking_give_back(b, m, to.count - m->unsettled);
+    }
+    if (m->unsettled == 0) {
+        store_release(&b->store, m);
+        return false;
+    }
+    put_on_schedules(b, m, held, left_ns);
+    return true;
 }
 
 bool router_route(struct broker *b, struct mail *m)
@@ -399,6 +459,35 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     }
 }
 
+/* Has the broker had this mail before?  What an earlier life of it has had is known of durable mail
+ * alone, and asked only of what may have come to that life. */
+static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *letter,
+                    muster_Outcome *outcome)
+{
+    const struct agent *a = &b->registry.agents[sender];
+    *outcome = muster_OUTCOME_DUPLICATE;
+    if (letter->seq <= a->seen_seq) {
+        return true;
+    }
+    if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
+        return false;
+    }
+    bool waits = journal_find(&b->journal, sender, letter->seq) != NULL;
+    *outcome = waits ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
+    return true;
+}
+
+/* There is no room for it, whoever it is for. */
+static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *letter,
+                      uint64_t *counter, muster_Outcome outcome)
+{
+    struct audience to;
+    audience_of(b, letter, sender, &to);
+    b->counters.sent += to.count + to.unknown;
+    *counter += to.count + to.unknown;
+    tell_sender(b, sender, letter->seq, outcome);
+}
+
 struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *letter)
 {
     struct agent *a = &b->registry.agents[sender];
@@ -406,25 +495,27 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
         b->counters.malformed++;
         return NULL;
     }
-    if (letter->seq <= a->last_seq) {
+    muster_Outcome had;
+    if (was_had(b, sender, letter, &had)) {
         b->counters.duplicates_dropped++;
-        tell_sender(b, sender, letter->seq, muster_OUTCOME_DUPLICATE);
+        tell_sender(b, sender, letter->seq, had);
         return NULL;
     }
-    a->last_seq = letter->seq;
+    a->seen_seq = letter->seq;
+    journal_seq(b, sender);
     if (!border_mail(letter)) {
         b->counters.malformed++;
         tell_sender(b, sender, letter->seq, muster_OUTCOME_REFUSED);
         return NULL;
     }
+    if (letter->level != muster_LEVEL_RAM && !journal_takes(b)) {
+        turn_away(b, sender, letter, &b->counters.no_store, muster_OUTCOME_NO_STORE);
+        return NULL;
+    }
     struct mail *m = store_put(&b->store, letter);
     if (!m) {
-        struct audience to;
-        audience_of(b, letter, sender, &to);
-        b->counters.sent += to.count + to.unknown;
-        b->counters.box_full += to.count + to.unknown;
         booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
-        tell_sender(b, sender, letter->seq, muster_OUTCOME_BOX_FULL);
+        turn_away(b, sender, letter, &b->counters.box_full, muster_OUTCOME_BOX_FULL);
         return NULL;
     }
     m->sender = m->payer = sender;

@@ -23,6 +23,21 @@ bool router_route(struct broker *b, struct mail *m);
 /** Refuses an admitted mail for which a lock step has no more room. */
 void router_turn_away(struct broker *b, struct mail *m);
 
+/** A durable mail is on disk: its sender is told, if that is to be told. */
+void router_stored(struct broker *b, struct mail *m);
+
+/** A durable mail that cannot be on disk leaves all boxes; nothing of it has gone out. */
+void router_undo(struct broker *b, struct mail *m);
+
+/**
+ * Puts a mail of an earlier life of the broker into its boxes.
+ *
+ * @param waiting  names of the receivers that have not settled it, joined by commas
+ * @param left_ns  of its time to live
+ * @return false: nobody has room for it, and it is freed
+ */
+bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns);
+
 /** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 

@@ -80,6 +80,13 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
         MU_NETWORK_OPTIONS(s->network),
         COURIER_AND_TRUST_OPTIONS(s),
         BOX_OPTIONS(s),
+        {.name = "store",
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .environment = "MUSTER_STORE",
+         .help = "where names and durable mail are kept, or none (default: "
+                 "~/.local/state/muster/D-NAME.db)",
+         .target = &s->store},
         {.name = "counters",
          .kind = MU_OPTION_FLAG,
          .help = "list what each part counts, as Markdown, and end",

@@ -17,6 +17,7 @@ struct settings {
     bool verbose, counters;
     double delivery_interval_ms;
     const char *policy, *audit; /* files; NULL: none */
+    const char *store;          /* a file; "none"; NULL: the usual one */
     int64_t box_mails, box_bytes;
     const char *box_policy_word;
     muster_BoxPolicy box_policy;

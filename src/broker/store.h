@@ -32,6 +32,9 @@ enum schedule_kind { SCHEDULE_DUE, SCHEDULE_EXPIRY, SCHEDULE_KINDS };
 struct mail {
     muster_Mail letter;             /* its strings lie behind this record */
     struct mail *next;              /* in a list of mails that wait for the end of a step */
+    struct mail *journal_next;      /* in the list of what is to be written to disk */
+    struct mail *journal_same;      /* in a chain of durable mails whose names have one hash */
+    uint64_t row;                   /* on disk; 0: it is not durable */
     uint64_t at_ns[SCHEDULE_KINDS]; /* of the run; of the broker's clock */
     uint32_t place[SCHEDULE_KINDS]; /* in the schedule's heap; MU_NONE: not there */
     uint64_t order;                 /* in which mails were routed */
@@ -46,6 +49,9 @@ struct mail {
     uint64_t came_ns;           /* on the mail clock */
     uint8_t side;               /* enum share_side: the account on which it is booked */
     bool answered;              /* the last receipt for it is out */
+    bool journal_listed;        /* in the journal's list */
+    bool journal_written;       /* its row is on disk */
+    bool tell_stored;           /* when it is: the sender is told */
     bool expired;               /* for one receiver at least */
     bool dropped;               /* likewise */
 };

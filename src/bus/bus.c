@@ -5,6 +5,7 @@
 #include "bus/loopback.h"
 #include "bus/topics.h"
 #include "core/clock.h"
+#include "muster/limits.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -37,7 +38,7 @@ static void log_nothing(void *arg, const dds_log_data_t *data)
 
 static dds_return_t domain_create(const struct bus_options *options, int index)
 {
-    char buffer[4096];
+    static char buffer[CONFIG_XML_MAX];
     struct mu_text xml;
     mu_text_init(&xml, buffer, sizeof buffer);
     config_write(&xml, options, index);
@@ -55,83 +56,77 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     return domain;
 }
 
+/* Tries to bind a socket.  @return 0, or errno; 0 too when the text is no IPv4 address */
+static int bind_try(const char *text, int port)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+    if (!text || inet_pton(AF_INET, text, &address.sin_addr) != 1) {
+        return 0;
+    }
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) {
+        return 0;
+    }
+    int result = bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 ? 0 : errno;
+    close(fd);
+    return result;
+}
+
 /* @return whether the text is an IPv4 address that no interface of this machine has */
 static bool is_elsewhere(const char *text)
 {
-    struct sockaddr_in address = {.sin_family = AF_INET};
-    if (!text || inet_pton(AF_INET, text, &address.sin_addr) != 1) {
-        return false;
-    }
-    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    bool elsewhere = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 &&
-                     errno == EADDRNOTAVAIL;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return elsewhere;
+    return bind_try(text, 0) == EADDRNOTAVAIL;
 }
 
-/* Whether somebody has the port of an index: a look is a hundred times cheaper than an attempt to
- * make a domain, and the hundredth process finds that many taken. */
-static bool index_is_taken(const struct bus_options *options, int index)
+/* A domain that fails for its index costs a hundred times as much as this: where many processes
+ * start, most indices are taken.  @return whether somebody has that index; false may be wrong */
+static bool is_taken(const struct bus_options *options, int index)
 {
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)bus_port(options->domain, index))};
     const char *interface = options->interface ? options->interface : "127.0.0.1";
-    if (inet_pton(AF_INET, interface, &address.sin_addr) != 1) {
-        return false;
-    }
-    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    bool taken = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 &&
-                 errno == EADDRINUSE;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return taken;
+    return bind_try(interface, bus_port(options->domain, index)) == EADDRINUSE;
 }
 
 /* Never goes on after a failure: the participant would come up on all interfaces. */
-static mu_result domain_open(const struct bus_options *options)
+static mu_result domain_open(struct bus *bus, const struct bus_options *options)
 {
     if (is_elsewhere(options->interface)) {
         fprintf(stderr, "%s is not an address of this machine\n", options->interface);
         return MU_FAULT_DDS;
     }
-    bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
-    int first = options->place == BUS_BROKER      ? CONFIG_INDEX_BROKER
-                : options->place == BUS_SIMULATOR ? CONFIG_INDEX_SIMULATOR
-                                                  : CONFIG_INDEX_FIRST;
-    int last = is_hub ? first : CONFIG_INDEX_LAST;
     dds_return_t code = DDS_RETCODE_ERROR;
     dds_set_log_sink(log_nothing, NULL);
-    for (int index = first; index <= last && code < 0; index++) {
-        code = index_is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
+    int index = 0;
+    for (int i = 0; code < 0 && (index = config_index(options->place, i)) >= 0; i++) {
+        code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }
     dds_set_log_sink(NULL, NULL);
     if (code >= 0) {
+        bus->index = index;
         return MU_OK;
     }
+    bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
     return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 119", code);
 }
 
-/* What goes into the configuration as it stands: an address or the name of a host. */
+/* @return whether an address can go into the configuration as it stands */
 static bool is_host(const char *text)
 {
-    static const char allowed[] =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_";
-    return !text || (text[0] && strlen(text) < 256 && text[strspn(text, allowed)] == '\0');
+    return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
-    *bus = (struct bus){0};
-    if (!is_host(options->interface) || !is_host(options->hub)) {
-        fprintf(stderr, "expected the address of an interface and the name or address of a host\n");
+    *bus = (struct bus){.index = -1};
+    if (!is_host(options->interface) || (options->hub && !config_hosts_valid(options->hub))) {
+        fprintf(stderr,
+                "expected the address of an interface, and names or addresses of at most %d "
+                "hosts\n",
+                MU_PEERS_MAX);
         return MU_FAULT_USAGE;
     }
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
-        mu_result opened = domain_open(options);
+        mu_result opened = domain_open(bus, options);
         if (opened != MU_OK) {
             return opened;
         }
@@ -160,6 +155,18 @@ void bus_close(struct bus *bus)
         close(bus->wake_fd);
         bus->wakes = false;
     }
+}
+
+bool bus_is_lone_broker(const struct bus *bus, int domain)
+{
+    bool alone = bus->index >= 0;
+    for (size_t i = 0; i < CONFIG_BROKERS_MAX && alone; i++) {
+        if (config_broker_indices[i] == bus->index) {
+            continue;
+        }
+        alone = bind_try("0.0.0.0", bus_port(domain, config_broker_indices[i])) == 0;
+    }
+    return alone;
 }
 
 static mu_result topic_open(struct bus *bus, enum bus_topic topic)
@@ -382,9 +389,10 @@ static bool batch_take(struct bus_reader *r)
         reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
-        r->states[i] = infos[i].valid_data                                     ? BUS_DATA
-                       : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
-                                                                               : BUS_LOST;
+        r->fates[i] = infos[i].instance_state == DDS_IST_ALIVE                ? BUS_DATA
+                      : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
+                                                                              : BUS_LOST;
+        r->states[i] = infos[i].valid_data ? BUS_DATA : r->fates[i];
     }
     return r->count > 0;
 }
@@ -415,6 +423,11 @@ int bus_wake_fd(struct bus *bus)
     int fd = bus->wake_fd;
     pthread_mutex_unlock(&bus->lock);
     return fd;
+}
+
+enum bus_life bus_fate(const struct bus_reader *reader)
+{
+    return (enum bus_life)reader->fates[reader->next - 1];
 }
 
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)

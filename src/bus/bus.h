@@ -18,9 +18,9 @@
 
 /* Where a process stands in the star: the participant index that the others find it at. */
 enum bus_place {
-    BUS_BROKER,    /* index 0 */
+    BUS_BROKER,    /* the first free one of 0, 2, 3, 4 */
     BUS_SIMULATOR, /* index 1 */
-    BUS_AGENT,     /* the first free index from 10 on; peers with broker and simulator alone */
+    BUS_AGENT,     /* the first free index from 10 on; peers with brokers and simulator alone */
     BUS_OBSERVER,  /* the same; peers with the whole index range */
 };
 
@@ -37,6 +37,7 @@ enum bus_topic {
     BUS_BROKER_STATUS,
     BUS_PART_STATUS,
     BUS_BROKER_EVENT,
+    BUS_BEACON,
     BUS_TOPICS, /* how many */
 };
 
@@ -45,13 +46,15 @@ struct bus_options {
     enum bus_place place;
     const char *name;      /* of the participant, for DDS tools */
     const char *interface; /* address of the network interface; NULL: 127.0.0.1 */
-    const char *hub;       /* host of broker and simulator; NULL: the interface's own address */
+    const char *hub;       /* hosts of brokers and simulator, joined by commas; NULL: the
+                              interface's own address, which a broker always peers with, too */
 };
 
 enum { BUS_BATCH = 32 };
 
 struct bus {
     int32_t participant;
+    int index;                  /* of the participant; -1: CYCLONEDDS_URI says */
     int32_t topics[BUS_TOPICS]; /* 0: not opened yet */
     uint64_t malformed;         /* samples refused at the border */
     /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
@@ -79,6 +82,7 @@ struct bus_reader {
     int32_t count, next;     /* of the batch */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
+    uint32_t fates[BUS_BATCH]; /* what has become of each sample's instance since */
 };
 
 /* What a sample says beside its data. */
@@ -94,8 +98,8 @@ enum bus_life {
  * The configuration is ours unless CYCLONEDDS_URI is set.  When it is ours and the interface is a
  * loopback address, the sockets are bound to that address and to no other.
  *
- * @return MU_OK; MU_BUSY when the place's index is taken (another broker or simulator is there);
- *         MU_FAULT_DDS
+ * @return MU_OK; MU_BUSY when the place is taken (another simulator, or four brokers, are there);
+ *         MU_FAULT_USAGE: no such address, or more than MU_PEERS_MAX hosts; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *options);
 
@@ -111,6 +115,13 @@ MU_MUST_USE mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, con
                                       const char *second, struct bus_writer *writer);
 
 void bus_writer_close(struct bus_writer *writer);
+
+/**
+ * Says whether a broker can be the only one of its host: looks for the sockets of the others.
+ *
+ * @return whether no other of the brokers' indices of this host is taken
+ */
+bool bus_is_lone_broker(const struct bus *bus, int domain);
 
 /** Writes one sample.  @return MU_OK; MU_BUSY: the network does not keep up, try again;
  * MU_FAULT_DDS */
@@ -146,6 +157,12 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
  */
 const void *bus_next(struct bus_reader *reader, enum bus_life *life);
+
+/**
+ * What became of the instance of the sample that bus_next gave last: when its writer goes while a
+ * sample of it lies unread, DDS gives that sample and no other to say so.
+ */
+enum bus_life bus_fate(const struct bus_reader *reader);
 
 /**
  * Waits until samples lie in the readers, or the time is over.

@@ -231,7 +231,8 @@ bool check_delivery(const void *sample)
 bool check_roster(const void *sample)
 {
     const muster_Roster *r = sample;
-    if (!is_process(r->simulator) || r->processes._length > MU_PROCESSES_MAX) {
+    if (!is_process(r->simulator) || !text_fits(r->broker, MU_NAME_MAX) ||
+        r->processes._length > MU_PROCESSES_MAX) {
         return false;
     }
     for (uint32_t i = 0; i < r->processes._length; i++) {
@@ -288,4 +289,10 @@ bool check_broker_event(const void *sample)
     const muster_BrokerEvent *e = sample;
     return is_process(e->broker) && text_fits(e->kind, MU_FIELD_MAX) && is_name(e->agent) &&
            is_name(e->sender);
+}
+
+bool check_beacon(const void *sample)
+{
+    const muster_Beacon *b = sample;
+    return is_name(b->broker) && is_count(b->incarnation) && text_fits(b->host, MU_FIELD_MAX);
 }

@@ -25,5 +25,6 @@ bool check_page(const void *sample);
 bool check_broker_status(const void *sample);
 bool check_part_status(const void *sample);
 bool check_broker_event(const void *sample);
+bool check_beacon(const void *sample);
 
 #endif

@@ -1,16 +1,76 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/config.h"
 
-static void peers_write(struct mu_text *xml, const struct bus_options *options, const char *hub)
+#include "muster/limits.h"
+
+#include <string.h>
+
+const int config_broker_indices[CONFIG_BROKERS_MAX] = {0, 2, 3, 4};
+
+int config_index(enum bus_place place, int index)
 {
-    if (options->place == BUS_OBSERVER) {
-        mu_text_format(xml, "<Peer address=\"%s\"/>", hub); /* the whole index range of the host */
+    if (place == BUS_BROKER) {
+        return index < CONFIG_BROKERS_MAX ? config_broker_indices[index] : -1;
+    }
+    if (place == BUS_SIMULATOR) {
+        return index == 0 ? CONFIG_INDEX_SIMULATOR : -1;
+    }
+    return CONFIG_INDEX_FIRST + index <= CONFIG_INDEX_LAST ? CONFIG_INDEX_FIRST + index : -1;
+}
+
+const char *config_host(const char **at, size_t *len)
+{
+    static const char allowed[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_";
+    const char *host = *at;
+    if (!host) {
+        return NULL;
+    }
+    *len = strspn(host, allowed);
+    bool good = *len > 0 && *len < 256 && (host[*len] == ',' || host[*len] == '\0');
+    *at = good && host[*len] == ',' ? host + *len + 1 : NULL;
+    return good ? host : NULL;
+}
+
+bool config_hosts_valid(const char *hosts)
+{
+    size_t count = 0;
+    size_t len;
+    for (const char *at = hosts; at; count++) {
+        if (!config_host(&at, &len)) {
+            return false;
+        }
+    }
+    return count > 0 && count <= MU_PEERS_MAX;
+}
+
+/* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody. */
+static void host_write(struct mu_text *xml, const struct bus_options *options, const char *host,
+                       size_t len)
+{
+    if (options->place == BUS_OBSERVER) { /* the whole index range of the host */
+        mu_text_format(xml, "<Peer address=\"%.*s\"/>", (int)len, host);
         return;
     }
-    /* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody. */
-    const int hubs[] = {CONFIG_INDEX_BROKER, CONFIG_INDEX_SIMULATOR};
-    for (size_t i = 0; i < sizeof hubs / sizeof hubs[0]; i++) {
-        mu_text_format(xml, "<Peer address=\"%s:%d\"/>", hub, bus_port(options->domain, hubs[i]));
+    mu_text_format(xml, "<Peer address=\"%.*s:%d\"/>", (int)len, host,
+                   bus_port(options->domain, CONFIG_INDEX_SIMULATOR));
+    for (size_t i = 0; i < CONFIG_BROKERS_MAX; i++) {
+        mu_text_format(xml, "<Peer address=\"%.*s:%d\"/>", (int)len, host,
+                       bus_port(options->domain, config_broker_indices[i]));
+    }
+}
+
+static void peers_write(struct mu_text *xml, const struct bus_options *options, const char *own)
+{
+    bool own_named = false;
+    size_t len;
+    const char *host;
+    for (const char *at = options->hub; (host = config_host(&at, &len));) {
+        own_named = own_named || (strlen(own) == len && memcmp(own, host, len) == 0);
+        host_write(xml, options, host, len);
+    }
+    if (!options->hub || (options->place == BUS_BROKER && !own_named)) {
+        host_write(xml, options, own, strlen(own));
     }
 }
 
@@ -23,12 +83,13 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<Discovery><ParticipantIndex>%d</ParticipantIndex>"
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    interface, index, CONFIG_INDEX_LAST);
-    peers_write(xml, options, options->hub ? options->hub : interface);
+    peers_write(xml, options, interface);
     /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s.
      * Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
      * default of 500 kB would refuse writes long before. */
     mu_text_add(xml, "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
                      "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
+                     "<HeartbeatInterval>20ms</HeartbeatInterval>"
                      "<Watermarks><WhcHigh>8MB</WhcHigh></Watermarks></Internal>"
                      "</Domain></CycloneDDS>");
 }

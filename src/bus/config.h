@@ -9,13 +9,30 @@
 #include "bus/bus.h"
 #include "core/text.h"
 
-/** The indices that agents and observers share out among themselves. */
 enum {
-    CONFIG_INDEX_BROKER = 0,
+    CONFIG_BROKERS_MAX = 4, /* on one host */
     CONFIG_INDEX_SIMULATOR = 1,
-    CONFIG_INDEX_FIRST = 10,
-    CONFIG_INDEX_LAST = 119
+    CONFIG_INDEX_FIRST = 10, /* to LAST: agents and observers share them out among themselves */
+    CONFIG_INDEX_LAST = 119,
+    CONFIG_XML_MAX = 32 * 1024,
 };
+
+/** The indices of brokers, in the order in which they are taken. */
+extern const int config_broker_indices[CONFIG_BROKERS_MAX];
+
+/** @return the index-th participant index that a place may have, or -1 past the last */
+int config_index(enum bus_place place, int index);
+
+/**
+ * Takes the next host out of a list that is joined by commas.
+ *
+ * @param at  in, out: where to go on; NULL at the end
+ * @return its first character; NULL: there is none any more, or it is no name or address of a host
+ */
+const char *config_host(const char **at, size_t *len);
+
+/** @return whether a list of hosts can be peered with: 1 to MU_PEERS_MAX names or addresses */
+bool config_hosts_valid(const char *hosts);
 
 /** Writes the configuration of one participant index. */
 void config_write(struct mu_text *xml, const struct bus_options *options, int index);

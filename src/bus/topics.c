@@ -12,7 +12,7 @@ const struct topic topic_table[BUS_TOPICS] = {
          .carries =
              "the agents of a process, 64 in a part, and their states; its liveliness is theirs"},
     [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .check = check_up,
-                .partition = "`broker`; `simulator` too for robots",
+                .partition = "`broker.NAME`; `simulator` too for robots",
                 .from_to = "agent's process to broker and simulator",
                 .carries = "what its agents did in a step: speeds, mails, rules fired"},
     [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense, .partition = "the process",
@@ -48,6 +48,10 @@ const struct topic topic_table[BUS_TOPICS] = {
                           .check = check_broker_event, .partition = "default",
                           .from_to = "broker to whoever looks",
                           .carries = "mail that is refused or dropped, soon after it is"},
+    [BUS_BEACON] = {"Beacon", &muster_Beacon_desc, .for_late_comers = true,
+                    .liveliness_ns = DDS_SECS(1), .check = check_beacon, .partition = "default",
+                    .from_to = "broker to agents' processes and the other brokers",
+                    .carries = "a broker is there; its liveliness is the broker's"},
 };
 
 int32_t topics_depth(const struct topic *topic)

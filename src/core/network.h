@@ -10,29 +10,46 @@
 
 struct mu_network {
     int64_t domain;
-    const char *interface; /* NULL: loopback */
-    const char *peer;      /* NULL: broker and simulator are on this host */
+    const char *interface;       /* NULL: loopback */
+    struct mu_option_list peers; /* none: brokers and simulator are on this host */
+    const char *broker;          /* the one to begin with; NULL: the nearest */
 };
 
 /* Rows for a table of options; network is a struct mu_network that outlives the parsing. */
-#define MU_NETWORK_OPTIONS(network)                                                             \
-    {.name = "domain",                                                                          \
-     .kind = MU_OPTION_INTEGER,                                                                 \
-     .unit = "D",                                                                               \
-     .environment = "MUSTER_DOMAIN",                                                            \
-     .help = "DDS domain",                                                                      \
-     .target = &(network).domain,                                                               \
-     .min = 0,                                                                                  \
-     .max = 230},                                                                               \
-        {.name = "interface",                                                                   \
-         .kind = MU_OPTION_STRING,                                                              \
-         .unit = "ADDRESS",                                                                     \
-         .environment = "MUSTER_INTERFACE",                                                     \
-         .help = "network interface (default: loopback alone)",                                 \
-         .target = &(network).interface},                                                       \
-    {                                                                                           \
-        .name = "peer", .kind = MU_OPTION_STRING, .unit = "HOST", .environment = "MUSTER_PEER", \
-        .help = "host of broker and simulator, when it is another", .target = &(network).peer   \
+#define MU_NETWORK_OPTIONS(network)                                                           \
+    {.name = "domain",                                                                        \
+     .kind = MU_OPTION_INTEGER,                                                               \
+     .unit = "D",                                                                             \
+     .environment = "MUSTER_DOMAIN",                                                          \
+     .help = "DDS domain",                                                                    \
+     .target = &(network).domain,                                                             \
+     .min = 0,                                                                                \
+     .max = 230},                                                                             \
+        {.name = "interface",                                                                 \
+         .kind = MU_OPTION_STRING,                                                            \
+         .unit = "ADDRESS",                                                                   \
+         .environment = "MUSTER_INTERFACE",                                                   \
+         .help = "network interface (default: loopback alone)",                               \
+         .target = &(network).interface},                                                     \
+    {                                                                                         \
+        .name = "peer", .kind = MU_OPTION_LIST, .unit = "HOST", .environment = "MUSTER_PEER", \
+        .help = "host of brokers and simulator, when it is another; may "                     \
+                "stand several times",                                                        \
+        .target = &(network).peers                                                            \
     }
+
+/* The same for programs whose agents live with a broker. */
+#define MU_JOIN_OPTIONS(network)                                              \
+    MU_NETWORK_OPTIONS(network),                                              \
+    {                                                                         \
+        .name = "broker", .kind = MU_OPTION_STRING, .unit = "NAME",           \
+        .environment = "MUSTER_BROKER",                                       \
+        .help = "broker to begin with (default: the first one of this host, " \
+                "else of another)",                                           \
+        .target = &(network).broker                                           \
+    }
+
+/** @return the peers joined by commas, in start-up memory; NULL: none */
+const char *mu_network_peers(const struct mu_network *network);
 
 #endif

@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/random.h"
 
+#include "core/hash.h"
+
 void mu_random_seed(struct mu_random *r, uint64_t seed, const char *name)
 {
-    uint64_t hash = 14695981039346656037ull; /* FNV-1a of the name */
-    for (const char *c = name; *c; c++) {
-        hash = (hash ^ (unsigned char)*c) * 1099511628211ull;
-    }
-    r->state = seed ^ hash;
+    r->state = seed ^ mu_hash_string(name);
     r->state = mu_random_next(r); /* neighbouring seeds part at once */
 }
 
 uint64_t mu_random_next(struct mu_random *r)
 {
-    uint64_t z = (r->state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return z ^ (z >> 31);
+    return mu_hash_number(r->state += 0x9e3779b97f4a7c15ull);
 }
 
 double mu_random_unit(struct mu_random *r)

@@ -18,6 +18,7 @@ enum {
     EXPERIMENT_GLOBALS_MAX = 64,
     EXPERIMENT_GROUPS_MAX = 64, /* of a robot, and so with services */
     EXPERIMENT_OVERRIDES_MAX = 64,
+    EXPERIMENT_BROKERS_MAX = 4,    /* as many as one host can have */
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
 
@@ -36,6 +37,8 @@ struct experiment_robot {
     char *color; /* of its track; NULL: the body's, or the robot's name if that is a colour */
     struct experiment_pose *pose; /* NULL: the world file's */
     char *rules;                  /* absolute path; in the file, relative to it */
+    char *broker;                 /* one of brokers, in free running; NULL: the first */
+    struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
     struct experiment_global *globals;
     unsigned globals_count;
     char **groups; /* that it is in from the start */
@@ -80,7 +83,7 @@ struct experiment {
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
     enum experiment_on_crash on_crash;
-    char **brokers; /* the name of the broker; none: main */
+    char **brokers; /* their names; none: main */
     unsigned brokers_count;
     struct experiment_broker broker;
     struct experiment_robot *robots;

@@ -70,6 +70,16 @@ static mu_result check_file(struct experiment_source *s, char **path, int node, 
     return MU_OK;
 }
 
+/* @return the index of a broker, or how many there are */
+static unsigned check_find_broker(const struct experiment *e, const char *name)
+{
+    unsigned i = 0;
+    while (i < e->brokers_count && strcmp(e->brokers[i], name) != 0) {
+        i++;
+    }
+    return i;
+}
+
 static mu_result check_top(struct experiment_source *s)
 {
     struct experiment *e = s->experiment;
@@ -101,6 +111,10 @@ static mu_result check_top(struct experiment_source *s)
         if (!mu_name_valid(e->brokers[i])) {
             return experiment_fault(s, NULL, check_item(s, "brokers", i),
                                     "'%.80s' cannot be a broker's name", e->brokers[i]);
+        }
+        if (check_find_broker(e, e->brokers[i]) != i) {
+            return experiment_fault(s, NULL, check_item(s, "brokers", i),
+                                    "a second broker with the name '%s'", e->brokers[i]);
         }
     }
     double interval_ms = e->broker.delivery_interval_ms;
@@ -192,6 +206,23 @@ static mu_result check_services(struct experiment_source *s, const struct experi
     return MU_OK;
 }
 
+/* Whether the run has a lock step is not known here: the fault is kept for when it has. */
+static mu_result check_broker(struct experiment_source *s, struct experiment_robot *robot, int node)
+{
+    if (!robot->broker) {
+        return MU_OK;
+    }
+    int place = yaml_tree_child(s->tree, node, "broker");
+    if (check_find_broker(s->experiment, robot->broker) == s->experiment->brokers_count) {
+        return experiment_fault(s, NULL, place, "no broker '%.80s' in this experiment's brokers",
+                                robot->broker);
+    }
+    (void)yaml_tree_fault(s->tree, place, &robot->broker_fault,
+                          "in lock step all robots are with the first broker; leave it out, or "
+                          "run with --free");
+    return MU_OK;
+}
+
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
@@ -216,6 +247,7 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     mu_result result = check_globals(s, robot, node);
     result = result == MU_OK ? check_groups(s, robot, node) : result;
     result = result == MU_OK ? check_services(s, robot, node) : result;
+    result = result == MU_OK ? check_broker(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
                : result;

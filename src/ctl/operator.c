@@ -111,8 +111,9 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     }
     struct mu_process_options process = {.domain = domain,
                                          .interface = options->network.interface,
-                                         .peer = options->network.peer,
-                                         .name = "operator"};
+                                         .peer = mu_network_peers(&options->network),
+                                         .name = "operator",
+                                         .broker = options->network.broker};
     const char *name = options->as ? options->as : "operator";
     if (!words_name_check("muster", "an agent", name)) {
         return MU_EXIT_USAGE;
@@ -132,9 +133,9 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     mu_result met = mu_process_await_broker(o->process, BROKER_PATIENCE_NS);
     if (met != MU_OK) {
         fprintf(stderr,
-                "muster %s: no broker answers in domain %d; start one with: muster broker NAME "
+                "muster %s: no broker answers in domain %d; start one with: muster broker %s "
                 "--domain %d, or a whole run with: muster run FILE\n",
-                verb, domain, domain);
+                verb, domain, options->network.broker ? options->network.broker : "NAME", domain);
         return MU_EXIT_DDS;
     }
     pages_await(o->process);

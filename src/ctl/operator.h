@@ -39,7 +39,7 @@ struct operator
 
 /* Rows of an options table that every such verb has. */
 #define OPERATOR_OPTIONS(options)                                                 \
-    MU_NETWORK_OPTIONS((options).network),                                        \
+    MU_JOIN_OPTIONS((options).network),                                           \
     {                                                                             \
         .name = "as", .kind = MU_OPTION_STRING, .unit = "NAME",                   \
         .help = "act as another agent than the operator", .target = &(options).as \

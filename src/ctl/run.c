@@ -142,6 +142,12 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
     struct experiment *e = r->experiment;
     e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
     e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
+    for (unsigned i = 0; i < e->robots_count && !r->options.free; i++) {
+        if (e->robots[i].broker) {
+            *fault = e->robots[i].broker_fault;
+            return MU_FAULT_FILE;
+        }
+    }
     return MU_OK;
 }
 
@@ -238,7 +244,8 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 
 static mu_result network_join(struct run *r)
 {
-    struct mu_process_options options = {.domain = r->domain, .name = "observer"};
+    struct mu_process_options options = {
+        .domain = r->domain, .name = "observer", .broker = run_broker(r, 0)};
     MU_TRY(mu_process_open(&r->process, &options));
     struct bus *bus = &r->process->bus;
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
@@ -304,6 +311,16 @@ static void status_take(struct run *r, const muster_RunStatus *s)
     }
 }
 
+static void mail_take(struct run *r, const muster_BrokerStatus *status)
+{
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        if (strcmp(run_broker(r, i), status->broker) == 0) {
+            r->mail[i] = *status;
+            r->mail[i].broker = NULL;
+        }
+    }
+}
+
 static void statuses_take(struct run *r)
 {
     enum bus_life life;
@@ -316,8 +333,7 @@ static void statuses_take(struct run *r)
     const muster_BrokerStatus *b;
     while ((b = bus_next(&r->broker_status, &life))) {
         if (life == BUS_DATA) {
-            r->mail = *b;
-            r->mail.broker = NULL;
+            mail_take(r, b);
         }
     }
 }
@@ -374,7 +390,9 @@ static int round_live(struct run *r)
     const struct child *ended = over ? NULL : supervise_ended(&r->children);
     if (ended) {
         /* A simulator that is done says so before it ends; the word may still be on its way. */
-        for (int i = 0; i < 20 && strcmp(ended->name, "broker") != 0; i++) {
+        bool is_broker =
+            strcmp(ended->name, "broker") == 0 || strncmp(ended->name, "broker.", 7) == 0;
+        for (int i = 0; i < 20 && !is_broker; i++) {
             spun = mu_process_spin(r->process, ROUND_NS);
             statuses_take(r);
             if (r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT) {
@@ -463,7 +481,11 @@ static int watch(struct run *r)
 /* The broker goes first: its last words are the final counters. */
 static void counters_await(struct run *r)
 {
-    supervise_stop(&r->children, supervise_find(&r->children, "broker"), STOP_PATIENCE_MS);
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        char name[RUN_CHILD_MAX];
+        run_child_name(r, i, name);
+        supervise_stop(&r->children, supervise_find(&r->children, name), STOP_PATIENCE_MS);
+    }
     if (mu_process_spin(r->process, ROUND_NS) >= 0) {
         statuses_take(r);
     }

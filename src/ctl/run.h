@@ -45,7 +45,7 @@ struct run {
     char waits_for[1024], hash[MU_FIELD_MAX + 2];
     muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot is not set: they are in the world's order */
     uint32_t totals_count;
-    muster_BrokerStatus mail;
+    muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
     bool registered, name_refused;
     bool command_refused;                      /* by the trust policy, before the run has begun */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
@@ -57,7 +57,18 @@ struct run {
 /** A signal asked the run to end. */
 extern volatile sig_atomic_t run_signal;
 
-/** Starts broker, simulator and robots, in run_start.c.  @return MU_OK or a fault, explained */
+enum { RUN_CHILD_MAX = sizeof "broker." + MU_NAME_MAX };
+
+/** @return how many brokers the run has */
+unsigned run_brokers(const struct run *r);
+
+/** @return the name of the index-th */
+const char *run_broker(const struct run *r, unsigned index);
+
+/** Writes the name of its process among the children: RUN_CHILD_MAX bytes. */
+void run_child_name(const struct run *r, unsigned index, char *name);
+
+/** Starts brokers, simulator and robots, in run_start.c.  @return MU_OK or a fault, explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
 /**

@@ -48,6 +48,8 @@ bool run_pages_tell(struct run *r)
     bool room = true;
     for (unsigned i = 0; i < e->robots_count; i++) {
         const struct experiment_robot *robot = &e->robots[i];
+        /* One that lives at another broker may not be known to ours yet. */
+        room = room && mu_process_lookup(r->process, robot->name);
         for (unsigned k = 0; k < robot->groups_count; k++, number++) {
             room = room && (number < r->pages_sent || group_tell(r, robot, k));
             r->pages_sent += room && number == r->pages_sent;

@@ -11,13 +11,15 @@
 
 static struct report_mail mail_of(const struct run *r)
 {
-    const muster_BrokerStatus *b = &r->mail;
-    struct report_mail m = {.sent = b->sent,
-                            .delivered = b->delivered,
-                            .waiting = b->waiting,
-                            .expired = b->expired,
-                            .refused = b->box_full + b->over_share + b->unknown_name + b->refused +
-                                       b->dropped};
+    struct report_mail m = {0};
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        const muster_BrokerStatus *b = &r->mail[i];
+        m.sent += b->sent;
+        m.delivered += b->delivered;
+        m.waiting += b->waiting;
+        m.expired += b->expired;
+        m.refused += b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped;
+    }
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;
     for (uint32_t i = 0; i < r->totals_count; i++) {

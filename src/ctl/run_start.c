@@ -47,19 +47,37 @@ static const char *const *words_end(void)
     return words.items;
 }
 
-static mu_result broker_start(struct run *r)
+unsigned run_brokers(const struct run *r)
 {
-    const struct experiment *e = r->experiment;
+    return r->experiment->brokers_count > 0 ? r->experiment->brokers_count : 1;
+}
+
+const char *run_broker(const struct run *r, unsigned index)
+{
+    return r->experiment->brokers_count > 0 ? r->experiment->brokers[index] : "main";
+}
+
+void run_child_name(const struct run *r, unsigned index, char *name)
+{
+    snprintf(name, RUN_CHILD_MAX, "broker%s%s", index ? "." : "",
+             index ? run_broker(r, index) : "");
+}
+
+static mu_result broker_start(struct run *r, unsigned index)
+{
+    char name[RUN_CHILD_MAX];
+    run_child_name(r, index, name);
     words_begin("muster-broker");
-    word_add("%s", e->brokers_count > 0 ? e->brokers[0] : "main");
+    word_add("%s", run_broker(r, index));
     word_add("--domain=%d", r->domain);
-    if (e->broker.delivery_interval_ms > 0) {
-        word_add("--delivery-interval=%.17g", e->broker.delivery_interval_ms);
+    if (r->experiment->broker.delivery_interval_ms > 0) {
+        word_add("--delivery-interval=%.17g", r->experiment->broker.delivery_interval_ms);
     }
-    if (e->policy) {
-        word_add("--policy=%s", e->policy);
+    if (r->experiment->policy) {
+        word_add("--policy=%s", r->experiment->policy);
     }
-    return supervise_start(&r->children, "broker", "muster-broker", words_end());
+    word_add("--store=none"); /* a run repeats from nothing */
+    return supervise_start(&r->children, name, "muster-broker", words_end());
 }
 
 static void places_add(const struct experiment *e)
@@ -104,6 +122,7 @@ static mu_result robot_start(struct run *r, const struct experiment_robot *robot
     word_add("%s", robot->name);
     word_add("--rules=%s", robot->rules);
     word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
@@ -113,7 +132,9 @@ static mu_result robot_start(struct run *r, const struct experiment_robot *robot
 
 mu_result run_start(struct run *r)
 {
-    MU_TRY(broker_start(r));
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        MU_TRY(broker_start(r, i));
+    }
     MU_TRY(simulator_start(r));
     for (unsigned i = 0; i < r->experiment->robots_count; i++) {
         MU_TRY(robot_start(r, &r->experiment->robots[i]));

@@ -45,10 +45,11 @@ static int lock_open(const char *folder, int domain, int flags)
     return open(path, flags | O_CLOEXEC | O_NOFOLLOW, 0600);
 }
 
-/* The lock file is ours; does somebody else's broker or simulator use the ports? */
+/* The lock file is ours; does somebody else's broker or simulator use the ports:
+ * indices 0 to 4? */
 static bool ports_free(int domain)
 {
-    for (int index = 0; index < 2; index++) {
+    for (int index = 0; index < 5; index++) {
         int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
         struct sockaddr_in address = {.sin_family = AF_INET,
                                       .sin_port = htons((uint16_t)bus_port(domain, index)),

@@ -19,7 +19,7 @@
 enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 8, SUPERVISE_WORDS_MAX = 1024 };
 
 struct child {
-    char name[MU_NAME_MAX + 1]; /* broker, simulator, or the robot's */
+    char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */
     pid_t pid;
     int output; /* both of its outputs, read end; -1: closed */
     bool ended;

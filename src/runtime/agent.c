@@ -92,6 +92,8 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     a->rules = p->rules_text ? p->rules_text + (size_t)index * (PROCESS_RULES_MAX + 1) : NULL;
     outbox_init(&a->outbox, p->outbox_mails, p->outbox_slots + (size_t)index * p->outbox_mails,
                 p->outbox_text + index * outbox_text_bytes(p->outbox_mails));
+    a->taken = &p->taken[index];
+    taken_clear(a->taken);
     roll_mark(a);
     *out = a;
     return MU_OK;
@@ -113,15 +115,26 @@ void agent_progress(struct mu_agent *a)
     }
 }
 
+/* What went out and has no answer may be lost, or may have reached its receiver. */
+static void meet_other_broker(struct mu_agent *a)
+{
+    a->last_number = a->acked_number = 0;
+    a->in_order = false; /* its boxes count from anywhere */
+    outbox_again(&a->outbox);
+    a->earlier_end = a->outbox.next_seq;
+}
+
 static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
-    outbox_continue(&a->outbox, v->last_seq);
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
-        a->last_number = a->acked_number = 0; /* its boxes count from 1 */
-        outbox_again(&a->outbox);
+        meet_other_broker(a);
     }
     a->broker_incarnation = v->broker_incarnation;
-    outbox_confirm(&a->outbox, 1, v->last_seq);
+    /* last_seq is of all lives of the broker: it says where a new sender begins, and nothing of
+     * what the broker still knows.  What an earlier one may have had keeps its numbers. */
+    if (a->outbox.first_seq >= a->earlier_end) {
+        outbox_continue(&a->outbox, v->last_seq);
+    }
     agent_progress(a);
     if (outbox_has_unsent(&a->outbox)) {
         queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
@@ -135,12 +148,13 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     } else {
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
-    bool is_news = v->accepted ? !a->registered : !a->refused;
+    bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;
     if (a->refused == v->accepted) {
         a->refused = !v->accepted;
         roll_mark(a); /* who comes later is not to hear of a name that was refused */
     }
+    a->welcomed = v->accepted;
     if (is_news && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }

@@ -159,8 +159,14 @@ uint32_t outbox_unsent(const struct outbox *box, muster_Mail *mails, uint32_t ma
 void outbox_sent(struct outbox *box, uint32_t count)
 {
     MU_ASSERT(count <= box->next_seq - box->unsent_seq);
+    for (uint64_t seq = box->unsent_seq; seq < box->unsent_seq + count; seq++) {
+        slot_of(box, seq)->sent = true;
+    }
     box->unsent_seq += count;
-    box->begun = box->begun || count > 0;
+    if (!box->begun && count > 0) {
+        box->begun = true;
+        box->own_seq = box->unsent_seq - count;
+    }
 }
 
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
@@ -181,5 +187,8 @@ void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 
 void outbox_again(struct outbox *box)
 {
+    for (uint64_t seq = box->first_seq; seq < box->next_seq; seq++) {
+        slot_of(box, seq)->mail.again = slot_of(box, seq)->sent;
+    }
     box->unsent_seq = box->first_seq;
 }

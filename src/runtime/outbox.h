@@ -21,6 +21,7 @@ struct outbox_slot {
     muster_Mail mail; /* its strings point into the text ring */
     size_t text_end;  /* where its text ends in the ring */
     bool confirmed;   /* the broker has answered */
+    bool sent;        /* it has gone out */
 };
 
 struct outbox {
@@ -32,6 +33,7 @@ struct outbox {
     uint64_t unsent_seq;         /* the first that has not gone out (again) */
     uint64_t renumbered;         /* how far seq is ahead of what the slots were filled by */
     bool begun;                  /* a mail has gone out */
+    uint64_t own_seq;            /* the first that went out of this process */
     size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
 };
 
@@ -69,7 +71,8 @@ void outbox_sent(struct outbox *box, uint32_t count);
 /** The broker has answered for these. */
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 
-/** Everything unanswered goes out again: the broker may be another one. */
+/** Everything unanswered goes out again, marked as such if it was out: the broker may be another
+ *  one, and the mail may have reached its receiver. */
 void outbox_again(struct outbox *box);
 
 #endif

@@ -15,8 +15,11 @@
  * broker that its writer lives. */
 static const uint64_t HEARTBEAT_NS = 300000000;
 
-/* While something has not matched yet, look again this often. */
+/* While something has not matched yet, or the network is busy, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
+
+/* While no broker has answered: what comes of it is a sample, which wakes us; time is looked at. */
+static const int64_t EXPECTANT_NS = 20000000;
 
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 static const uint64_t STEP_PATIENCE_NS = 300000000;
@@ -27,7 +30,6 @@ static const int64_t CLOSE_PATIENCE_NS = 200000000;
 static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
-    MU_TRY(bus_writer_open(&p->bus, BUS_UP, "broker", p->with_body ? "simulator" : NULL, &p->up));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
     if (p->with_body) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
@@ -45,6 +47,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
     p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
@@ -71,6 +74,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
                               .interface = options->interface,
                               .hub = options->peer};
     MU_TRY(bus_open(&p->bus, &bus));
+    MU_TRY(link_open(p, options->broker));
     MU_TRY(endpoints_open(p));
     *out = p;
     return MU_OK;
@@ -101,6 +105,7 @@ void mu_process_close(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
+    p->leaving = true;
     step_flush(p);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
@@ -113,15 +118,37 @@ void mu_process_close(mu_process *p)
 
 bool mu_process_has_broker(const mu_process *p)
 {
-    return bus_reader_matches(&p->delivery) > 0;
+    return p->link.broker[0] && !p->link.silent && bus_reader_matches(&p->delivery) > 0;
+}
+
+const char *mu_process_broker(const mu_process *p)
+{
+    bool answered = p->broker_incarnation != 0 && p->broker_incarnation == p->link.incarnation;
+    return answered && !p->link.silent ? p->link.broker : NULL;
+}
+
+void process_register(mu_process *p)
+{
+    p->ready = false;
+    p->heartbeat_ns = mu_clock_ns();
+    p->incarnation = mu_clock_wall_ns();
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        a->registered = false;
+        queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
+    }
+    owed_clear(&p->owed);
+    roll_mark_all(p);
 }
 
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
     return p->with_body && p->greeted && p->broker_incarnation != 0 &&
-           bus_writer_reaches(&p->up, "broker") && bus_writer_reaches(&p->up, "simulator") &&
-           bus_reader_matches(&p->delivery) > 0 && bus_reader_matches(&p->sense) > 0;
+           bus_writer_reaches(&p->up, p->link.partition) &&
+           bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
+           bus_reader_matches(&p->sense) > 0;
 }
 
 static void registrations_keep(mu_process *p)
@@ -152,7 +179,7 @@ void process_next_delivery(mu_process *p)
     enum bus_life life;
     do {
         p->mail = bus_next(&p->delivery, &life);
-    } while (p->mail && life != BUS_DATA);
+    } while (p->mail && (life != BUS_DATA || p->mail->broker_incarnation != p->link.incarnation));
 }
 
 /* Takes the step that is there: the reader keeps only the newest. */
@@ -228,21 +255,37 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
+/* How long a process that waits need not look by itself: being ready for lock step brings no
+ * sample, and has to be looked for; the broker's answer wakes us.  A crowd of processes that looked
+ * before that would keep the broker from answering. */
+static int64_t patience_ns(mu_process *p)
+{
+    if (!step_retry(p)) {
+        return IMPATIENT_NS;
+    }
+    if (!mu_process_broker(p)) {
+        return EXPECTANT_NS;
+    }
+    bool settled = p->roll.due_count == 0 && (p->ready || !p->with_body);
+    return settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
+}
+
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
+    MU_TRY(link_look(p));
     registrations_keep(p);
     roll_write(p);
-    bool settled = p->broker_incarnation != 0 && (p->ready || !p->with_body) && step_retry(p) &&
-                   p->roll.due_count == 0;
-    int64_t most_ns = settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
+    int64_t most_ns = patience_ns(p);
     if (!p->in_lockstep) {
         step_flush(p);
+        int64_t owed_ns = owed_wait_ns(&p->owed, mu_clock_ns());
+        most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
-    if (!p->in_lockstep && p->queues[QUEUE_SEND].first) {
-        step_flush(p); /* acknowledgements alone wait for the next spin, and what is said by then */
+    if (!p->in_lockstep) {
+        step_flush(p);
     }
     agents_leave(p);
     roll_write(p);
@@ -261,7 +304,7 @@ mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
         if (mu_clock_ns() - began_ns > patience_ns) {
             return MU_TIMEOUT;
         }
-        mu_result spun = mu_process_spin(p, IMPATIENT_NS);
+        mu_result spun = mu_process_spin(p, EXPECTANT_NS);
         if (spun != MU_OK) {
             return spun;
         }

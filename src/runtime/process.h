@@ -10,10 +10,13 @@
 #include "muster/agent.h"
 #include "runtime/directory.h"
 #include "runtime/kind.h"
+#include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
+#include "runtime/owed.h"
 #include "runtime/queue.h"
 #include "runtime/roll.h"
+#include "runtime/taken.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -35,6 +38,7 @@ struct mu_agent {
     struct kind_part part;  /* what its kind has come to */
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
+    bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */
     uint32_t box_mails;            /* which holds so many mails, */
@@ -46,13 +50,17 @@ struct mu_agent {
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
     uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
+    uint64_t earlier_end;  /* mails below this number were there before that one came */
+    bool in_order;         /* the box's numbers go on after last_number, without gaps */
     uint64_t last_number;  /* taken from the box */
     uint64_t acked_number; /* told the broker */
     uint64_t handed;       /* parcels that reached its handlers */
     bool drives;           /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
-    char *rules;      /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
+    uint64_t repeats; /* mails that came again through another broker, and were dropped */
+    struct taken *taken;
+    char *rules; /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
 };
 
 struct mu_process {
@@ -60,7 +68,9 @@ struct mu_process {
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
     bool with_body;
-    struct bus_writer registration, up;
+    struct link link;
+    struct bus_writer registration;
+    struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, sense;
     uint64_t incarnation;
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
@@ -69,7 +79,8 @@ struct mu_process {
     uint32_t outbox_mails; /* of each agent */
     struct outbox_slot *outbox_slots;
     char *outbox_text;
-    char *rules_text; /* NULL: no bodies */
+    char *rules_text;    /* NULL: no bodies */
+    struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
     struct members members;
@@ -83,7 +94,8 @@ struct mu_process {
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
     const muster_Delivery *mail; /* a delivery not handled yet, on loan */
     uint64_t step_wall_ns;       /* when the last step came */
-    bool leaving;                /* one of the agents is */
+    struct owed owed;            /* acknowledgements that wait for mail to go with */
+    bool leaving;                /* one of the agents is, or all are */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
@@ -102,7 +114,10 @@ struct mu_process {
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
 
-/** Takes the next delivery, on loan, into p->mail; NULL: there is none. */
+/** Says every agent to the broker anew; none may send before it has answered. */
+void process_register(mu_process *p);
+
+/** Takes the next delivery of our broker, on loan, into p->mail; NULL: there is none. */
 void process_next_delivery(mu_process *p);
 
 /* agent.c */
@@ -137,7 +152,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense);
  */
 void step_hello(mu_process *p);
 
-/** Sends the mails and acknowledgements that wait, outside of lock step. */
+/** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */

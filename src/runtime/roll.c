@@ -58,7 +58,7 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
 {
     muster_Registration r = {.process = p->name,
                              .part = part,
-                             .broker = nothing,
+                             .broker = p->link.broker,
                              .incarnation = p->incarnation,
                              .host = p->host,
                              .pid = (uint32_t)getpid(),
@@ -76,6 +76,9 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
 
 void roll_write(mu_process *p)
 {
+    if (p->link.broker[0] == '\0') {
+        return; /* there is nobody to tell */
+    }
     for (uint32_t part = 0; part < ROLL_PARTS && p->roll.due_count > 0; part++) {
         if (!p->roll.due[part]) {
             continue;

@@ -15,19 +15,37 @@ static const uint64_t RESEND_NS = 1000000000;
 /* Says whether a parcel is the next one of its box, and takes its number if so. */
 static bool number_take(struct mu_agent *a, uint64_t number)
 {
-    if (!a || a->gone) {
-        return false;
-    }
-    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     if (number <= a->last_number) {
+        owed_add(&a->process->owed, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
     /* Where a number is missing, the broker will begin there again; a new life begins anywhere. */
-    if (a->handed > 0 && number != a->last_number + 1) {
+    if (a->in_order && number != a->last_number + 1) {
         return false;
     }
+    owed_add(&a->process->owed, mu_clock_ns());
+    a->in_order = true;
     a->last_number = number;
+    return true;
+}
+
+/* @return whether a parcel is to be handed over; either way it has been taken */
+static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
+{
+    const muster_Mail *m = &parcel->letter;
+    if (!a || a->gone) {
+        return false;
+    }
+    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    if (!number_take(a, parcel->number)) {
+        return false;
+    }
+    if (m->again && taken_has(a->taken, m->src, m->seq)) {
+        a->repeats++;
+        return false;
+    }
+    taken_add(a->taken, m->src, m->seq);
     a->handed++;
     return true;
 }
@@ -38,7 +56,7 @@ static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
     uint32_t count = d->parcels._length < PROCESS_PARCELS ? d->parcels._length : PROCESS_PARCELS;
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
-        p->fresh[i] = number_take(agent_find(p, parcel->box), parcel->number);
+        p->fresh[i] = parcel_take(agent_find(p, parcel->box), parcel);
     }
     return count;
 }
@@ -80,7 +98,6 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
         if (p->broker_incarnation != 0 && p->broker_incarnation != incarnation) {
             members_clear(&p->members);
             directory_clear(&p->directory, false);
-            roll_mark_all(p);
         }
         p->broker_incarnation = incarnation;
     }
@@ -105,8 +122,10 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
         }
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
         agent_progress(a);
-        /* Only the runtime sends a mail twice; its real outcome is still to come. */
-        if (a->handlers.on_receipt && r->result != muster_OUTCOME_DUPLICATE) {
+        /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
+         * earlier process of that name has sent is no business of this one. */
+        bool ours = a->outbox.begun && r->last_seq >= a->outbox.own_seq;
+        if (a->handlers.on_receipt && ours && r->result != muster_OUTCOME_DUPLICATE) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
                                    (enum mu_outcome)r->result);
         }
@@ -177,6 +196,9 @@ static uint32_t acks_fill(mu_process *p)
         if (a->acked_number == a->last_number) {
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
             continue;
+        }
+        if (!a->registered) {
+            continue; /* a broker that has not said yes does not know the box */
         }
         p->out_ackers[count] = a;
         p->acks[count++] =
@@ -286,6 +308,9 @@ bool step_retry(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
         }
     }
+    if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
+        owed_clear(&p->owed);
+    }
     return true;
 }
 
@@ -345,9 +370,17 @@ static void unanswered_again(mu_process *p)
     }
 }
 
+/* Acknowledgements wait a little for mail to go with, but not when their agent is about to leave,
+ * or when a poll loop of the program's own decides when we are here again. */
+static bool acks_are_due(const mu_process *p)
+{
+    return p->queues[QUEUE_ACK].first &&
+           (p->leaving || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
+}
+
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || p->queues[QUEUE_ACK].first;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p);
 }
 
 void step_flush(mu_process *p)

@@ -33,7 +33,7 @@ struct settings {
 static struct settings set;
 
 static struct mu_option option_table[] = {
-    MU_NETWORK_OPTIONS(set.network),
+    MU_JOIN_OPTIONS(set.network),
     {.name = "seed",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
@@ -232,7 +232,7 @@ int main(int argc, char **argv)
                               .place = BUS_SIMULATOR,
                               .name = "simulator",
                               .interface = set.network.interface,
-                              .hub = set.network.peer};
+                              .hub = mu_network_peers(&set.network)};
     mu_result opened = bus_open(&s->bus, &bus);
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster sim: domain %d has a simulator already\n", bus.domain);
@@ -241,6 +241,7 @@ int main(int argc, char **argv)
         return MU_EXIT_DDS;
     }
     struct session_options options = {.step_ns = step_ns,
+                                      .broker = set.network.broker,
                                       .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
                                       .rate = set.rate,
                                       .free = set.free,

@@ -159,6 +159,9 @@ static void registration_take(struct session *s, const muster_Registration *r, e
             changed = entry_take(s, r, i) || changed;
         }
         int32_t process = process_find(s, r->process);
+        if (process >= 0) {
+            mu_text_copy(s->processes[process].broker, MU_NAME_MAX + 1, r->broker);
+        }
         if (process >= 0 && r->part == 0) { /* the others are not written for that */
             s->processes[process].ready = r->ready;
         }
@@ -203,8 +206,24 @@ static void process_greet(struct session_process *p)
     }
 }
 
+/* A lock step has one broker, which its Roster is for.  @return its name; "" when no robot is there
+ * yet, or in free running: every broker */
+static const char *broker_of(const struct session *s)
+{
+    if (s->options.free) {
+        return "";
+    }
+    const char *broker = s->options.broker;
+    for (size_t i = 0; i < s->robot_count && !broker; i++) {
+        bool there = s->robots[i].controlled && s->robots[i].process >= 0;
+        broker = there ? s->processes[s->robots[i].process].broker : NULL;
+    }
+    return broker ? broker : "";
+}
+
 static bool everybody_is_ready(struct session *s)
 {
+    const char *broker = broker_of(s);
     struct mu_text missing;
     mu_text_init(&missing, s->waits_for, sizeof s->waits_for);
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -218,6 +237,9 @@ static bool everybody_is_ready(struct session *s)
         if (process < 0 || !s->processes[process].ready || !s->processes[process].heard ||
             !bus_reader_hears(&s->ups, &s->processes[process].sense, s->processes[process].name)) {
             mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
+        } else if (broker[0] && strcmp(s->processes[process].broker, broker) != 0) {
+            mu_text_format(&missing, "%s%s (its broker is %s, not %s)", missing.len ? " " : "",
+                           s->robots[i].name, s->processes[process].broker, broker);
         }
     }
     return missing.len == 0;
@@ -268,8 +290,11 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     for (uint32_t i = 0; i < s->process_count; i++) {
         names[i] = s->processes[i].name;
     }
-    muster_Roster roster = {
-        .simulator = s->name, .lockstep = lockstep, .step = s->step, .step_ns = s->options.step_ns};
+    muster_Roster roster = {.simulator = s->name,
+                            .broker = (char *)(uintptr_t)broker_of(s), /* nobody writes there */
+                            .lockstep = lockstep,
+                            .step = s->step,
+                            .step_ns = s->options.step_ns};
     roster.processes._buffer = names;
     roster.processes._length = roster.processes._maximum = s->process_count;
     return bus_write(&s->roster, &roster);

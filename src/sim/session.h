@@ -35,6 +35,7 @@ struct session_robot {
 
 struct session_process {
     char name[MU_PROCESS_MAX + 1];
+    char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
@@ -50,6 +51,7 @@ struct session_options {
     uint64_t duration_ns; /* 0: no end */
     double rate;          /* times real time; 0: as fast as it goes */
     bool free;            /* no lock step */
+    const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
     bool waits_for_go;    /* the first step waits for a RunCommand */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Sends numbered mails and waits until each has been delivered.
- *   mail_sender DOMAIN NAME RECEIVER COUNT [SECONDS]
+ *   mail_sender DOMAIN NAME RECEIVER COUNT [SECONDS [logged]]
  * Prints "delivered N" and ends with 0 when that is all of them.
  */
 #include <muster/muster.h>
@@ -45,7 +45,10 @@ int main(int argc, char **argv)
     uint64_t sent = 0;
     while (delivered + other < count && time(NULL) < until) {
         char content[64];
-        struct mu_mail mail = {.dst = argv[3], .layer = MU_LAYER_SPEECH, .content = content};
+        struct mu_mail mail = {.dst = argv[3],
+                               .layer = MU_LAYER_SPEECH,
+                               .level = argc > 6 ? MU_LEVEL_LOGGED : MU_LEVEL_RAM,
+                               .content = content};
         for (mu_result r = MU_OK; sent < count && r == MU_OK; sent += r == MU_OK) {
             snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);
             r = mu_agent_send(a, &mail, NULL);

@@ -33,6 +33,7 @@ struct story {
     struct broker *b;
     uint64_t now_ns;
     uint32_t members; /* lines of the white pages that the last story_collect saw */
+    uint32_t again;   /* mails that it saw and that may have come before */
     struct mu_text text;
     char buffer[1 << 16];
 };
@@ -179,6 +180,7 @@ static inline void story_note(const muster_Delivery *d)
         snprintf(line, sizeof line, "%s #%llu %s/%llu %s", p->box, (unsigned long long)p->number,
                  p->letter.src, (unsigned long long)p->letter.seq, p->letter.content);
         story_line(line);
+        story.again += p->letter.again;
     }
     for (uint32_t i = 0; i < d->receipts._length; i++) {
         const muster_Receipt *r = &d->receipts._buffer[i];
@@ -214,7 +216,7 @@ static inline const char *story_collect(void)
     const char *process;
     muster_Delivery d;
     mu_text_clear(&story.text);
-    story.members = 0;
+    story.members = story.again = 0;
     while (broker_next(story.b, &process, &d)) {
         CU_ASSERT_STRING_EQUAL(process, d.process);
         story_note(&d);

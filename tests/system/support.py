@@ -19,6 +19,9 @@ FOLLOW = str(ROOT / "experiments" / "follow.yaml")
 # process, and below the range of ephemeral ports.
 FIRST_DOMAIN = 50 + (os.getpid() % 5) * 10
 
+# Nothing of a test stays in the user's folders; who wants a store names it.
+os.environ["MUSTER_STORE"] = "none"
+
 _next_domain = 0
 
 
@@ -109,8 +112,8 @@ class Processes:
                 p.wait()
 
 
-def broker_start(processes, domain):
-    p = processes.start(MUSTER, "broker", "main", "--domain", domain)
+def broker_start(processes, domain, *words):
+    p = processes.start(MUSTER, "broker", "main", "--domain", domain, *words)
     wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker that answers")
     return p
 

@@ -102,7 +102,7 @@ def test_commands_of_the_readme_work():
         bin_folder = scratch_copy(out / "muster")
         environment = {k: v for k, v in os.environ.items() if not k.startswith("MUSTER_")}
         environment |= {"PATH": f"{bin_folder}:{os.environ['PATH']}", "DEPS": "skip",
-                        "BUILD": BUILD.name}
+                        "BUILD": BUILD.name, "XDG_STATE_HOME": str(out / "state")}
         for block in blocks:
             code, output = block_run(block, out / "muster", environment)
             check_equal(code, 0, f"this block:\n{block}printed\n{output}")

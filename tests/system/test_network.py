@@ -44,15 +44,6 @@ def test_a_missing_broker_is_named():
         check("muster broker" in done.stderr, f"what to do: {done.stderr}")
 
 
-def test_a_second_broker_is_refused():
-    domain = new_domain()
-    with Processes() as processes:
-        broker_start(processes, domain)
-        done = muster("broker", "other", "--domain", domain)
-        check_equal(done.returncode, 4, "a second broker")
-        check("already" in done.stderr, done.stderr)
-
-
 def tool_python():
     """A Python that has the cyclonedds package, in build/; installed if that can be done."""
     home = BUILD.parent / "python"

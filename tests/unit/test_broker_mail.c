@@ -83,9 +83,11 @@ static void test_mail_waits_for_the_absent(void)
     EXPECT("");
     story_match("p-new");
     EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
+    CU_ASSERT_EQUAL(story.again, 0);
     story_gone("p-new"); /* a crash before it has acknowledged */
     story_register("green", "p-green");
     EXPECT("green #1 red/1 one; green #2 red/2 two; green welcome 0");
+    CU_ASSERT_EQUAL(story.again, 2); /* or it was with another broker, and knows them */
     CU_ASSERT_EQUAL(story_status().resent, 2);
     story_ack("green", 2);
     EXPECT("red 1-2 delivered");

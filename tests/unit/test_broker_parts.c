@@ -92,7 +92,7 @@ static void test_nobody_takes_a_part_s_name(void)
     story_register("broker.courier", "p-thief");
     story_match("p-thief");
     EXPECT("broker.courier: reserved name");
-    broker_gone(story.b, "broker.courier", "", true, story.now_ns);
+    story_gone("p-thief");
     CU_ASSERT_STRING_EQUAL(story_member("broker.courier"), "broker.courier running ");
 }
 

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The network, on loopback: readers and writers of one participant, and another process that holds
- * the broker's place.
+ * the simulator's place.
  */
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "wire.h"
 
+#include <arpa/inet.h>
 #include <CUnit/Basic.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,7 +23,7 @@ static const uint64_t PATIENCE_NS = 5000000000u;
 static const int64_t WAIT_NS = 5000000;
 
 static struct bus bus; /* static: DDS keeps pointers into it */
-static pid_t holder;   /* of the broker's place */
+static pid_t holder;   /* of the simulator's place */
 
 static int domain(void)
 {
@@ -40,7 +43,7 @@ static int begin(void)
     char up = 0;
     unsetenv("CYCLONEDDS_URI");
     alarm(60);
-    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "holder"};
+    struct bus_options options = {.domain = domain(), .place = BUS_SIMULATOR, .name = "holder"};
     if (pipe(ends) != 0) {
         return 1;
     }
@@ -65,12 +68,31 @@ static int end(void)
     return waitpid(holder, NULL, 0) != holder;
 }
 
+/* Takes the port of an index.  @return a socket, or -1: somebody has it */
+static int index_hold(int index)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET,
+                                  .sin_port = htons((uint16_t)bus_port(domain(), index)),
+                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (bind(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        close(fd);
+        return -1;
+    }
+    return fd;
+}
+
 static void test_a_place_is_taken_once(void)
 {
-    struct bus_options options = {.domain = domain(), .place = BUS_BROKER, .name = "test"};
+    struct bus_options options = {.domain = domain(), .place = BUS_SIMULATOR, .name = "test"};
     CU_ASSERT_EQUAL(bus_open(&bus, &options), MU_BUSY);
+    int first = index_hold(10), second = index_hold(11);
+    CU_ASSERT_TRUE_FATAL(first >= 0 && second >= 0);
     options.place = BUS_AGENT;
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
+    CU_ASSERT_EQUAL(bus.index, 12); /* the first that was free */
+    close(first);
+    close(second);
 }
 
 static bool await(struct bus_reader *reader, const void **sample, enum bus_life *life)
@@ -221,7 +243,7 @@ static void test_a_descriptor_wakes_a_poll_loop(void)
 static muster_Registration registration(const char *process, uint32_t pid)
 {
     return (muster_Registration){
-        .process = words(process), .broker = words(""), .host = words("here"), .pid = pid};
+        .process = words(process), .broker = words("b1"), .host = words("here"), .pid = pid};
 }
 
 /* Late comers get the newest of each instance, and hear of its end. */
@@ -254,6 +276,17 @@ static void test_registrations(void)
     CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
     CU_ASSERT_EQUAL(life, BUS_DISPOSED);
     CU_ASSERT_STRING_EQUAL(((const muster_Registration *)sample)->process, "p1");
+
+    CU_ASSERT_EQUAL(bus_write(&one, &key), MU_OK); /* comes and goes while nobody looks */
+    bus_dispose(&one, &key);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_DATA);
+    CU_ASSERT_EQUAL(bus_fate(&reader), BUS_DISPOSED);
+    expect_nothing(&reader);
+
+    CU_ASSERT_EQUAL(bus_write(&other, &second), MU_OK);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(bus_fate(&reader), BUS_DATA);
 
     bus_writer_close(&other); /* without a word: as a crash */
     CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));

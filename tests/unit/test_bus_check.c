@@ -87,7 +87,8 @@ static muster_Registration registration = {.process = W("p1"),
                                            .host = W("here"),
                                            .agents = {._length = 2, ._buffer = entries}};
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
-static muster_Roster roster = {.simulator = W("sim"), .processes = LIST(processes)};
+static muster_Roster roster = {
+    .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
 static muster_RunCommand command = {.simulator = W("sim")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
@@ -95,6 +96,7 @@ static muster_RunStatus status = {
     .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
 static char *lines[FEW] = {W("a"), W("b"), W("c")};
 static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
+static muster_Beacon beacon = {.broker = W("b1"), .incarnation = 1, .host = W("here")};
 static muster_BrokerStatus broker_status = {.broker = W("b1")};
 static muster_Counter counters[FEW] = {
     {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
@@ -211,6 +213,7 @@ static const struct field {
     MAIL("delivery.outside", check_delivery, &delivery, outside[2]),
 
     {"roster.simulator", check_roster, &roster, &roster.simulator, A_WORD, MU_PROCESS_MAX},
+    {"roster.broker", check_roster, &roster, &roster.broker, A_TEXT, MU_NAME_MAX},
     {"roster.processes", check_roster, &roster, &roster.processes._length, A_LENGTH,
      MU_PROCESSES_MAX},
     {"roster.process", check_roster, &roster, &processes[2], A_WORD, MU_PROCESS_MAX},
@@ -226,6 +229,9 @@ static const struct field {
 
     {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
     {"page.line", check_page, &page, &lines[2], A_TEXT, 511},
+    {"beacon.broker", check_beacon, &beacon, &beacon.broker, A_NAME, 0},
+    {"beacon.incarnation", check_beacon, &beacon, &beacon.incarnation, A_COUNT, 0},
+    {"beacon.host", check_beacon, &beacon, &beacon.host, A_TEXT, MU_FIELD_MAX},
     {"broker status.broker", check_broker_status, &broker_status, &broker_status.broker, A_WORD,
      MU_PROCESS_MAX},
     {"part status.broker", check_part_status, &part_status, &part_status.broker, A_WORD,
@@ -412,6 +418,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_BROKER_STATUS] = check_broker_status,
         [BUS_PART_STATUS] = check_part_status,
         [BUS_BROKER_EVENT] = check_broker_event,
+        [BUS_BEACON] = check_beacon,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);

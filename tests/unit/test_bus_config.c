@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/config.h"
+#include "muster/limits.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -80,7 +81,8 @@ static void test_places_of_the_star(void)
     static const struct {
         enum bus_place place;
         int index;
-    } places[] = {{BUS_BROKER, CONFIG_INDEX_BROKER},
+    } places[] = {{BUS_BROKER, 0},
+                  {BUS_BROKER, 4},
                   {BUS_SIMULATOR, CONFIG_INDEX_SIMULATOR},
                   {BUS_AGENT, CONFIG_INDEX_FIRST},
                   {BUS_AGENT, CONFIG_INDEX_LAST}};
@@ -96,7 +98,10 @@ static void test_places_of_the_star(void)
         CU_ASSERT_TRUE(has("<AllowMulticast>false</AllowMulticast>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8160\"/>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8162\"/>"));
-        CU_ASSERT_EQUAL(times("<Peer "), 2);
+        CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8164\"/>"));
+        CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8166\"/>"));
+        CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8168\"/>"));
+        CU_ASSERT_EQUAL(times("<Peer "), 5);
         CU_ASSERT_EQUAL(times("<Peers>"), 1);
     }
 }
@@ -129,6 +134,81 @@ static void test_interface_and_hub(void)
     CU_ASSERT_TRUE(has("<Peer address=\"hub.local\"/>"));
 }
 
+static void test_indices_of_the_places(void)
+{
+    static const int brokers[] = {0, 2, 3, 4, -1};
+    for (int i = 0; i < 5; i++) {
+        CU_ASSERT_EQUAL(config_index(BUS_BROKER, i), brokers[i]);
+    }
+    CU_ASSERT_EQUAL(config_index(BUS_SIMULATOR, 0), 1);
+    CU_ASSERT_EQUAL(config_index(BUS_SIMULATOR, 1), -1);
+    CU_ASSERT_EQUAL(config_index(BUS_AGENT, 0), 10);
+    CU_ASSERT_EQUAL(config_index(BUS_AGENT, 109), 119);
+    CU_ASSERT_EQUAL(config_index(BUS_OBSERVER, 110), -1);
+}
+
+static void test_several_hosts(void)
+{
+    write_for(BUS_AGENT, CONFIG_INDEX_FIRST, NULL, "10.0.0.1,far.example");
+    CU_ASSERT_TRUE(well_formed());
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.1:"), 5);
+    CU_ASSERT_EQUAL(times("<Peer address=\"far.example:"), 5);
+    CU_ASSERT_EQUAL(times("<Peer "), 10);
+
+    /* A broker peers with the others of its own host, too, and once. */
+    write_for(BUS_BROKER, 2, "10.0.0.7", "10.0.0.1");
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.1:"), 5);
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.7:"), 5);
+    write_for(BUS_BROKER, 2, "10.0.0.7", "10.0.0.1,10.0.0.7");
+    CU_ASSERT_EQUAL(times("<Peer "), 10);
+}
+
+static void append(char *hosts)
+{
+    size_t len = strlen(hosts);
+    memcpy(hosts + len, ",h", 3);
+}
+
+static void test_limit_hosts(void)
+{
+    char hosts[512] = "h";
+    for (int i = 1; i < MU_PEERS_MAX; i++) {
+        append(hosts);
+    }
+    CU_ASSERT_TRUE(config_hosts_valid(hosts));
+    append(hosts);
+    CU_ASSERT_FALSE(config_hosts_valid(hosts));
+    static const char *const wrong[] = {"", ",", "a,", ",a", "a,,b", "a b", "a\"b", "<a>", "a,b&"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        CU_ASSERT_FALSE(config_hosts_valid(wrong[i]));
+    }
+    char longest[300];
+    memset(longest, 'a', sizeof longest);
+    longest[255] = '\0';
+    CU_ASSERT_TRUE(config_hosts_valid(longest));
+    longest[255] = 'a';
+    longest[256] = '\0';
+    CU_ASSERT_FALSE(config_hosts_valid(longest));
+}
+
+/* The buffer that bus.c has holds the longest configuration there is. */
+static void test_limit_the_longest_configuration(void)
+{
+    static char hosts[MU_PEERS_MAX * 256];
+    memset(hosts, 'a', sizeof hosts);
+    for (size_t i = 255; i < sizeof hosts; i += 256) {
+        hosts[i] = ',';
+    }
+    hosts[sizeof hosts - 1] = '\0';
+    CU_ASSERT_TRUE(config_hosts_valid(hosts));
+    struct bus_options options = {.domain = 230, .place = BUS_BROKER, .hub = hosts};
+    static char buffer[CONFIG_XML_MAX];
+    struct mu_text text;
+    mu_text_init(&text, buffer, sizeof buffer);
+    config_write(&text, &options, 4);
+    CU_ASSERT_FALSE(text.cut);
+}
+
 static void test_limit_a_text_too_small_is_cut(void)
 {
     struct bus_options options = {.place = BUS_AGENT};
@@ -147,6 +227,10 @@ int main(void)
         {"places of the star", test_places_of_the_star},
         {"an observer peers with everybody", test_observer_peers_with_everybody},
         {"interface and hub", test_interface_and_hub},
+        {"indices of the places", test_indices_of_the_places},
+        {"several hosts", test_several_hosts},
+        {"limit: hosts", test_limit_hosts},
+        {"limit: the longest configuration", test_limit_the_longest_configuration},
         {"limit: a text too small", test_limit_a_text_too_small_is_cut},
         CU_TEST_INFO_NULL,
     };

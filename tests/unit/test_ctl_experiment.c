@@ -213,6 +213,11 @@ static void test_other_faults(void)
         {BASE "broker: {delivery-interval: .nan}\n", 6, 29, "expected"},
         {BASE "broker: {delivery: 1}\n", 6, 10, "expected"},
         {BASE "broker: main\n", 6, 9, "expected a mapping"},
+        {BASE "brokers: [a, b, c, d, e]\n", 6, 10, "expected at most 4"},
+        {BASE "brokers: [b, c, b]\n", 6, 17, "a second broker with the name 'b'"},
+        {"world: a.world\nduration: 1\nbrokers: [b]\n"
+         "robots: [{name: a, rules: a.clp, broker: c}]\n",
+         4, 42, "no broker 'c'"},
         {BASE "observer:\n  - {at: 1, do: pink, line: (a)}\n", 7, 17, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [red, pink], line: (a)}\n", 7, 23, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected 1 to"},

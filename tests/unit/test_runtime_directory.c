@@ -13,7 +13,6 @@
 #include <string.h>
 
 static mu_process process;
-static struct mu_agent agents[MU_LOCAL_AGENTS_MAX];
 static struct directory kept[16]; /* leak checkers see their memory */
 static unsigned kept_count;
 static char heard_buffer[4096];
@@ -61,9 +60,7 @@ static mu_agent *join(const char *name, bool hears_refusals)
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    memset(agents, 0, sizeof agents);
-    process.agents = agents;
-    members_init(&process.members);
+    process_take_memory(&process, 2, 64);
     directory_init(&process.directory);
     kept[kept_count++ % 16] = process.directory;
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);

@@ -64,15 +64,16 @@ static void test_words(void)
 {
     static const char *const kinds[] = {"agent", "robot", "host", "special"};
     static const char *const states[] = {"standby", "running", "suspended", "moving", "absent"};
-    static const char *const outcomes[] = {"delivered",    "stored",    "expired", "box-full",
-                                           "unknown-name", "duplicate", "refused"};
+    static const char *const outcomes[] = {"delivered", "stored",       "expired",
+                                           "box-full",  "unknown-name", "duplicate",
+                                           "refused",   "dropped",      "no-store"};
     for (int i = 0; i <= MU_KIND_SPECIAL; i++) {
         CU_ASSERT_STRING_EQUAL(mu_kind_text((enum mu_kind)i), kinds[i]);
     }
     for (int i = 0; i < STATES; i++) {
         CU_ASSERT_STRING_EQUAL(mu_state_text((enum mu_state)i), states[i]);
     }
-    for (int i = 0; i <= MU_MAIL_REFUSED; i++) {
+    for (int i = 0; i <= MU_MAIL_NO_STORE; i++) {
         CU_ASSERT_STRING_EQUAL(mu_outcome_text((enum mu_outcome)i), outcomes[i]);
     }
     CU_ASSERT_STRING_EQUAL(mu_kind_text((enum mu_kind) - 1), "unknown");

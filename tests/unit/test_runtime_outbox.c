@@ -129,6 +129,19 @@ static void test_again(void)
     expect_waiting(6, 6, 0);
 }
 
+static void test_what_was_out_says_so_when_it_goes_again(void)
+{
+    put_numbered(4);
+    outbox_sent(&box, 2);
+    outbox_again(&box);
+    outbox_sent(&box, 1);
+    outbox_again(&box); /* the second one has been out, too */
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&box, out, MU_OUTBOX_MAX), 4);
+    CU_ASSERT_TRUE(out[0].again && out[1].again);
+    CU_ASSERT_FALSE(out[2].again || out[3].again);
+    CU_ASSERT_EQUAL(box.own_seq, 1);
+}
+
 static void test_confirmed_out_of_order(void)
 {
     put_numbered(6);
@@ -454,6 +467,7 @@ int main(void)
         {"NULL strings become empty", test_null_strings_become_empty},
         {"going out in order", test_going_out_in_order},
         {"again", test_again},
+        {"what was out says so", test_what_was_out_says_so_when_it_goes_again},
         {"confirmed out of order", test_confirmed_out_of_order},
         {"continue numbers what waits", test_continue_numbers_what_waits},
         {"continue with a full box", test_continue_with_a_full_box},

@@ -20,13 +20,14 @@ static const uint64_t PATIENCE_NS = 5000000000u;
 static struct peer {
     mu_process *process;
     struct bus_reader registrations, to_broker, to_simulator;
-    struct bus_writer delivery, sense;
+    struct bus_writer delivery, sense, beacon;
 } mind, body;
 
 /* What the last registration and the last answer said. */
 static struct {
     unsigned registrations, ups, registrations_lost;
-    char name[MU_NAME_MAX + 1];
+    char name[MU_NAME_MAX + 1], broker[MU_NAME_MAX + 1];
+    uint64_t incarnation;
     muster_State state;
     bool ready, no_broadcasts;
     muster_BoxPolicy full;
@@ -98,8 +99,9 @@ static void look_at_up(struct bus_reader *reader)
         seen.drives = act->drives;
         seen.forward_m_s = act->forward_m_s;
         if (act->mails._length > 0) {
-            seen.seq = act->mails._buffer[0].seq;
-            mu_text_copy(seen.content, sizeof seen.content, act->mails._buffer[0].content);
+            const muster_Mail *last = &act->mails._buffer[act->mails._length - 1];
+            seen.seq = last->seq;
+            mu_text_copy(seen.content, sizeof seen.content, last->content);
         }
     }
 }
@@ -114,6 +116,8 @@ static void look(struct peer *p)
             const muster_Entry *e = r->agents._buffer;
             CU_ASSERT_EQUAL_FATAL(r->agents._length, 1);
             mu_text_copy(seen.name, sizeof seen.name, e->name);
+            mu_text_copy(seen.broker, sizeof seen.broker, r->broker);
+            seen.incarnation = r->incarnation;
             seen.state = e->state;
             seen.no_broadcasts = e->no_broadcasts;
             seen.full = e->full;
@@ -157,8 +161,10 @@ static void forget(void)
 
 static muster_Delivery delivery_to(const struct peer *p, int64_t step)
 {
-    return (muster_Delivery){
-        .process = words(p->process->name), .step = step, .broker = words("main")};
+    return (muster_Delivery){.process = words(p->process->name),
+                             .broker = words("main"),
+                             .broker_incarnation = p->process->link.incarnation,
+                             .step = step};
 }
 
 static void deliver(struct peer *p, const muster_Delivery *d)
@@ -168,8 +174,10 @@ static void deliver(struct peer *p, const muster_Delivery *d)
 
 static void deliver_verdict(struct peer *p, const char *agent)
 {
-    muster_Verdict v = {
-        .agent = words(agent), .accepted = true, .broker_incarnation = 5, .reason = words("")};
+    muster_Verdict v = {.agent = words(agent),
+                        .accepted = true,
+                        .broker_incarnation = p->process->link.incarnation,
+                        .reason = words("")};
     muster_Delivery d = delivery_to(p, muster_STEP_NOW);
     d.verdicts._buffer = &v;
     d.verdicts._length = d.verdicts._maximum = 1;
@@ -215,11 +223,22 @@ static void open_process(struct peer *p, int domain)
                     MU_OK);
 }
 
+static void shine(struct peer *p, const char *broker, uint64_t incarnation, uint32_t index)
+{
+    muster_Beacon b = {.broker = words(broker),
+                       .incarnation = incarnation,
+                       .host = words("elsewhere"),
+                       .index = index,
+                       .takes_agents = true};
+    CU_ASSERT_EQUAL_FATAL(bus_write(&p->beacon, &b), MU_OK);
+}
+
 /* Broker and simulator come up. */
 static void open_peers(struct peer *p)
 {
     struct bus *bus = &p->process->bus;
-    CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "broker", &p->to_broker), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(bus, BUS_UP, "broker.alpha", &p->to_broker), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_BEACON, NULL, NULL, &p->beacon), MU_OK);
     CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_DELIVERY, p->process->name, NULL, &p->delivery),
                           MU_OK);
     if (p == &body) {
@@ -242,8 +261,15 @@ static void test_joining(void)
     forget();
     CU_ASSERT_EQUAL(mu_agent_join(mind.process, &a, "red", MU_KIND_AGENT, 0, &handlers), MU_OK);
     open_peers(&mind);
-    CU_ASSERT_TRUE(mu_process_has_broker(mind.process));
+    spin_for(&mind, 50000000);
+    CU_ASSERT_EQUAL(seen.registrations, 0); /* there is nobody to tell */
+    CU_ASSERT_FALSE(mu_process_has_broker(mind.process));
+    shine(&mind, "beta", 6, 3);
+    shine(&mind, "alpha", 5, 2);
     SPIN_UNTIL(&mind, seen.registrations >= 1);
+    CU_ASSERT_TRUE(mu_process_has_broker(mind.process));
+    CU_ASSERT_PTR_NULL(mu_process_broker(mind.process)); /* has not answered */
+    CU_ASSERT_STRING_EQUAL(seen.broker, "alpha");
     CU_ASSERT_STRING_EQUAL(seen.name, "red");
     CU_ASSERT_EQUAL(seen.state, muster_STATE_RUNNING);
     CU_ASSERT(!seen.ready && !seen.no_broadcasts);
@@ -259,6 +285,7 @@ static void test_joining(void)
     deliver_verdict(&mind, "red");
     CU_ASSERT_EQUAL(mu_process_await_broker(mind.process, PATIENCE_NS), MU_OK);
     CU_ASSERT_STRING_EQUAL(heard.at, "red welcome; ");
+    CU_ASSERT_STRING_EQUAL(mu_process_broker(mind.process), "alpha");
 }
 
 static void test_mail_out_and_in(void)
@@ -298,6 +325,62 @@ static void test_mail_without_an_answer_goes_out_again(void)
     CU_ASSERT_EQUAL(box->first_seq, box->next_seq);
 }
 
+static void test_another_life_of_the_broker(void)
+{
+    uint64_t before = seen.incarnation;
+    forget();
+    shine(&mind, "alpha", 7, 2);
+    SPIN_UNTIL(&mind, seen.registrations >= 1);
+    CU_ASSERT(seen.incarnation > before); /* it must answer, even if it knows the name */
+    CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
+
+    /* Mail waits for the answer, and what the earlier life says is not heard any more. */
+    CU_ASSERT_EQUAL(mu_agent_send(agent_find(mind.process, "red"),
+                                  &(struct mu_mail){.dst = "blue", .content = "new"}, NULL),
+                    MU_OK);
+    mind.process->link.incarnation = 5;
+    muster_Delivery late = delivery_to(&mind, muster_STEP_NOW);
+    mind.process->link.incarnation = 7;
+    muster_Verdict old = {.agent = words("red"), .broker_incarnation = 5, .reason = words("no")};
+    late.verdicts._buffer = &old;
+    late.verdicts._length = late.verdicts._maximum = 1;
+    deliver(&mind, &late);
+    spin_for(&mind, 50000000);
+    CU_ASSERT_EQUAL(seen.mails, 0);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+
+    deliver_verdict(&mind, "red");
+    SPIN_UNTIL(&mind, seen.mails == 1);
+    CU_ASSERT_STRING_EQUAL(seen.content, "new");
+    CU_ASSERT_STRING_EQUAL(heard.at, ""); /* it is welcome only once */
+}
+
+static void test_a_silent_broker_is_left(void)
+{
+    forget();
+    muster_Beacon gone = {.broker = words("alpha"), .host = words("")};
+    bus_dispose(&mind.beacon, &gone);
+    SPIN_UNTIL(&mind, strcmp(seen.broker, "beta") == 0);
+    CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
+    deliver_verdict(&mind, "red");
+    SPIN_UNTIL(&mind, mu_process_broker(mind.process) != NULL);
+    CU_ASSERT_STRING_EQUAL(mu_process_broker(mind.process), "beta");
+    shine(&mind, "alpha", 8, 0); /* it stays, though this one would have been the first choice */
+    spin_for(&mind, 50000000);
+    CU_ASSERT_STRING_EQUAL(mu_process_broker(mind.process), "beta");
+
+    gone.broker = words("alpha");
+    bus_dispose(&mind.beacon, &gone);
+    spin_for(&mind, 50000000);
+    gone.broker = words("beta");
+    bus_dispose(&mind.beacon, &gone);
+    SPIN_UNTIL(&mind, mu_process_broker(mind.process) == NULL);
+    CU_ASSERT_FALSE(mu_process_has_broker(mind.process));
+    shine(&mind, "beta", 6, 3); /* the same one is heard of again */
+    SPIN_UNTIL(&mind, mu_process_broker(mind.process) != NULL);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+}
+
 static void test_running_ends_when_told(void)
 {
     mu_process_stop(mind.process);
@@ -317,6 +400,8 @@ static void test_closing_takes_the_agents_back(void)
 {
     mu_agent *red = agent_find(mind.process, "red");
     forget();
+    CU_ASSERT_EQUAL_FATAL(
+        bus_reader_open(&mind.process->bus, BUS_UP, "broker.beta", &mind.to_broker), MU_OK);
     CU_ASSERT_EQUAL(mu_agent_send(red, &(struct mu_mail){.dst = "blue", .content = "bye"}, NULL),
                     MU_OK);
     mu_agent_set_state(red, MU_GONE);
@@ -335,10 +420,12 @@ static void test_a_body_is_ready_when_all_have_matched(void)
     open_process(&body, 150 + (int)(getpid() % 50));
     forget();
     CU_ASSERT_EQUAL(mu_agent_join(body.process, &a, "robot", MU_KIND_ROBOT, 0, &handlers), MU_OK);
+    spin_for(&body, 20000000);
+    CU_ASSERT_EQUAL(seen.registrations, 0);
+    open_peers(&body);
+    shine(&body, "alpha", 5, 2);
     SPIN_UNTIL(&body, seen.registrations >= 1);
     CU_ASSERT_EQUAL(seen.state, muster_STATE_STANDBY);
-    CU_ASSERT_FALSE(seen.ready);
-    open_peers(&body);
     spin_for(&body, 50000000);
     CU_ASSERT_FALSE(seen.ready); /* the broker has not said yes */
     deliver_verdict(&body, "robot");
@@ -431,6 +518,8 @@ int main(void)
         {"joining", test_joining},
         {"mail out and in", test_mail_out_and_in},
         {"mail without an answer goes out again", test_mail_without_an_answer_goes_out_again},
+        {"another life of the broker", test_another_life_of_the_broker},
+        {"a silent broker is left", test_a_silent_broker_is_left},
         {"running ends when told", test_running_ends_when_told},
         {"closing takes the agents back", test_closing_takes_the_agents_back},
         {"a body is ready when all have matched", test_a_body_is_ready_when_all_have_matched},

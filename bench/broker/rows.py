@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is measured, a function each, and what is wanted of it."""
+import os
+import signal
+import statistics
+import typing
+
+import brokers
+
+PINGS, CROWD, STORED = 2000, 100, 10000
+FLOOD = {"ours": 200000, "mqtt": 100000}  # mails: about half a second
+NAMES_MANY, NAMES_FEW = 10000, 100
+
+
+def both(here):
+    """Ours and mosquitto, each with its prefix, for what is measured of both."""
+    return (("ours", here.ours), ("mqtt", here.mosquitto))
+
+
+def prefixed(prefix, numbers):
+    return {f"{prefix}_{key}": value for key, value in numbers.items()}
+
+
+def roundtrip(here):
+    found = {"direct_us": here.direct_us()}
+    for prefix, start in both(here):
+        with start() as broker, broker.crowd(1):
+            found.update(prefixed(f"{prefix}_trip", broker.load("ping", PINGS, 1)))
+    return found
+
+
+def throughput(here):
+    found = {}
+    for prefix, start in both(here):
+        with start() as broker, broker.crowd(1):
+            count = FLOOD[prefix]
+            broker.load("flood", "a0", 5000)
+            before_s = broker.cpu_s()
+            found[f"{prefix}_mails_s"] = broker.load("flood", "a0", count)["mails_s"]
+            found[f"{prefix}_cpu_us"] = (broker.cpu_s() - before_s) / count * 1e6
+    return found
+
+
+def crowd(here):
+    found = {}
+    for prefix, start in both(here):
+        with start() as broker:
+            with broker.crowd(1):
+                one = broker.load("ping", PINGS, 1)
+            idle_kb = broker.resident_kb()
+            with broker.crowd(CROWD) as those:
+                found[f"{prefix}_ready_s"] = those.said["ready_s"]
+                found[f"{prefix}_process_kb"] = (broker.resident_kb() - idle_kb) / CROWD
+                found.update(prefixed(f"{prefix}_all", broker.load("tell", CROWD, those.board)))
+                found.update(prefixed(f"{prefix}_of100", broker.load("ping", PINGS, CROWD)))
+            found[f"{prefix}_of1_p50_us"] = one["p50_us"]
+    return found
+
+
+def names(here):
+    """The directory, and what an agent costs; only ours has one."""
+    found = {}
+    with here.ours() as broker:
+        found["idle_mb"] = broker.resident_kb() / 1024
+        if not brokers.NAMES.exists():
+            return found
+
+        def ask(mode, count):
+            return brokers.measure(brokers.NAMES, broker.where, mode, count)
+
+        before_kb = broker.resident_kb()
+        found["names_s"] = ask("register", NAMES_MANY)
+        found["agent_kb"] = (broker.resident_kb() - before_kb) / NAMES_MANY
+        found["lookup_few_us"] = ask("lookup", NAMES_FEW)
+        found["direct_us"] = here.direct_us()
+        found["lookup_us"] = ask("lookup", NAMES_MANY)
+        found["cached_ns"] = ask("cached", NAMES_MANY)
+    return found
+
+
+# As in enum mu_level.  What mosquitto stores is not on a disk, and its quality of service is 1.
+LEVELS = {"ram": 0, "logged": 1, "synced": 2}
+
+
+def stored(here):
+    """Mail to somebody who is away, and the way back."""
+    found = {}
+    levels = LEVELS if here.broker_has("--store") else {"ram": 0}
+    for level, number in levels.items():
+        with here.ours() as broker:
+            broker.load("visit", "away")
+            put = broker.load("store", "away", STORED, number)
+            found.update(prefixed(f"ours_{level}", put))
+            found.update(prefixed(f"ours_{level}", broker.load("drain", "away", STORED)))
+    with here.mosquitto() as broker:
+        broker.load("visit", "away")
+        found.update(prefixed("mqtt_stored", broker.load("store", "away", STORED, 1)))
+        found.update(prefixed("mqtt_stored", broker.load("drain", "away", STORED)))
+    with here.redis() as broker:
+        found.update(prefixed("redis_stored", broker.load("store", "away", STORED, 2)))
+    return found
+
+
+POUR_S = 2000  # mails a second to somebody who does not take them
+
+
+def bystanders(here):
+    """Two who have nothing to do with it, while something happens to others."""
+    found = {}
+    for prefix, start in both(here):
+        with start() as broker, broker.crowd(2):
+
+            def note(what):
+                numbers = broker.load("ping", PINGS, 1)
+                found[f"{prefix}_by_{what}_us"] = numbers["p99_us"]
+
+            note("quiet")
+            with broker.beside("deaf", "asleep", says=True) as deaf:
+                os.kill(deaf.pid, signal.SIGSTOP)
+                try:
+                    with broker.beside("pour", "asleep", POUR_S):
+                        note("stopped")
+                finally:
+                    os.kill(deaf.pid, signal.SIGKILL)
+            with broker.beside("deaf", "deaf", says=True):
+                with broker.beside("pour", "deaf", POUR_S):
+                    note("deaf")
+            with broker.beside("flood", "a1", 10000000):
+                note("flood")
+    return found
+
+
+# ms: pings and mails that take about a second
+INTERVALS = {0: (1000, 50000), 1: (300, 50000), 5: (100, 20000), 20: (40, 10000), 100: (10, 3000)}
+
+
+def interval(here):
+    found = {}
+    if not here.broker_has("--delivery-interval"):
+        return found
+    for ms, (pings, mails) in INTERVALS.items():
+        with here.ours("--delivery-interval", ms) as broker, broker.crowd(1):
+            found[f"interval_{ms}_delay_us"] = broker.load("ping", pings, 1)["p50_us"] / 2
+            before_s = broker.cpu_s()
+            found[f"interval_{ms}_mails_s"] = broker.load("flood", "a0", mails)["mails_s"]
+            found[f"interval_{ms}_cpu_us"] = (broker.cpu_s() - before_s) / mails * 1e6
+    return found
+
+
+GROUPS = {"roundtrip": roundtrip, "throughput": throughput, "crowd": crowd, "names": names,
+          "stored": stored, "bystanders": bystanders, "interval": interval}
+
+DIGITS = {"us": 1, "MB": 1, "kB": 1, "s": 3, "ms": 1, "ns": 0}
+
+
+class Line(typing.NamedTuple):
+    """One line of the table; most and least bound the ratio, or ours where there is no other."""
+    group: str
+    what: str
+    unit: str
+    ours: str
+    against: str = ""
+    peer: str = ""
+    most: float = None
+    least: float = None
+    why: str = ""  # it may be missing
+
+    def wanted(self):
+        unit = "" if self.peer else f" {self.unit}"
+        if self.most is not None:
+            return f"at most {self.most:g}{unit}"
+        return f"at least {self.least:g}{unit}" if self.least is not None else ""
+
+    def met(self, value):
+        if self.most is not None:
+            return value <= self.most
+        return value >= self.least if self.least is not None else None
+
+
+NO_STORE = "muster-broker has no --store"
+NO_NAMES = "bench_runtime_names is not there"
+MQ0, MQ1 = "mosquitto QoS 0:", "mosquitto QoS 1:"
+LINES = (
+    Line("roundtrip", "round trip p50", "us", "ours_trip_p50_us", "direct DDS:", "direct_us", 2.2),
+    Line("roundtrip", "round trip p50", "us", "ours_trip_p50_us", MQ0, "mqtt_trip_p50_us", 1.7),
+    Line("roundtrip", "round trip p99", "us", "ours_trip_p99_us", MQ0, "mqtt_trip_p99_us", 2),
+    Line("throughput", "one pair, mails", "1/s", "ours_mails_s", MQ0, "mqtt_mails_s", least=3),
+    Line("throughput", "one pair, broker CPU per mail", "us", "ours_cpu_us", MQ0, "mqtt_cpu_us",
+         0.4),
+    Line("crowd", "broadcast to 100, deliveries", "1/s", "ours_all_deliveries_s", MQ0,
+         "mqtt_all_deliveries_s", least=2),
+    Line("crowd", "broadcast to 100, complete p50", "us", "ours_all_p50_us", MQ0,
+         "mqtt_all_p50_us", 1.4),
+    Line("crowd", "broadcast to 100, complete p99", "us", "ours_all_p99_us", MQ0,
+         "mqtt_all_p99_us", 3),
+    Line("crowd", "round trip p50 among 100", "us", "ours_of100_p50_us", "ours, among 1:",
+         "ours_of1_p50_us", 1.8),
+    Line("crowd", "round trip p50 among 100", "us", "ours_of100_p50_us", MQ0,
+         "mqtt_of100_p50_us"),
+    Line("crowd", "100 processes started and reachable", "s", "ours_ready_s", most=0.6),
+    Line("crowd", "broker's memory per process", "kB", "ours_process_kb", most=80),
+    Line("names", "broker's memory, idle", "MB", "idle_mb", most=10),
+    Line("names", "broker's memory per agent", "kB", "agent_kb", most=1, why=NO_NAMES),
+    Line("names", "10,000 registrations", "1/s", "names_s", least=50000, why=NO_NAMES),
+    Line("names", "lookup mail among 10,000", "us", "lookup_us", "direct DDS:", "direct_us", 1.2,
+         why=NO_NAMES),
+    Line("names", "lookup mail among 10,000", "us", "lookup_us", "ours, among 100:",
+         "lookup_few_us", 1.1, why=NO_NAMES),
+    Line("names", "cached lookup", "ns", "cached_ns", most=1000, why=NO_NAMES),
+    Line("stored", "stored for the absent, ram", "1/s", "ours_ram_mails_s", MQ1,
+         "mqtt_stored_mails_s"),
+    Line("stored", "stored for the absent, logged", "1/s", "ours_logged_mails_s", MQ1,
+         "mqtt_stored_mails_s", least=1.5, why=NO_STORE),
+    Line("stored", "stored for the absent, synced", "1/s", "ours_synced_mails_s",
+         "Redis, fsync always:", "redis_stored_mails_s", least=0.5, why=NO_STORE),
+    Line("stored", "10,000 drained, ram", "s", "ours_ram_drain_s", MQ1, "mqtt_stored_drain_s", 0.5),
+    Line("stored", "10,000 drained, logged", "s", "ours_logged_drain_s", MQ1,
+         "mqtt_stored_drain_s", 0.5, why=NO_STORE),
+    Line("stored", "the same from the reader's start, ram", "s", "ours_ram_whole_s", MQ1,
+         "mqtt_stored_whole_s"),
+    Line("bystanders", "bystanders' p99, a receiver stopped", "us", "ours_by_stopped_us",
+         "undisturbed:", "ours_by_quiet_us", 2),
+    Line("bystanders", "bystanders' p99, a receiver deaf", "us", "ours_by_deaf_us",
+         "undisturbed:", "ours_by_quiet_us", 2),
+    Line("bystanders", "bystanders' p99, a flood", "us", "ours_by_flood_us", "undisturbed:",
+         "ours_by_quiet_us", 2),
+    Line("bystanders", "bystanders' p99, a flood", "us", "ours_by_flood_us",
+         "mosquitto QoS 0, a flood:", "mqtt_by_flood_us"),
+)
+
+INTERVAL_HEAD = ["delivery interval", "median delay of a mail", "mails", "broker CPU per mail"]
+
+
+def interval_lines(rounds):
+    lines = []
+    for ms in INTERVALS:
+        there = [r for r in rounds if f"interval_{ms}_delay_us" in r]
+        if there:
+            delay, mails, cpu = (statistics.median(r[f"interval_{ms}_{what}"] for r in there)
+                                 for what in ("delay_us", "mails_s", "cpu_us"))
+            lines.append([f"{ms} ms", f"{delay / 1000:.2f} ms", f"{mails:.0f} 1/s",
+                          f"{cpu:.2f} us"])
+    return lines

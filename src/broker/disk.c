@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/disk_parts.h"
+#include "broker/registry.h"
+#include "core/log.h"
+
+#include <stdio.h>
+
+/* The log grows to so many pages of 4 kB before it is copied into the file while mail pours in. */
+enum { LOG_PAGES_MAX = 4096 };
+
+/* So long nothing must have been written for the log to be copied in a quiet moment. */
+static const uint64_t QUIET_NS = 1000000000;
+
+const char *const disk_line_words[JOURNAL_LINE_KINDS] = {
+    [JOURNAL_GROUPS] = "group", [JOURNAL_SERVICES] = "service"};
+
+bool disk_run(struct disk *d, const char *sql)
+{
+    return sqlite3_exec(d->db, sql, NULL, NULL, NULL) == SQLITE_OK;
+}
+
+/* --- rows ------------------------------------------------------------------------------------- */
+
+/* A statement whose parameters are bound one after the other. */
+struct filling {
+    sqlite3_stmt *statement;
+    int count;
+};
+
+static struct filling fill(struct disk *d, enum disk_statement which)
+{
+    return (struct filling){.statement = d->statements[which]};
+}
+
+/* What is empty takes no room.  The text must stay until the statement has run. */
+static void fill_text(struct filling *f, const char *s)
+{
+    if (s && s[0]) {
+        sqlite3_bind_text(f->statement, ++f->count, s, -1, SQLITE_STATIC);
+    } else {
+        sqlite3_bind_null(f->statement, ++f->count);
+    }
+}
+
+static void fill_number(struct filling *f, uint64_t number)
+{
+    sqlite3_bind_int64(f->statement, ++f->count, (int64_t)number);
+}
+
+static void fill_number_or_null(struct filling *f, uint64_t number)
+{
+    if (number) {
+        fill_number(f, number);
+    } else {
+        sqlite3_bind_null(f->statement, ++f->count);
+    }
+}
+
+static bool run(sqlite3_stmt *statement)
+{
+    int result = sqlite3_step(statement);
+    (void)sqlite3_reset(statement); /* says again what the step has said */
+    return result == SQLITE_DONE;
+}
+
+static bool put_mail(struct disk *d, const struct journal_entry *e)
+{
+    const muster_Mail *m = &e->letter;
+    struct filling f = fill(d, DISK_PUT_MAIL);
+    fill_number(&f, e->row);
+    fill_text(&f, m->src);
+    fill_number(&f, m->seq);
+    fill_text(&f, e->waiting);
+    fill_number(&f, m->level);
+    fill_number_or_null(&f, e->expires_wall_ns);
+    fill_text(&f, m->dst);
+    fill_number(&f, m->layer);
+    fill_text(&f, m->performative);
+    fill_text(&f, m->language);
+    fill_text(&f, m->ontology);
+    fill_text(&f, m->reply_with);
+    fill_text(&f, m->in_reply_to);
+    fill_text(&f, m->conversation);
+    fill_number_or_null(&f, m->reply_by_ns);
+    fill_number_or_null(&f, (uint64_t)(int64_t)m->priority);
+    fill_number_or_null(&f, m->hops);
+    fill_number_or_null(&f, (uint64_t)(m->due_ns + 1)); /* so that "at once", -1, is nothing */
+    fill_number_or_null(&f, m->ttl_ns);
+    fill_text(&f, m->content);
+    return run(f.statement);
+}
+
+static bool put_agent(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_PUT_AGENT);
+    fill_text(&f, e->name);
+    fill_text(&f, registry_kind_word(e->agent_kind));
+    fill_number(&f, e->durable_seq);
+    fill_number(&f, e->reserved_seq);
+    return run(f.statement);
+}
+
+static bool set_waiting(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_SET_WAITING);
+    fill_text(&f, e->waiting);
+    fill_number(&f, e->row);
+    return run(f.statement);
+}
+
+static bool drop_mails(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_DROP_MAILS);
+    fill_number(&f, e->row);
+    fill_number(&f, e->last_row);
+    return run(f.statement);
+}
+
+static bool put_line(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE);
+    fill_text(&f, disk_line_words[e->lines]);
+    fill_number(&f, e->slot);
+    if (e->line.key) {
+        fill_text(&f, e->line.key);
+        fill_text(&f, e->line.agent);
+        fill_number(&f, e->line.present);
+        fill_text(&f, e->line.attributes);
+        fill_number_or_null(&f, e->line.lease_ns);
+        fill_number(&f, e->line.stamp_ns);
+        fill_text(&f, e->line.origin);
+    }
+    return run(f.statement);
+}
+
+static bool drop_lines(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_DROP_LINES);
+    fill_text(&f, disk_line_words[e->lines]);
+    return run(f.statement);
+}
+
+static bool put_clock(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_PUT_META);
+    fill_text(&f, "run_wall_ns");
+    fill_number(&f, e->run_wall_ns);
+    return run(f.statement);
+}
+
+/* --- transactions ----------------------------------------------------------------------------- */
+
+static bool entries_write(struct disk *d, struct broker *b)
+{
+    static bool (*const write[])(struct disk *, const struct journal_entry *) = {
+        [JOURNAL_AGENT] = put_agent, [JOURNAL_MAIL] = put_mail, [JOURNAL_WAITING] = set_waiting,
+        [JOURNAL_GONE] = drop_mails, [JOURNAL_LINE] = put_line, [JOURNAL_RESET] = drop_lines,
+        [JOURNAL_CLOCK] = put_clock};
+    struct journal_entry e;
+    while (journal_next(b, &e)) {
+        if (!write[e.kind](d, &e)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The pragma means nothing inside a transaction, so it comes before. */
+static bool sync_set(struct disk *d, bool full)
+{
+    if (d->full_sync != full &&
+        !disk_run(d, full ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL")) {
+        return false;
+    }
+    d->full_sync = full;
+    return true;
+}
+
+static void trouble_tell(struct disk *d, bool ok, const char *why)
+{
+    if (!ok && !d->troubled) {
+        mu_log(MU_LOG_ERROR, "store-cannot-write",
+               "file=%s error=\"%s\" durable mail is refused until it can", d->path, why);
+    } else if (ok && d->troubled) {
+        mu_log(MU_LOG_WARNING, "store-writes-again", "file=%s", d->path);
+    }
+    d->troubled = !ok;
+}
+
+static void log_copy(struct disk *d, int how)
+{
+    /* What cannot be copied now stays in the log, where it is as safe. */
+    if (sqlite3_wal_checkpoint_v2(d->db, NULL, how, NULL, NULL) == SQLITE_OK) {
+        d->log_pages = 0;
+    }
+}
+
+bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t now_ns)
+{
+    char why[128] = "";
+    bool ok = sync_set(d, level == muster_LEVEL_SYNCED) && run(d->statements[DISK_BEGIN]) &&
+              entries_write(d, b) && run(d->statements[DISK_COMMIT]);
+    if (!ok) {
+        snprintf(why, sizeof why, "%s", sqlite3_errmsg(d->db));
+        if (!sqlite3_get_autocommit(d->db)) {
+            (void)run(d->statements[DISK_ROLLBACK]);
+        }
+    }
+    trouble_tell(d, ok, why);
+    d->wrote_ns = now_ns;
+    if (ok && d->log_pages > LOG_PAGES_MAX) {
+        log_copy(d, SQLITE_CHECKPOINT_PASSIVE);
+    }
+    journal_committed(b, ok, now_ns);
+    return ok;
+}
+
+void disk_rest(struct disk *d, uint64_t now_ns)
+{
+    if (d->log_pages > 0 && now_ns - d->wrote_ns > QUIET_NS) {
+        log_copy(d, SQLITE_CHECKPOINT_TRUNCATE);
+        d->wrote_ns = now_ns;
+    }
+}
+
+void disk_close(struct disk *d)
+{
+    for (int i = 0; i < DISK_STATEMENTS; i++) {
+        sqlite3_finalize(d->statements[i]);
+    }
+    sqlite3_close(d->db); /* copies the log into the file, and removes it */
+}

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/disk_parts.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Comments stand in the file, too: `.schema` shows them. */
+static const char schema[] =
+    "BEGIN;"
+    "PRAGMA application_id = 1836413812;"
+    "CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;"
+    "CREATE TABLE agents (name TEXT PRIMARY KEY, kind TEXT,\n"
+    "  durable_seq INTEGER,  -- the last of its mails that was stored\n"
+    "  reserved_seq INTEGER  -- a later process of that name goes on after this number\n"
+    ") WITHOUT ROWID;"
+    "CREATE TABLE mails (\n"
+    "  id INTEGER PRIMARY KEY,  -- in the order in which they came\n"
+    "  sender TEXT, seq INTEGER,\n"
+    "  waiting TEXT,             -- receivers that have not acknowledged it\n"
+    "  level INTEGER,            -- 1 logged, 2 synced\n"
+    "  expires_wall_ns INTEGER,  -- since 1970\n"
+    "  dst TEXT, layer INTEGER, performative TEXT, language TEXT, ontology TEXT,\n"
+    "  reply_with TEXT, in_reply_to TEXT, conversation TEXT, reply_by_ns INTEGER,\n"
+    "  priority INTEGER, hops INTEGER,\n"
+    "  due_1_ns INTEGER,         -- not before this time of the run, plus 1\n"
+    "  ttl_ns INTEGER, content TEXT);"
+    "CREATE TABLE lines (kind TEXT, slot INTEGER, key TEXT, agent TEXT, present INTEGER,\n"
+    "  attributes TEXT, lease_ns INTEGER, stamp_ns INTEGER, origin TEXT,\n"
+    "  PRIMARY KEY (kind, slot)) WITHOUT ROWID;"
+    "INSERT INTO meta VALUES ('schema', 1), ('store', lower(hex(randomblob(8)))),"
+    "  ('incarnation', 0), ('run_wall_ns', 0);"
+    "COMMIT;";
+
+static const char *const statements[DISK_STATEMENTS] = {
+    [DISK_BEGIN] = "BEGIN IMMEDIATE",
+    [DISK_COMMIT] = "COMMIT",
+    [DISK_ROLLBACK] = "ROLLBACK",
+    [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?)",
+    [DISK_PUT_MAIL] = "INSERT INTO mails VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
+                      " ?, ?, ?)",
+    [DISK_SET_WAITING] = "UPDATE mails SET waiting = ? WHERE id = ?",
+    [DISK_DROP_MAILS] = "DELETE FROM mails WHERE id BETWEEN ? AND ?",
+    [DISK_PUT_LINE] = "INSERT OR REPLACE INTO lines VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    [DISK_DROP_LINE] = "DELETE FROM lines WHERE kind = ? AND slot = ?",
+    [DISK_DROP_LINES] = "DELETE FROM lines WHERE kind = ?",
+    [DISK_PUT_META] = "INSERT OR REPLACE INTO meta VALUES (?, ?)",
+};
+
+/* --- what can be wrong ------------------------------------------------------------------------ */
+
+static mu_result complain(mu_result result, const char *path, const char *what, const char *advice)
+{
+    fprintf(stderr, "muster broker: %s: %s\n  %s\n", path, what, advice);
+    return result;
+}
+
+static mu_result complain_damaged(const struct disk *d, const char *what)
+{
+    return complain(MU_FAULT_FILE, d->path, what,
+                    "it was left as it is: move it away, or save what can be read with"
+                    " `sqlite3 FILE .recover | sqlite3 NEW`, or give another --store FILE");
+}
+
+/* What SQLite has against the file. */
+static mu_result complain_of(const struct disk *d)
+{
+    static const char where[] = "give another --store FILE, or --store none";
+    switch (sqlite3_errcode(d->db) & 0xff) {
+    case SQLITE_NOTADB:
+        return complain(MU_FAULT_FILE, d->path, "this is no store of a broker",
+                        "it was left as it is: give another --store FILE");
+    case SQLITE_CORRUPT: return complain_damaged(d, "the store is damaged");
+    case SQLITE_BUSY:
+        return complain(MU_FAULT_OS, d->path, "the store is in use by another process",
+                        "a broker that runs, or an open sqlite3 shell: end it, or give another"
+                        " --store FILE");
+    case SQLITE_ERROR: return complain_damaged(d, sqlite3_errmsg(d->db));
+    default: return complain(MU_FAULT_OS, d->path, sqlite3_errmsg(d->db), where);
+    }
+}
+
+/* --- opening ---------------------------------------------------------------------------------- */
+
+static bool value_read(struct disk *d, const char *sql, int64_t *out)
+{
+    sqlite3_stmt *s = NULL;
+    bool got =
+        sqlite3_prepare_v2(d->db, sql, -1, &s, NULL) == SQLITE_OK && sqlite3_step(s) == SQLITE_ROW;
+    *out = got ? sqlite3_column_int64(s, 0) : 0;
+    return sqlite3_finalize(s) == SQLITE_OK && got;
+}
+
+/* Is this file ours, and whole?  Nothing in it is changed. */
+static mu_result file_check(struct disk *d, bool *is_new)
+{
+    int64_t application, tables, version;
+    if (!value_read(d, "PRAGMA application_id", &application) ||
+        !value_read(d, "SELECT count(*) FROM sqlite_schema", &tables)) {
+        return complain_of(d);
+    }
+    *is_new = application == 0 && tables == 0;
+    if (*is_new) {
+        return MU_OK;
+    }
+    if (application != DISK_APPLICATION) {
+        return complain(MU_FAULT_FILE, d->path, "this is a database of another program",
+                        "it was left as it is: give another --store FILE");
+    }
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'schema'", &version)) {
+        return complain_of(d);
+    }
+    if (version != DISK_SCHEMA) {
+        char what[96];
+        snprintf(what, sizeof what, "a store of version %lld; this broker knows version %d",
+                 (long long)version, DISK_SCHEMA);
+        return complain(MU_FAULT_FILE, d->path, what,
+                        "it was left as it is: use the broker that wrote it, or give another"
+                        " --store FILE");
+    }
+    return MU_OK;
+}
+
+static mu_result pages_check(struct disk *d)
+{
+    sqlite3_stmt *s = NULL;
+    bool whole = sqlite3_prepare_v2(d->db, "PRAGMA quick_check(1)", -1, &s, NULL) == SQLITE_OK &&
+                 sqlite3_step(s) == SQLITE_ROW &&
+                 strcmp((const char *)sqlite3_column_text(s, 0), "ok") == 0;
+    (void)sqlite3_finalize(s);
+    return whole ? MU_OK : complain_damaged(d, "the store is damaged");
+}
+
+/* Exclusive locking keeps a second broker out, and the log's index in our own memory. */
+static bool mode_set(struct disk *d)
+{
+    return disk_run(d, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA mmap_size = 0;"
+                       "PRAGMA cache_size = -1024; PRAGMA temp_store = MEMORY");
+}
+
+static int on_commit(void *self, sqlite3 *db, const char *name, int pages)
+{
+    (void)db;
+    (void)name;
+    ((struct disk *)self)->log_pages = pages;
+    return SQLITE_OK;
+}
+
+static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
+{
+    /* A wall clock may go back; so many numbers no broker gives out. */
+    static const uint64_t NUMBERS_OF_A_LIFE = 1ull << 40;
+    char sql[128];
+    int64_t last;
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last)) {
+        return false;
+    }
+    uint64_t least = last ? (uint64_t)last + NUMBERS_OF_A_LIFE : 1;
+    d->incarnation = wall_ns > least ? wall_ns : least;
+    snprintf(sql, sizeof sql, "UPDATE meta SET value = %lld WHERE key = 'incarnation'",
+             (long long)d->incarnation);
+    return disk_run(d, sql);
+}
+
+static bool statements_prepare(struct disk *d)
+{
+    for (int i = 0; i < DISK_STATEMENTS; i++) {
+        if (sqlite3_prepare_v3(d->db, statements[i], -1, SQLITE_PREPARE_PERSISTENT,
+                               &d->statements[i], NULL) != SQLITE_OK) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static mu_result store_begin(struct disk *d, uint64_t wall_ns)
+{
+    bool is_new;
+    mu_result checked = mode_set(d) ? file_check(d, &is_new) : complain_of(d);
+    if (checked != MU_OK) {
+        return checked;
+    }
+    if (!is_new && pages_check(d) != MU_OK) {
+        return MU_FAULT_FILE;
+    }
+    if (sqlite3_db_readonly(d->db, "main")) {
+        return complain(MU_FAULT_OS, d->path, "the store cannot be written",
+                        "see its permissions, or give another --store FILE, or --store none");
+    }
+    d->full_sync = true;
+    bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
+                 (!is_new || disk_run(d, schema)) && incarnation_begin(d, wall_ns) &&
+                 statements_prepare(d);
+    sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
+    return begun ? MU_OK : complain_of(d);
+}
+
+mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
+{
+    struct disk *d = mu_startup_alloc(sizeof *d);
+    if (!mu_text_copy(d->path, sizeof d->path, path) || !disk_make_folders(path)) {
+        return complain(MU_FAULT_OS, path, strerror(errno),
+                        "give another --store FILE, or --store none");
+    }
+    sqlite3_config(SQLITE_CONFIG_SINGLETHREAD); /* one thread uses it */
+    sqlite3_config(SQLITE_CONFIG_MEMSTATUS, 0);
+    int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    mu_result result = sqlite3_open_v2(path, &d->db, flags, NULL) == SQLITE_OK
+                           ? store_begin(d, wall_ns)
+                           : complain_of(d);
+    if (result != MU_OK) {
+        disk_close(d);
+        return result;
+    }
+    *out = d;
+    return MU_OK;
+}
+
+uint64_t disk_incarnation(const struct disk *d)
+{
+    return d->incarnation;
+}

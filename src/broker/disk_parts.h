@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file disk_parts.h
+ * What the files of the store share.
+ */
+#ifndef MUSTER_BROKER_DISK_PARTS_H
+#define MUSTER_BROKER_DISK_PARTS_H
+
+#include "broker/disk.h"
+
+#include <limits.h>
+#include <sqlite3.h>
+
+enum { DISK_SCHEMA = 1, DISK_APPLICATION = 0x6d757374 /* "must" */ };
+
+enum disk_statement {
+    DISK_BEGIN,
+    DISK_COMMIT,
+    DISK_ROLLBACK,
+    DISK_PUT_AGENT,
+    DISK_PUT_MAIL,
+    DISK_SET_WAITING,
+    DISK_DROP_MAILS,
+    DISK_PUT_LINE,
+    DISK_DROP_LINE,
+    DISK_DROP_LINES,
+    DISK_PUT_META,
+    DISK_STATEMENTS
+};
+
+struct disk {
+    sqlite3 *db;
+    sqlite3_stmt *statements[DISK_STATEMENTS];
+    char path[PATH_MAX];
+    uint64_t incarnation;
+    bool full_sync; /* as PRAGMA synchronous stands */
+    bool troubled;  /* the last commit failed, and the log has it */
+    int log_pages;  /* in the write-ahead log, not yet in the file */
+    uint64_t wrote_ns;
+};
+
+/** The words for lines in the store, one for each enum journal_lines. */
+extern const char *const disk_line_words[JOURNAL_LINE_KINDS];
+
+/** @return whether the script ran; if not, sqlite3_errmsg says why */
+bool disk_run(struct disk *d, const char *sql);
+
+/** Makes the folders above a file.  @return whether they are there */
+bool disk_make_folders(const char *path);
+
+#endif

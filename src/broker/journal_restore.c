@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What an earlier life of the broker has left on disk.  A file is no better than the network: all
+ * of it is checked. */
+#include "broker/border.h"
+#include "broker/journal.h"
+#include "broker/parts.h"
+#include "broker/presence.h"
+#include "broker/router.h"
+#include "core/name.h"
+
+#include <string.h>
+
+static bool restore_agent(struct broker *b, const struct journal_entry *e)
+{
+    bool good = border_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
+                registry_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0;
+    uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
+    if (good && agent == MU_NONE) {
+        agent = registry_add(&b->registry, e->name);
+    }
+    if (agent == MU_NONE) {
+        return false;
+    }
+    struct agent *a = &b->registry.agents[agent];
+    a->is.kind = a->saved_kind = e->agent_kind;
+    a->since_wall_ns = b->wall_ns;
+    a->awaited = b->journal.awaits = a->process == MU_NONE;
+    a->durable_seq = e->durable_seq;
+    a->earlier_seq = a->reserved_seq = e->reserved_seq;
+    registry_touch(&b->registry, agent);
+    return true;
+}
+
+/* @return the agent of a name that stands in a mail, entered if need be; or MU_NONE */
+static uint32_t agent_named(struct broker *b, const char *name)
+{
+    struct journal_entry e = {.name = name};
+    uint32_t agent = border_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
+    if (agent == MU_NONE && restore_agent(b, &e)) {
+        agent = registry_find(&b->registry, name);
+    }
+    return agent == REGISTRY_BROKER ? MU_NONE : agent;
+}
+
+static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
+{
+    uint64_t wall_ns = presence_wall_ns(b);
+    if (e->expires_wall_ns == 0) {
+        return UINT64_MAX;
+    }
+    return e->expires_wall_ns > wall_ns ? e->expires_wall_ns - wall_ns : 0;
+}
+
+static bool restore_mail(struct broker *b, const struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
+    uint32_t sender = agent_named(b, e->letter.src);
+    if (sender == MU_NONE || e->row == 0 || e->letter.level == muster_LEVEL_RAM ||
+        !border_mail(&e->letter) || !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
+        journal_find(j, sender, e->letter.seq)) {
+        return false;
+    }
+    muster_Mail letter = e->letter;
+    letter.again = true;
+    struct mail *m = store_put(&b->store, &letter);
+    if (!m) {
+        return false;
+    }
+    m->sender = m->payer = sender;
+    m->row = e->row;
+    m->journal_written = true;
+    if (!router_restore(b, m, e->waiting, left_ns(b, e))) {
+        return false;
+    }
+    journal_enter(j, m);
+    struct agent *a = &b->registry.agents[sender];
+    a->durable_seq = letter.seq > a->durable_seq ? letter.seq : a->durable_seq;
+    return true;
+}
+
+static bool restore_line(struct broker *b, const struct journal_entry *e)
+{
+    const struct journal_line *l = &e->line;
+    if ((unsigned)e->lines >= JOURNAL_LINE_KINDS || !b->journal.slots[e->lines].source) {
+        return false;
+    }
+    b->journal.slots[e->lines].reset = true;
+    return border_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
+           border_string(l->agent, MU_NAME_MAX) &&
+           (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
+           border_string(l->attributes, MU_ATTRIBUTES_MAX) &&
+           border_string(l->origin, MU_FIELD_MAX) &&
+           b->journal.slots[e->lines].source->restore(b, l);
+}
+
+/* A run that went on by the wall has gone on. */
+static bool restore_clock(struct broker *b, const struct journal_entry *e)
+{
+    uint64_t wall_ns = presence_wall_ns(b);
+    if (e->run_wall_ns == 0 || e->run_wall_ns > wall_ns) {
+        return false;
+    }
+    runclock_start(&b->clock, false, wall_ns - e->run_wall_ns);
+    b->journal.run_wall_ns = e->run_wall_ns;
+    return true;
+}
+
+bool journal_restore(struct broker *b, const struct journal_entry *entry)
+{
+    switch (entry->kind) {
+    case JOURNAL_AGENT: return restore_agent(b, entry);
+    case JOURNAL_MAIL: return restore_mail(b, entry);
+    case JOURNAL_LINE: return restore_line(b, entry);
+    case JOURNAL_CLOCK: return restore_clock(b, entry);
+    case JOURNAL_WAITING:
+    case JOURNAL_GONE:
+    case JOURNAL_RESET: break;
+    }
+    return false;
+}

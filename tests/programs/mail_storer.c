@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Sends numbered durable mails, at most 200 without an answer, until each is stored or delivered.
+ *   mail_storer DOMAIN NAME RECEIVER COUNT ram|logged|synced RECORD
+ * Writes a line for each receipt, "FIRST LAST OUTCOME", with one write.
+ */
+#include <muster/muster.h>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { IN_FLIGHT = 200, COUNT_MAX = 1000000 };
+
+static bool answered[COUNT_MAX + 1];
+static uint64_t answers;
+static int record;
+
+static void on_receipt(void *self, mu_agent *a, uint64_t first, uint64_t last,
+                       enum mu_outcome outcome)
+{
+    (void)self;
+    (void)a;
+    char line[96];
+    int len = snprintf(line, sizeof line, "%llu %llu %s\n", (unsigned long long)first,
+                       (unsigned long long)last, mu_outcome_text(outcome));
+    if (write(record, line, (size_t)len) != len) {
+        _exit(9);
+    }
+    for (uint64_t seq = first; seq <= last && seq <= COUNT_MAX; seq++) {
+        answers += !answered[seq];
+        answered[seq] = true;
+    }
+}
+
+static enum mu_level level_of(const char *word)
+{
+    if (strcmp(word, "ram") == 0) {
+        return MU_LEVEL_RAM;
+    }
+    return strcmp(word, "synced") == 0 ? MU_LEVEL_SYNCED : MU_LEVEL_LOGGED;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 7) {
+        return 2;
+    }
+    uint64_t count = strtoull(argv[4], NULL, 10);
+    record = open(argv[6], O_WRONLY | O_CREAT | O_APPEND, 0600);
+    mu_process *p;
+    mu_agent *a;
+    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
+    struct mu_handlers handlers = {.on_receipt = on_receipt};
+    if (record < 0 || count > COUNT_MAX || mu_process_open(&p, &options) != MU_OK ||
+        mu_agent_join(p, &a, argv[2], MU_KIND_AGENT, 0, &handlers) != MU_OK ||
+        mu_process_await_broker(p, 5000000000u) != MU_OK) {
+        return 4;
+    }
+    mu_result ran = MU_OK;
+    for (uint64_t sent = 0; answers < count && ran == MU_OK;) {
+        char content[64];
+        struct mu_mail mail = {.dst = argv[3], .level = level_of(argv[5]), .content = content};
+        while (sent < count && sent - answers < IN_FLIGHT) {
+            snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);
+            if (mu_agent_send(a, &mail, NULL) != MU_OK) {
+                break;
+            }
+            sent++;
+        }
+        ran = mu_process_spin(p, 10000000);
+    }
+    mu_process_close(p);
+    return ran == MU_OK ? 0 : 1;
+}

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The broker's store: mail that survives kill -9 of the broker, and files that it refuses."""
+import contextlib
+import os
+import random
+import resource
+import sqlite3
+import subprocess
+
+from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
+                     new_domain, program, wait_for)
+
+MAILS, KILLS = 20000, 6
+
+
+def whole_lines(path):
+    text = path.read_text() if path.exists() else ""
+    return text.splitlines() if text.endswith("\n") else text.splitlines()[:-1]
+
+
+def receipts(path):
+    """The numbers of mails that were answered for, and what else was said."""
+    good, bad = set(), []
+    for line in whole_lines(path):
+        first, last, outcome = line.split()
+        if outcome in ("stored", "delivered"):
+            good.update(range(int(first), int(last) + 1))
+        else:
+            bad.append(line)
+    return good, bad
+
+
+def taken(path):
+    """The numbers that the receiver has had, in order."""
+    return [int(line.split()[3]) for line in whole_lines(path)]
+
+
+def receiver_start(processes, domain, out):
+    return processes.start(program("mail_receiver"), domain, "receiver", out / "record")
+
+
+def storer_start(processes, domain, out, count, level="logged", name="sender"):
+    return processes.start(program("mail_storer"), domain, name, "receiver", count, level,
+                           out / f"receipts-{name}")
+
+
+def broker_again(processes, domain, store):
+    """Starts a broker, without waiting for anything: whoever is there must find it."""
+    return processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", store)
+
+
+def kill(process):
+    process.kill()
+    process.wait()
+
+
+def lives(out, domain, level, kills, mails, seed):
+    """Kills the broker again and again, by the progress of sender and receiver in turn."""
+    dice = random.Random(seed)
+    store = out / "store.db"
+    with Processes() as processes:
+        broker = broker_start(processes, domain, "--store", store)
+        receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 10, "the receiver in the white pages")
+        sender = storer_start(processes, domain, out, mails, level)
+        for turn in range(kills):
+            at = mails * (turn + dice.random()) / (kills + 1)
+            watch = dice.choice((lambda: len(receipts(out / "receipts-sender")[0]),
+                                 lambda: len(whole_lines(out / "record"))))
+            wait_for(lambda: watch() >= at, 60, f"mail {at:.0f} of life {turn} (seed {seed})")
+            kill(broker)
+            broker = broker_again(processes, domain, store)
+        check_equal(sender.wait(60), 0, f"the sender's end (seed {seed})")
+        wait_for(lambda: len(set(taken(out / "record"))) >= mails, 30,
+                 f"all mails at the receiver (seed {seed})")
+        broker.terminate()
+        broker.wait()
+    good, bad = receipts(out / "receipts-sender")
+    check_equal(bad, [], f"other receipts (seed {seed})")
+    check_equal(len(good), mails, f"mails answered for (seed {seed})")
+    check_equal(taken(out / "record"), list(range(1, mails + 1)), f"the record (seed {seed})")
+    with contextlib.closing(sqlite3.connect(store)) as db:
+        check_equal(db.execute("SELECT count(*) FROM mails").fetchone()[0], 0, "rows left")
+        check_equal(db.execute("PRAGMA integrity_check").fetchone()[0], "ok", "the file")
+
+
+def test_a_broker_killed_in_mid_write_and_mid_drain_loses_nothing_and_doubles_nothing():
+    with folder() as out:
+        lives(out, new_domain(), "logged", KILLS, MAILS, random.randrange(1 << 30))
+
+
+def test_synced_mail_likewise():
+    with folder() as out:
+        lives(out, new_domain(), "synced", 2, MAILS // 4, random.randrange(1 << 30))
+
+
+def test_names_and_mail_for_the_absent_are_back_and_ram_mail_is_not():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "deep" / "er" / "store.db"
+        broker = broker_start(processes, domain, "--store", store)
+        receiver = receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
+        receiver.terminate()
+        receiver.wait()
+        check_equal(storer_start(processes, domain, out, 100, "ram", "idle").wait(30), 0, "ram")
+        check_equal(storer_start(processes, domain, out, 3000, "logged").wait(30), 0, "logged")
+        kill(broker)
+        broker = broker_start(processes, domain, "--store", store)
+        line = members(domain)["receiver"]
+        check_equal((line["state"], line["kind"]), ("absent", "agent"), "the receiver's line")
+        receiver_start(processes, domain, out)
+        wait_for(lambda: len(taken(out / "record")) >= 3000, 10, "the stored mail")
+        # A mail after the others shows that nothing else was to come.
+        check_equal(muster("send", "receiver", "count", "0", "--domain", domain).returncode, 0,
+                    "mail after all")
+        wait_for(lambda: len(taken(out / "record")) > 3000, 10, "the mail after all")
+        check_equal([line.split()[1:] for line in whole_lines(out / "record")],
+                    [["sender", "count", str(i)] for i in range(1, 3001)] +
+                    [["operator", "count", "0"]], "the record")
+
+
+def test_receipts_go_to_a_sender_of_an_earlier_life_of_the_broker():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "store.db"
+        broker = broker_start(processes, domain, "--store", store)
+        receiver = receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
+        receiver.terminate()
+        receiver.wait()
+        sender = processes.start(program("mail_sender"), domain, "sender", "receiver", 50, 60,
+                                 "logged", stdout=subprocess.PIPE)
+        wait_for(lambda: store_rows(out / "store.db") == 50, 10, "the mails on disk")
+        kill(broker)
+        broker_again(processes, domain, store)
+        receiver_start(processes, domain, out)
+        output, _ = sender.communicate(timeout=60)
+        check_equal(output.decode().strip(), "delivered 50", "the sender's receipts")
+
+
+def store_rows(path):
+    """Mails in a store that a broker has open: of a copy of its files."""
+    with folder() as copy:
+        for suffix in ("", "-wal"):
+            source = path.with_name(path.name + suffix)
+            if source.exists():
+                (copy / source.name).write_bytes(source.read_bytes())
+        with contextlib.closing(sqlite3.connect(copy / path.name)) as db:
+            try:
+                return db.execute("SELECT count(*) FROM mails").fetchone()[0]
+            except sqlite3.DatabaseError:
+                return None
+
+
+def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
+    domain = new_domain()
+    limit = 256 * 1024
+    with folder() as out, Processes() as processes, (out / "log").open("w") as log:
+        store = out / "store.db"
+        broker = processes.start(
+            MUSTER, "broker", "main", "--domain", domain, "--store", store,
+            stderr=log,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        receiver = receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
+        receiver.terminate()
+        receiver.wait()
+        storer_start(processes, domain, out, 5000, "logged").wait(30)
+        good, bad = receipts(out / "receipts-sender")
+        refused = sum(int(l.split()[1]) - int(l.split()[0]) + 1 for l in bad if "no-store" in l)
+        check(good and refused, f"{len(good)} stored, {refused} refused")
+        check_equal(len(good) + refused, 5000, "answers")
+        done = muster("send", "receiver", "count", "0", "--domain", domain)
+        check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "ram mail")
+        receiver_start(processes, domain, out)
+        wait_for(lambda: taken(out / "record")[-1:] == [0], 10, "ram mail, and all before it")
+        check_equal(taken(out / "record"), sorted(good) + [0], "the record")
+        check(broker.poll() is None, "the broker lives")
+        text = (out / "log").read_text()
+        check(text.count("store-cannot-write") >= 1, f"the log: {text}")
+
+
+def refused_start(domain, store):
+    done = muster("broker", "main", "--domain", domain, "--store", store, timeout=10)
+    return done.returncode, done.stderr
+
+
+def test_files_that_are_no_store_are_refused_and_left_as_they_are():
+    domain = new_domain()
+    with folder() as out:
+        garbage = out / "garbage.db"
+        garbage.write_bytes(os.urandom(100000))
+        short = out / "short.db"
+        short.write_text("my only copy of a poem\n")
+        foreign = out / "foreign.db"
+        with contextlib.closing(sqlite3.connect(foreign)) as db:
+            db.execute("CREATE TABLE t (x)")
+            db.commit()
+        for path in (garbage, short, foreign):
+            before = path.read_bytes()
+            code, text = refused_start(domain, path)
+            check_equal(code, 3, f"{path.name}: {text}")
+            check(str(path) in text and "--store" in text, text)
+            check_equal(path.read_bytes(), before, f"{path.name} afterwards")
+        for path in (out, garbage / "below.db", "/proc/muster/x.db"):
+            code, text = refused_start(domain, path)
+            check_equal(code, 9, f"{path}: {text}")
+            check(str(path) in text and "--store" in text, text)
+
+
+def test_stores_of_another_version_and_damaged_ones_are_refused():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "store.db"
+        broker = broker_start(processes, domain, "--store", store)
+        code, text = refused_start(domain, store)
+        check_equal(code, 9, f"a second broker: {text}")
+        check("in use" in text, text)
+        for i in range(20):
+            check_equal(muster("ps", "--as", f"n{i}", "--domain", domain).returncode, 0, "ps")
+        broker.terminate()
+        check_equal(broker.wait(), 0, "the broker's end")
+        whole = store.read_bytes()
+        with contextlib.closing(sqlite3.connect(store)) as db:
+            db.execute("UPDATE meta SET value = 2 WHERE key = 'schema'")
+            db.commit()
+        code, text = refused_start(domain, store)
+        check_equal(code, 3, f"another version: {text}")
+        check("version 2" in text, text)
+        store.write_bytes(whole[:len(whole) // 2])
+        code, text = refused_start(domain, store)
+        check_equal(code, 3, f"half a file: {text}")
+        check("damaged" in text, text)
+        store.write_bytes(whole)
+        broker_start(processes, domain, "--store", store)
+
+
+def test_without_a_store_durable_mail_is_refused():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
+        check_equal(storer_start(processes, domain, out, 10).wait(30), 0, "the sender's end")
+        good, bad = receipts(out / "receipts-sender")
+        check(not good and all("no-store" in line for line in bad), f"{good} {bad}")

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The store itself: a file in a temporary folder, written by one broker and read by the next. */
+#include "../support/broker_story.h"
+#include "../support/capture.h"
+#include "broker/disk.h"
+#include "broker/parts.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define WALL 1000000000000000000ull
+
+static char folder[] = "/tmp/muster-disk-XXXXXX";
+static struct disk *disk;
+
+static const char *file(const char *name)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static uint64_t life_begin(const char *name, uint64_t wall_ns)
+{
+    static struct broker *all[64];
+    static unsigned count;
+    CU_ASSERT_EQUAL_FATAL(disk_open(&disk, file(name), wall_ns), MU_OK);
+    struct broker_options options = {.name = "alpha",
+                                     .incarnation = disk_incarnation(disk),
+                                     .number_base = disk_incarnation(disk),
+                                     .host = "here",
+                                     .wall_ns = wall_ns,
+                                     .has_store = true};
+    story.b = all[count++ % 64] = broker_open(&options);
+    story.now_ns = 0;
+    mu_text_init(&story.text, story.buffer, sizeof story.buffer);
+    uint64_t refused = 99;
+    CU_ASSERT_EQUAL(disk_load(disk, story.b, &refused), MU_OK);
+    return refused;
+}
+
+static bool commit(void)
+{
+    muster_Level level;
+    return journal_wanted(story.b, &level) && disk_commit(disk, story.b, level, story.now_ns);
+}
+
+static void test_everything_of_a_mail_comes_back(void)
+{
+    CU_ASSERT_EQUAL(life_begin("mail.db", WALL), 0);
+    story_join("red");
+    story_join("green");
+    story_join("blue");
+    story_gone("p-green");
+    CU_ASSERT_TRUE(commit());
+    muster_Mail sent = {.src = words("red"),
+                        .seq = 7,
+                        .dst = words("green,blue"),
+                        .layer = 4,
+                        .performative = words("ask-one"),
+                        .language = words("clips"),
+                        .ontology = words("rooms"),
+                        .reply_with = words("q1"),
+                        .in_reply_to = words("q0"),
+                        .conversation = words("c"),
+                        .reply_by_ns = 12345678901234,
+                        .priority = -1,
+                        .level = muster_LEVEL_SYNCED,
+                        .hops = 3,
+                        .due_ns = 0,
+                        .ttl_ns = UINT64_MAX - 1,
+                        .content = words("it's \"quoted\" \xc3\xa4; -- DROP")};
+    muster_Roster run = {.simulator = words("sim"), .step = 1, .step_ns = MS};
+    broker_roster(story.b, &run, story.now_ns);
+    story_mail(sent);
+    CU_ASSERT_TRUE(commit());
+    EXPECT("red 7-7 stored; blue #1000000000000000001 red/7 it's \"quoted\" \xc3\xa4; -- DROP");
+    disk_close(disk);
+
+    CU_ASSERT_EQUAL(life_begin("mail.db", WALL + 1), 0);
+    CU_ASSERT_TRUE(disk_incarnation(disk) > WALL + (1ull << 39)); /* the clock has hardly moved */
+    const struct mail *m =
+        journal_find(&story.b->journal, registry_find(&story.b->registry, "red"), 7);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(m);
+    const muster_Mail *got = &m->letter;
+    CU_ASSERT_STRING_EQUAL(got->src, sent.src);
+    CU_ASSERT_STRING_EQUAL(got->dst, sent.dst);
+    CU_ASSERT_STRING_EQUAL(got->performative, sent.performative);
+    CU_ASSERT_STRING_EQUAL(got->language, sent.language);
+    CU_ASSERT_STRING_EQUAL(got->ontology, sent.ontology);
+    CU_ASSERT_STRING_EQUAL(got->reply_with, sent.reply_with);
+    CU_ASSERT_STRING_EQUAL(got->in_reply_to, sent.in_reply_to);
+    CU_ASSERT_STRING_EQUAL(got->conversation, sent.conversation);
+    CU_ASSERT_STRING_EQUAL(got->content, sent.content);
+    CU_ASSERT_EQUAL(got->layer, 4);
+    CU_ASSERT_EQUAL(got->reply_by_ns, sent.reply_by_ns);
+    CU_ASSERT_EQUAL(got->priority, -1);
+    CU_ASSERT_EQUAL(got->level, muster_LEVEL_SYNCED);
+    CU_ASSERT_EQUAL(got->hops, 3);
+    CU_ASSERT_EQUAL(got->due_ns, 0);
+    CU_ASSERT_EQUAL(got->ttl_ns, UINT64_MAX - 1);
+    CU_ASSERT_TRUE(got->again);
+    CU_ASSERT_EQUAL(m->unsettled, 2);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent ");
+    disk_close(disk);
+}
+
+static void test_what_is_settled_stays_away(void)
+{
+    CU_ASSERT_EQUAL(life_begin("settled.db", WALL), 0);
+    story_join("red");
+    story_join("green");
+    story_gone("p-green");
+    for (uint64_t seq = 1; seq <= 50; seq++) {
+        muster_Mail m = letter("red", seq, "green", "x");
+        m.level = muster_LEVEL_LOGGED;
+        story_mail(m);
+    }
+    CU_ASSERT_TRUE(commit());
+    story_join("green");
+    story_ack("green", WALL + 49);
+    CU_ASSERT_TRUE(commit());
+    disk_rest(disk, story.now_ns + 2000000000);
+    disk_close(disk);
+    CU_ASSERT_EQUAL(life_begin("settled.db", WALL * 2), 0);
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+    CU_ASSERT_EQUAL(story.b->journal.rows, 50);
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #2000000000000000001 red/50 x; green welcome 1048576");
+    disk_close(disk);
+}
+
+static void test_a_commit_that_fails_leaves_nothing(void)
+{
+    CU_ASSERT_EQUAL(life_begin("fails.db", WALL), 0);
+    story_join("red");
+    story_join("green");
+    story_gone("p-green");
+    CU_ASSERT_TRUE(commit());
+    (void)story_collect();
+    muster_Mail m = letter("red", 1, "green", "x");
+    m.level = muster_LEVEL_LOGGED;
+    story_mail(m);
+    CU_ASSERT_TRUE(commit());
+    EXPECT("red 1-1 stored");
+    /* Two more, and the first cannot be written: a row with its number is there already. */
+    story.b->journal.rows = 0;
+    m.seq = 2;
+    story_mail(m);
+    m.seq = 3;
+    story_mail(m);
+    capture_begin();
+    CU_ASSERT_FALSE(commit());
+    capture_end();
+    CU_ASSERT_TRUE(said("store-cannot-write") && said("fails.db"));
+    EXPECT("red 2-3 no-store");
+    disk_close(disk);
+    CU_ASSERT_EQUAL(life_begin("fails.db", WALL * 2), 0);
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+    disk_close(disk);
+}
+
+static void test_default_path(void)
+{
+    char path[64];
+    setenv("XDG_STATE_HOME", "/state", 1);
+    CU_ASSERT_TRUE(disk_default_path(path, sizeof path, 7, "main"));
+    CU_ASSERT_STRING_EQUAL(path, "/state/muster/7-main.db");
+    setenv("XDG_STATE_HOME", "not/absolute", 1);
+    setenv("HOME", "/home/a", 1);
+    CU_ASSERT_TRUE(disk_default_path(path, sizeof path, 7, "main"));
+    CU_ASSERT_STRING_EQUAL(path, "/home/a/.local/state/muster/7-main.db");
+    CU_ASSERT_FALSE(disk_default_path(path, 20, 7, "main"));
+    unsetenv("HOME");
+    CU_ASSERT_FALSE(disk_default_path(path, sizeof path, 7, "main"));
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"everything of a mail comes back", test_everything_of_a_mail_comes_back},
+        {"what is settled stays away", test_what_is_settled_stays_away},
+        {"a commit that fails leaves nothing", test_a_commit_that_fails_leaves_nothing},
+        {"default path", test_default_path},
+        CU_TEST_INFO_NULL,
+    };
+    if (!mkdtemp(folder)) {
+        return EXIT_FAILURE;
+    }
+    int result = story_run("disk", tests);
+    static const char *const files[] = {"mail.db", "settled.db", "fails.db"};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        unlink(file(files[i]));
+    }
+    rmdir(folder);
+    return result;
+}

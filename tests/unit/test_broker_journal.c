@@ -1,0 +1,679 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The journal against a disk that is an array, and brokers that die and come back. */
+#include "../support/broker_story.h"
+#include "broker/journal.h"
+#include "broker/parts.h"
+
+enum { ROWS_MAX = 2048, NAMES_MAX = 64, SLOTS = 16 };
+
+#define SECOND 1000000000ull
+#define WALL   1000000000000000000ull
+
+/* What is on the disk. */
+static struct {
+    struct row {
+        uint64_t row;
+        char src[32], dst[64], content[64], waiting[256];
+        muster_Mail letter;
+        uint64_t expires_wall_ns;
+    } rows[ROWS_MAX];
+    uint32_t rows_count;
+    struct name {
+        char name[32];
+        muster_Kind kind;
+        uint64_t durable_seq, reserved_seq;
+    } names[NAMES_MAX];
+    uint32_t names_count;
+    uint64_t run_wall_ns;
+    struct line {
+        struct journal_line line;
+        char key[32], agent[32], attributes[64], origin[32];
+    } lines[JOURNAL_LINE_KINDS][SLOTS];
+} disk, before;
+
+static uint64_t wall_ns;      /* when this life began */
+static muster_Level level;    /* of the last commit */
+static uint32_t writes;       /* entries of the last commit */
+static uint32_t lines_resets; /* ever */
+
+/* --- the disk --------------------------------------------------------------------------------- */
+
+static void write_agent(const struct journal_entry *e)
+{
+    uint32_t i = 0;
+    while (i < disk.names_count && strcmp(disk.names[i].name, e->name) != 0) {
+        i++;
+    }
+    disk.names_count += i == disk.names_count;
+    struct name *n = &disk.names[i];
+    *n = (struct name){
+        .kind = e->agent_kind, .durable_seq = e->durable_seq, .reserved_seq = e->reserved_seq};
+    snprintf(n->name, sizeof n->name, "%s", e->name);
+}
+
+static void write_mail(const struct journal_entry *e)
+{
+    CU_ASSERT_TRUE_FATAL(disk.rows_count < ROWS_MAX);
+    struct row *r = &disk.rows[disk.rows_count++];
+    r->row = e->row;
+    r->letter = e->letter;
+    r->expires_wall_ns = e->expires_wall_ns;
+    snprintf(r->src, sizeof r->src, "%s", e->letter.src);
+    snprintf(r->dst, sizeof r->dst, "%s", e->letter.dst);
+    snprintf(r->content, sizeof r->content, "%s", e->letter.content);
+    snprintf(r->waiting, sizeof r->waiting, "%s", e->waiting);
+}
+
+static void write_waiting(const struct journal_entry *e)
+{
+    for (uint32_t i = 0; i < disk.rows_count; i++) {
+        if (disk.rows[i].row == e->row) {
+            snprintf(disk.rows[i].waiting, sizeof disk.rows[i].waiting, "%s", e->waiting);
+        }
+    }
+}
+
+static void write_gone(const struct journal_entry *e)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < disk.rows_count; i++) {
+        if (disk.rows[i].row < e->row || disk.rows[i].row > e->last_row) {
+            disk.rows[kept++] = disk.rows[i];
+        }
+    }
+    CU_ASSERT_EQUAL(disk.rows_count - kept, e->last_row - e->row + 1);
+    disk.rows_count = kept;
+}
+
+static void write_line(const struct journal_entry *e)
+{
+    CU_ASSERT_TRUE_FATAL(e->slot < SLOTS);
+    struct line *l = &disk.lines[e->lines][e->slot];
+    *l = (struct line){.line = e->line};
+    if (e->line.key) {
+        snprintf(l->key, sizeof l->key, "%s", e->line.key);
+        snprintf(l->agent, sizeof l->agent, "%s", e->line.agent);
+        snprintf(l->attributes, sizeof l->attributes, "%s", e->line.attributes);
+        snprintf(l->origin, sizeof l->origin, "%s", e->line.origin);
+    }
+}
+
+static void write_entry(const struct journal_entry *e)
+{
+    writes++;
+    switch (e->kind) {
+    case JOURNAL_AGENT: write_agent(e); break;
+    case JOURNAL_MAIL: write_mail(e); break;
+    case JOURNAL_WAITING: write_waiting(e); break;
+    case JOURNAL_GONE: write_gone(e); break;
+    case JOURNAL_LINE: write_line(e); break;
+    case JOURNAL_RESET:
+        lines_resets++;
+        memset(disk.lines[e->lines], 0, sizeof disk.lines[0]);
+        break;
+    case JOURNAL_CLOCK: disk.run_wall_ns = e->run_wall_ns; break;
+    }
+}
+
+/* @return whether there was anything to write */
+static bool commit(bool works)
+{
+    struct journal_entry e = {.name = NULL};
+    writes = 0;
+    before = disk;
+    if (!journal_wanted(story.b, &level)) {
+        return false;
+    }
+    while (journal_next(story.b, &e)) {
+        write_entry(&e);
+    }
+    if (!works) {
+        disk = before;
+    }
+    journal_committed(story.b, works, story.now_ns);
+    return true;
+}
+
+/* --- lives ------------------------------------------------------------------------------------ */
+
+static void life_begin(uint64_t at_wall_ns)
+{
+    static struct broker *all[64]; /* kept, so that leak checkers see them */
+    static unsigned count;
+    struct broker_options options = {.name = "alpha",
+                                     .incarnation = at_wall_ns,
+                                     .host = "here",
+                                     .pid = 9,
+                                     .wall_ns = at_wall_ns,
+                                     .has_store = true};
+    story.b = all[count++ % 64] = broker_open(&options);
+    story.now_ns = 0;
+    wall_ns = at_wall_ns;
+    mu_text_init(&story.text, story.buffer, sizeof story.buffer);
+}
+
+static uint32_t refused;
+
+static void lines_come_back(void)
+{
+    for (int kind = 0; kind < JOURNAL_LINE_KINDS; kind++) {
+        for (uint32_t slot = 0; slot < SLOTS; slot++) {
+            const struct line *l = &disk.lines[kind][slot];
+            struct journal_entry e = {.kind = JOURNAL_LINE,
+                                      .lines = (enum journal_lines)kind,
+                                      .slot = slot,
+                                      .line = l->line};
+            e.line.key = l->key;
+            e.line.agent = l->agent;
+            e.line.attributes = l->attributes;
+            e.line.origin = l->origin;
+            refused += l->key[0] != '\0' && !journal_restore(story.b, &e);
+        }
+    }
+}
+
+/* The broker dies now, and is back later. */
+static void die_and_come_back(uint64_t later_ns)
+{
+    life_begin(wall_ns + story.now_ns + later_ns);
+    refused = 0;
+    for (uint32_t i = 0; i < disk.names_count; i++) {
+        const struct name *n = &disk.names[i];
+        struct journal_entry e = {.kind = JOURNAL_AGENT,
+                                  .name = n->name,
+                                  .agent_kind = n->kind,
+                                  .durable_seq = n->durable_seq,
+                                  .reserved_seq = n->reserved_seq};
+        refused += !journal_restore(story.b, &e);
+    }
+    lines_come_back();
+    struct journal_entry clock = {.kind = JOURNAL_CLOCK, .run_wall_ns = disk.run_wall_ns};
+    if (disk.run_wall_ns) {
+        refused += !journal_restore(story.b, &clock);
+    }
+    for (uint32_t i = 0; i < disk.rows_count; i++) {
+        struct row *r = &disk.rows[i];
+        struct journal_entry e = {.kind = JOURNAL_MAIL,
+                                  .row = r->row,
+                                  .letter = r->letter,
+                                  .waiting = r->waiting,
+                                  .expires_wall_ns = r->expires_wall_ns};
+        static char none[1];
+        e.letter.src = r->src;
+        e.letter.dst = r->dst;
+        e.letter.content = r->content;
+        e.letter.performative = e.letter.language = e.letter.ontology = none;
+        e.letter.reply_with = e.letter.in_reply_to = e.letter.conversation = none;
+        refused += !journal_restore(story.b, &e);
+    }
+}
+
+/* A new team on a new disk; green and blue have been there and are gone. */
+static void team(void)
+{
+    memset(&disk, 0, sizeof disk);
+    life_begin(WALL);
+    story_join("red");
+    story_join("green");
+    story_join("blue");
+    CU_ASSERT_TRUE(commit(true));
+    story_gone("p-green");
+    story_gone("p-blue");
+    (void)story_collect();
+    CU_ASSERT_FALSE(commit(true));
+}
+
+static void send_at(muster_Level at, uint64_t seq, const char *dst, const char *content)
+{
+    muster_Mail m = letter("red", seq, dst, content);
+    m.level = at;
+    story_mail(m);
+}
+
+static void log_mail(uint64_t seq, const char *dst, const char *content)
+{
+    send_at(muster_LEVEL_LOGGED, seq, dst, content);
+}
+
+static void again(uint64_t seq, muster_Level at)
+{
+    muster_Mail m = letter("red", seq, "green", "again");
+    m.level = at;
+    m.again = true;
+    story_mail(m);
+}
+
+/* --- tests ------------------------------------------------------------------------------------ */
+
+static void test_a_receipt_follows_the_commit(void)
+{
+    team();
+    log_mail(1, "green", "one");
+    EXPECT("");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(level, muster_LEVEL_LOGGED);
+    CU_ASSERT_EQUAL(disk.rows_count, 1);
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "green");
+    EXPECT("red 1-1 stored");
+    send_at(muster_LEVEL_SYNCED, 2, "green", "two");
+    send_at(muster_LEVEL_LOGGED, 3, "green", "three");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(level, muster_LEVEL_SYNCED);
+    EXPECT("red 2-3 stored");
+    send_at(muster_LEVEL_RAM, 4, "green", "four");
+    CU_ASSERT_FALSE(commit(true)); /* costs the disk nothing */
+    EXPECT("red 4-4 stored");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    CU_ASSERT_FALSE(commit(true)); /* nor does an agent that is known */
+    story_ack("green", 3);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(writes, 1); /* three rows in one go */
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    EXPECT("red 1-3 delivered");
+}
+
+static void test_what_comes_and_goes_in_one_round_costs_no_row(void)
+{
+    team();
+    muster_Mail m = letter("red", 1, "green", "brief");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = 5;
+    story_mail(m);
+    story_tick(5);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    EXPECT("red 1-1 expired");
+}
+
+static void test_names_and_mail_come_back(void)
+{
+    team();
+    log_mail(1, "green", "one");
+    log_mail(2, "blue,green", "two");
+    send_at(muster_LEVEL_RAM, 3, "green", "lost");
+    log_mail(4, "green", "four");
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    CU_ASSERT_STRING_EQUAL(story_member("green"), "green absent ");
+    CU_ASSERT_EQUAL(story_status().waiting, 4);
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #1 red/1 one; green #2 red/2 two; green #3 red/4 four; green welcome 1048576");
+    CU_ASSERT_EQUAL(story.b->registry.agents[registry_find(&story.b->registry, "red")].durable_seq,
+                    4);
+    /* Receipts are kept for a sender that is still to come back. */
+    story_ack("green", 3);
+    story_register("red", "p-red");
+    story_match("p-red");
+    EXPECT("red 1-1 delivered; red 4-4 delivered; red welcome 1048576");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 1);
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "blue");
+    die_and_come_back(SECOND);
+    story_register("blue", "p-blue");
+    story_match("p-blue");
+    EXPECT("blue #1 red/2 two; blue welcome 1048576");
+}
+
+static void test_stored_mail_says_that_it_may_have_come_before(void)
+{
+    team();
+    log_mail(1, "green", "one");
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    story_register("green", "p-green");
+    story_match("p-green");
+    const char *process;
+    muster_Delivery d;
+    CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+    CU_ASSERT_EQUAL_FATAL(d.parcels._length, 1);
+    CU_ASSERT_TRUE(d.parcels._buffer[0].letter.again);
+    broker_delivered(story.b, story.now_ns);
+}
+
+static void test_receipts_of_who_does_not_come_back_are_dropped(void)
+{
+    team();
+    log_mail(1, "green", "one");
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 10 * SECOND);
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    story_tick(10 * SECOND);
+    story_register("red", "p-red");
+    story_match("p-red");
+    EXPECT("red welcome 1048576");
+}
+
+static void test_duplicates_across_a_restart(void)
+{
+    team();
+    log_mail(1, "green", "one");
+    log_mail(2, "green", "two");
+    send_at(muster_LEVEL_RAM, 3, "green", "three");
+    log_mail(4, "blue", "four");
+    CU_ASSERT_TRUE(commit(true));
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    story_register("red", "p-red");
+    story_match("p-red");
+    (void)story_collect();
+    again(1, muster_LEVEL_LOGGED); /* acknowledged before */
+    again(2, muster_LEVEL_LOGGED); /* waits */
+    EXPECT("red 1-1 delivered; red 2-2 stored");
+    again(3, muster_LEVEL_RAM); /* lost with the broker: new, whatever came after it */
+    EXPECT("red 3-3 stored");
+    again(3, muster_LEVEL_RAM);
+    EXPECT("red 3-3 duplicate");
+    again(5, muster_LEVEL_LOGGED); /* never reached the disk */
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 5-5 stored");
+    again(5, muster_LEVEL_LOGGED);
+    EXPECT("red 5-5 duplicate");
+    CU_ASSERT_EQUAL(disk.rows_count, 3);
+    /* A sender that begins anew has numbers of its own: nothing is taken for what was. */
+    die_and_come_back(SECOND);
+    story_register("red", "p-red");
+    story_match("p-red");
+    EXPECT("red welcome 1048576");
+    log_mail(4, "green", "not marked: not looked up");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 4-4 stored");
+}
+
+static void test_a_failed_commit_is_undone(void)
+{
+    team();
+    log_mail(1, "green", "kept");
+    CU_ASSERT_TRUE(commit(true));
+    (void)story_collect();
+    log_mail(2, "green,blue", "two");
+    log_mail(3, "green", "three");
+    send_at(muster_LEVEL_RAM, 4, "green", "four");
+    CU_ASSERT_TRUE(commit(false));
+    EXPECT("red 4-4 stored; red 2-3 no-store");
+    CU_ASSERT_EQUAL(story_status().no_store, 3);
+    CU_ASSERT_EQUAL(story_status().waiting, 2);
+    log_mail(5, "green", "refused at once");
+    CU_ASSERT_FALSE(commit(true));
+    EXPECT("red 5-5 no-store");
+    /* Acknowledgements are not lost: they are written when that is possible again. */
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #1 red/1 kept; green #2 red/4 four; green welcome 0");
+    story_ack("green", 2);
+    EXPECT("red 1-1 delivered; red 4-4 delivered");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), SECOND);
+    CU_ASSERT_FALSE(commit(true));
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(false));
+    story_tick(SECOND);
+    CU_ASSERT_EQUAL(disk.rows_count, 1);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    log_mail(6, "blue", "six");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 6-6 stored");
+    muster_BrokerStatus s = story_status();
+    CU_ASSERT_EQUAL(s.sent, s.delivered + s.waiting + s.no_store);
+}
+
+static void test_without_a_store(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("green");
+    log_mail(1, "green", "one");
+    EXPECT("red 1-1 no-store");
+    CU_ASSERT_FALSE(journal_wanted(story.b, &level));
+    CU_ASSERT_PTR_NULL(journal_find(&story.b->journal, 1, 1));
+    CU_ASSERT_EQUAL(story_status().no_store, 1);
+}
+
+static void test_time_goes_on_by_the_wall(void)
+{
+    team();
+    muster_Roster free_run = {.simulator = words("sim"), .step = 100, .step_ns = 100 * MS};
+    broker_roster(story.b, &free_run, story.now_ns); /* the run's time is 10 s */
+    muster_Mail m = letter("red", 1, "green", "due at 14 s");
+    m.level = muster_LEVEL_LOGGED;
+    m.due_ns = (int64_t)(14 * SECOND);
+    story_mail(m);
+    m = letter("red", 2, "green", "for 4 s");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = 4 * SECOND;
+    story_mail(m);
+    m = letter("red", 3, "green", "for 6 s");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = 6 * SECOND;
+    story_mail(m);
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.run_wall_ns, WALL - 10 * SECOND);
+    die_and_come_back(2 * SECOND); /* 13 s */
+    CU_ASSERT_EQUAL(refused, 0);
+    CU_ASSERT_FALSE(commit(true));
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), SECOND);
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #1 red/2 for 4 s; green #2 red/3 for 6 s; green welcome 1048576");
+    die_and_come_back(2 * SECOND); /* 15 s; nothing was acknowledged */
+    broker_tick(story.b, 0);
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #1 red/1 due at 14 s; green #2 red/3 for 6 s; green welcome 1048576");
+    CU_ASSERT_EQUAL(story_status().expired, 1);
+}
+
+static void test_numbers_are_reserved_ahead(void)
+{
+    team();
+    CU_ASSERT_EQUAL(disk.names[0].reserved_seq, JOURNAL_RESERVE);
+    send_at(muster_LEVEL_RAM, JOURNAL_RESERVE / 2, "green", "x");
+    CU_ASSERT_FALSE(commit(true));
+    send_at(muster_LEVEL_RAM, JOURNAL_RESERVE / 2 + 1, "green", "x");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.names[0].reserved_seq, JOURNAL_RESERVE / 2 + 1 + JOURNAL_RESERVE);
+    send_at(muster_LEVEL_RAM, UINT64_MAX, "green", "x");
+    CU_ASSERT_FALSE(commit(true));
+}
+
+static void restore_bad(struct journal_entry e)
+{
+    CU_ASSERT_FALSE(journal_restore(story.b, &e));
+}
+
+static void test_a_file_is_no_better_than_the_network(void)
+{
+    memset(&disk, 0, sizeof disk);
+    life_begin(WALL);
+    restore_bad((struct journal_entry){.kind = JOURNAL_AGENT, .name = "no name"});
+    restore_bad((struct journal_entry){.kind = JOURNAL_AGENT, .name = "broker"});
+    restore_bad((struct journal_entry){.kind = JOURNAL_AGENT, .name = ""});
+    restore_bad((struct journal_entry){
+        .kind = JOURNAL_AGENT, .name = "red", .agent_kind = (muster_Kind)77});
+    restore_bad((struct journal_entry){.kind = JOURNAL_GONE, .row = 1});
+    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = JOURNAL_GROUPS});
+    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = (enum journal_lines)9});
+    restore_bad((struct journal_entry){.kind = JOURNAL_CLOCK, .run_wall_ns = WALL + 1});
+    struct journal_entry good = {.kind = JOURNAL_MAIL,
+                                 .row = 1,
+                                 .letter = letter("red", 1, "green", "x"),
+                                 .waiting = "green"};
+    good.letter.level = muster_LEVEL_LOGGED;
+    struct journal_entry e = good;
+    e.letter.level = muster_LEVEL_RAM;
+    restore_bad(e);
+    e = good;
+    e.letter.priority = 5;
+    restore_bad(e);
+    e = good;
+    e.letter.src = words("broker");
+    restore_bad(e);
+    e = good;
+    e.waiting = "nobody,,";
+    restore_bad(e);
+    e = good;
+    e.row = 0;
+    restore_bad(e);
+    CU_ASSERT_EQUAL(story_status().waiting, 0);
+    struct journal_entry green = {.kind = JOURNAL_AGENT, .name = "green"};
+    CU_ASSERT_TRUE(journal_restore(story.b, &green));
+    CU_ASSERT_TRUE(journal_restore(story.b, &good));
+    e = good;
+    e.row = 2;
+    restore_bad(e); /* the same mail */
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+    CU_ASSERT_EQUAL(story.b->journal.rows, 2);
+}
+
+/* --- groups and services ---------------------------------------------------------------------- */
+
+static void tell_broker(uint64_t seq, const char *performative, const char *content)
+{
+    muster_Mail m = letter("red", seq, "broker", content);
+    m.layer = 2;
+    m.performative = words(performative);
+    story_mail(m);
+}
+
+static bool is_member(const char *group, const char *agent)
+{
+    uint32_t place = 0;
+    const char *member;
+    while ((member = groups_member(&story.b->pages.groups, group, false, &place))) {
+        if (strcmp(member, agent) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void test_groups_and_services_come_back(void)
+{
+    team();
+    (void)commit(true);
+    tell_broker(1, "group-join", "scouts");
+    tell_broker(2, "group-join", "cooks");
+    tell_broker(3, "advertise", "mapper \"role=scout\" 60");
+    CU_ASSERT_TRUE(commit(false));
+    CU_ASSERT_STRING_EQUAL(disk.lines[JOURNAL_GROUPS][0].key, "");
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(writes, 5); /* two groups with a member each, a service */
+    tell_broker(4, "group-leave", "cooks");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(writes, 2);
+
+    lines_resets = 0;
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
+    CU_ASSERT_FALSE(is_member("cooks", "red"));
+    CU_ASSERT_FALSE(groups_exists(&story.b->pages.groups, "cooks", false));
+    const struct services *s = &story.b->pages.services;
+    uint32_t line = mu_pairs_find(&s->pairs, "mapper", "red");
+    CU_ASSERT_NOT_EQUAL_FATAL(line, MU_NONE);
+    CU_ASSERT_TRUE(s->lines[line].offered);
+    CU_ASSERT_STRING_EQUAL(s->lines[line].attributes, "role=scout");
+    CU_ASSERT_FALSE(pages_shows(story.b, line, false)); /* its agent is not back yet */
+    story_register("red", "p-red");
+    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+
+    /* Its lines may have other slots by now: what stood in the file is replaced. */
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(lines_resets, 2);
+    CU_ASSERT_FALSE(commit(true));
+    story_tick(30 * SECOND);
+    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+    story_tick(30 * SECOND); /* a lease goes on while the broker is dead */
+    CU_ASSERT_FALSE(pages_shows(story.b, line, false));
+    die_and_come_back(SECOND);
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
+}
+
+static void test_bad_lines_stay_on_disk(void)
+{
+    team();
+    struct journal_entry good = {
+        .kind = JOURNAL_LINE,
+        .lines = JOURNAL_GROUPS,
+        .line = {
+            .key = "scouts", .agent = "red", .present = true, .attributes = "", .origin = "alpha"}};
+    struct journal_entry e = good;
+    e.line.key = "not a name";
+    restore_bad(e);
+    e = good;
+    e.line.agent = "*";
+    restore_bad(e);
+    e = good;
+    e.lines = JOURNAL_LINE_KINDS;
+    restore_bad(e);
+    CU_ASSERT_TRUE(journal_restore(story.b, &good));
+    CU_ASSERT_TRUE(is_member("scouts", "red"));
+}
+
+/* --- a whole box ------------------------------------------------------------------------------ */
+
+static void test_a_full_box_comes_back_in_order(void)
+{
+    enum { MAILS = 1000 };
+    team();
+    char content[32];
+    for (uint64_t i = 1; i <= MAILS; i++) {
+        snprintf(content, sizeof content, "%llu", (unsigned long long)i);
+        log_mail(i, "green", content);
+        if (i % 7 == 0) {
+            CU_ASSERT_TRUE(commit(true));
+        }
+    }
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    story_register("green", "p-green");
+    story_match("p-green");
+    uint64_t had = 0;
+    const char *process;
+    muster_Delivery d;
+    while (had < MAILS) {
+        CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+        for (uint32_t i = 0; i < d.parcels._length; i++) {
+            CU_ASSERT_EQUAL(d.parcels._buffer[i].letter.seq, ++had);
+        }
+        broker_delivered(story.b, story.now_ns);
+        story_ack("green", had);
+        CU_ASSERT_TRUE(commit(true));
+        CU_ASSERT_EQUAL(disk.rows_count, MAILS - had);
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a receipt follows the commit", test_a_receipt_follows_the_commit},
+        {"what comes and goes in one round", test_what_comes_and_goes_in_one_round_costs_no_row},
+        {"names and mail come back", test_names_and_mail_come_back},
+        {"stored mail may have come before", test_stored_mail_says_that_it_may_have_come_before},
+        {"who does not come back", test_receipts_of_who_does_not_come_back_are_dropped},
+        {"duplicates across a restart", test_duplicates_across_a_restart},
+        {"a failed commit is undone", test_a_failed_commit_is_undone},
+        {"without a store", test_without_a_store},
+        {"time goes on by the wall", test_time_goes_on_by_the_wall},
+        {"numbers are reserved ahead", test_numbers_are_reserved_ahead},
+        {"a file is no better than the network", test_a_file_is_no_better_than_the_network},
+        {"groups and services come back", test_groups_and_services_come_back},
+        {"bad lines stay on disk", test_bad_lines_stay_on_disk},
+        {"a full box comes back in order", test_a_full_box_comes_back_in_order},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("journal", tests);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/owed.h"
+
+#include <CUnit/Basic.h>
+#include <stdlib.h>
+
+static const uint64_t T_NS = 7000000000;
+
+static void test_nothing_owed_is_never_due(void)
+{
+    struct owed o = {0};
+    CU_ASSERT_FALSE(owed_due(&o, 0));
+    CU_ASSERT_FALSE(owed_due(&o, T_NS));
+    CU_ASSERT_EQUAL(owed_wait_ns(&o, T_NS), INT64_MAX);
+}
+
+static void test_the_first_parcel_starts_the_clock(void)
+{
+    struct owed o = {0};
+    owed_add(&o, T_NS);
+    owed_add(&o, T_NS + OWED_DELAY_NS - 1);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_DELAY_NS - 1));
+    CU_ASSERT_EQUAL(owed_wait_ns(&o, T_NS + OWED_DELAY_NS - 1), 1);
+    CU_ASSERT_TRUE(owed_due(&o, T_NS + OWED_DELAY_NS));
+}
+
+static void test_many_parcels_wait_for_nothing(void)
+{
+    struct owed o = {0};
+    for (int i = 1; i < OWED_PARCELS; i++) {
+        owed_add(&o, T_NS);
+    }
+    CU_ASSERT_FALSE(owed_due(&o, T_NS));
+    owed_add(&o, T_NS);
+    CU_ASSERT_TRUE(owed_due(&o, T_NS));
+}
+
+static void test_what_is_due_and_cannot_go_is_no_busy_loop(void)
+{
+    struct owed o = {0};
+    owed_add(&o, T_NS);
+    CU_ASSERT_EQUAL(owed_wait_ns(&o, T_NS + 10 * (uint64_t)OWED_DELAY_NS), OWED_DELAY_NS);
+}
+
+static void test_what_is_out_is_not_owed(void)
+{
+    struct owed o = {0};
+    owed_add(&o, T_NS);
+    owed_clear(&o);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_DELAY_NS));
+    owed_add(&o, T_NS + OWED_DELAY_NS);
+    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_DELAY_NS));
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"nothing owed is never due", test_nothing_owed_is_never_due},
+        {"the first parcel starts the clock", test_the_first_parcel_starts_the_clock},
+        {"many parcels wait for nothing", test_many_parcels_wait_for_nothing},
+        {"what is due and cannot go is no busy loop",
+         test_what_is_due_and_cannot_go_is_no_busy_loop},
+        {"what is out is not owed", test_what_is_out_is_not_owed},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"runtime/owed", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

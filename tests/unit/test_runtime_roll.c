@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a process says of its agents, without a network: which parts are to be written, and when
+ * all of them are.
+ */
+#include "../support/capture.h"
+#include "runtime/process.h"
+
+#include <CUnit/Basic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { AGENTS = 2 * MU_PART_AGENTS + 1 };
+
+static mu_process process;
+static const struct mu_handlers handlers;
+
+/* idlc makes no const members; the runtime writes to none. */
+static char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+static void set_up(void)
+{
+    memset(&process, 0, sizeof process);
+    process_take_memory(&process, AGENTS, 2);
+    for (int i = 0; i < AGENTS; i++) {
+        mu_agent *a;
+        char name[16];
+        snprintf(name, sizeof name, "a%d", i);
+        CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &handlers),
+                              MU_OK);
+    }
+}
+
+static void forget(void)
+{
+    memset(&process.roll, 0, sizeof process.roll); /* as if written */
+}
+
+static muster_Delivery delivery(muster_Verdict *verdict, bool roll_call)
+{
+    muster_Delivery d = {.process = words("p1"), .broker = words("main"), .roll_call = roll_call};
+    d.verdicts._buffer = verdict;
+    d.verdicts._length = verdict ? 1 : 0;
+    return d;
+}
+
+static void accept(uint64_t broker_incarnation)
+{
+    muster_Verdict v = {.agent = words("a0"),
+                        .accepted = true,
+                        .broker_incarnation = broker_incarnation,
+                        .reason = words("")};
+    muster_Delivery d = delivery(&v, false);
+    step_take_delivery(&process, &d, NULL);
+}
+
+static void test_a_change_marks_its_part(void)
+{
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+    forget();
+    mu_agent_set_state(agent_find(&process, "a70"), MU_SUSPENDED);
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[1]);
+    accept(5);
+    CU_ASSERT_EQUAL(process.roll.due_count, 1);
+}
+
+static void test_a_roll_call_marks_all(void)
+{
+    forget();
+    muster_Delivery d = delivery(NULL, true);
+    step_take_delivery(&process, &d, NULL);
+    CU_ASSERT(process.roll.due_count == 3 && process.roll.due[0] && process.roll.due[2]);
+}
+
+static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(void)
+{
+    accept(5);
+    mu_agent *a0 = agent_find(&process, "a0");
+    CU_ASSERT_EQUAL(mu_agent_broadcast(a0, "hello"), MU_OK);
+    char *const none = words("");
+    muster_Parcel parcel = {.box = words("a0"),
+                            .number = 1,
+                            .letter = {.src = words("blue"),
+                                       .dst = none,
+                                       .layer = MU_LAYER_SPEECH,
+                                       .performative = none,
+                                       .language = none,
+                                       .ontology = none,
+                                       .reply_with = none,
+                                       .in_reply_to = none,
+                                       .conversation = none,
+                                       .content = none}};
+    muster_Delivery d = delivery(NULL, false);
+    d.parcels._buffer = &parcel;
+    d.parcels._length = 1;
+    step_take_delivery(&process, &d, NULL);
+    CU_ASSERT(process.queues[QUEUE_SEND].first == a0 && process.queues[QUEUE_ACK].first == a0);
+    CU_ASSERT_EQUAL(process.owed.parcels, 1);
+    forget();
+    uint64_t before = process.incarnation;
+    process_register(&process);
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+    CU_ASSERT(process.incarnation > before); /* it answers, even if it knows the names */
+    CU_ASSERT_PTR_NULL(process.queues[QUEUE_SEND].first);
+    CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
+    CU_ASSERT_EQUAL(process.owed.parcels, 0);
+    accept(6);
+    CU_ASSERT_PTR_EQUAL(process.queues[QUEUE_SEND].first, a0);
+    CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first); /* the box counts anew */
+}
+
+static void test_nobody_is_told_before_a_broker_is_known(void)
+{
+    capture_begin();
+    roll_write(&process); /* there is no network: writing would fail, and say so */
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured, "");
+    CU_ASSERT_EQUAL(process.roll.due_count, 3);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"a change marks its part", test_a_change_marks_its_part},
+        {"a roll call marks all", test_a_roll_call_marks_all},
+        {"another broker hears all, and is told nothing before its answer",
+         test_another_broker_hears_all_and_is_told_nothing_before_its_answer},
+        {"nobody is told before a broker is known", test_nobody_is_told_before_a_broker_is_known},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"runtime/roll", NULL, NULL, set_up, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
