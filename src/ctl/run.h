@@ -71,9 +71,13 @@ void run_child_name(const struct run *r, unsigned index, char *name);
 /** Starts brokers, simulator and robots, in run_start.c.  @return MU_OK or a fault, explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
+/** @return whether a robot enters its groups and services itself: it is with another broker than
+ * the observer, which lock step does not allow */
+bool run_pages_own(const struct run *r, const struct experiment_robot *robot);
+
 /**
- * Enters robots' groups and services, in run_pages.c: as many as can be under way, the next time
- * more.  The lock step sees them as they are when it begins.
+ * Enters the other robots' groups and services, in run_pages.c: as many as can be under way, the
+ * next time more.  The lock step sees them as they are when it begins.
  *
  * @return whether the broker has answered for all of them
  */

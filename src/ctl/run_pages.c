@@ -41,6 +41,11 @@ static bool service_tell(struct run *r, const struct experiment_robot *robot, un
     return change_send(r, "advertise", content);
 }
 
+bool run_pages_own(const struct run *r, const struct experiment_robot *robot)
+{
+    return robot->broker && strcmp(robot->broker, run_broker(r, 0)) != 0;
+}
+
 bool run_pages_tell(struct run *r)
 {
     const struct experiment *e = r->experiment;
@@ -48,8 +53,9 @@ bool run_pages_tell(struct run *r)
     bool room = true;
     for (unsigned i = 0; i < e->robots_count; i++) {
         const struct experiment_robot *robot = &e->robots[i];
-        /* One that lives at another broker may not be known to ours yet. */
-        room = room && mu_process_lookup(r->process, robot->name);
+        if (run_pages_own(r, robot)) {
+            continue;
+        }
         for (unsigned k = 0; k < robot->groups_count; k++, number++) {
             room = room && (number < r->pages_sent || group_tell(r, robot, k));
             r->pages_sent += room && number == r->pages_sent;

@@ -127,6 +127,12 @@ static mu_result robot_start(struct run *r, const struct experiment_robot *robot
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
+    for (unsigned i = 0; run_pages_own(r, robot) && i < robot->groups_count; i++) {
+        word_add("--group=%s", robot->groups[i]);
+    }
+    for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
+        word_add("--service=%s", robot->services[i]);
+    }
     return supervise_start(&r->children, robot->name, "muster-robot", words_end());
 }
 

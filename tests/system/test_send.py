@@ -107,6 +107,18 @@ def test_a_full_box_is_an_exit_code():
         check_equal((waits.returncode, said), (8, b"muster: to bob: dropped\n"), "the old one")
 
 
+def test_without_a_disk_durable_mail_is_refused():
+    domain = new_domain()
+    with Processes() as processes:
+        processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", "none")
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        answerer_start(processes, domain, "ann")
+        for level, want in (("ram", 0), ("logged", 9), ("synced", 9)):
+            done = send(domain, "ann", "tell", "--level", level)
+            check_equal(done.returncode, want, f"{level}: {done.stderr}")
+        check("no-store" in done.stderr, done.stderr)
+
+
 def test_nobody_loses_mail_to_who_sends_in_his_name():
     domain = new_domain()
     with folder() as out, Processes() as processes:
