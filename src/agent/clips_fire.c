@@ -86,9 +86,8 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     return (uint32_t)fired;
 }
 
-static enum mind_end fire_loop(struct mind *m)
+static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
-    uint32_t budget = m->options.firings_max;
     while (m->act.firings < budget) {
         bool failed;
         uint32_t fired = fire_some(m, budget - m->act.firings, &failed);
@@ -110,12 +109,18 @@ static enum mind_end fire_loop(struct mind *m)
 
 void mind_fire(struct mind *m, struct mind_act *act)
 {
+    mind_fire_some(m, m->options.firings_max, act);
+}
+
+void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
+{
+    uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
     clips_guard_start(m, 0);
     mu_text_clear(&m->fired);
     m->printed = 0;
     m->sense_again = false;
     m->rule = NULL;
-    m->act.end = fire_loop(m);
+    m->act.end = fire_loop(m, budget);
     m->act.rules = m->fired.at;
     *act = m->act;
     m->act = (struct mind_act){.drives = false};

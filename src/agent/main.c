@@ -2,6 +2,7 @@
 /* muster-robot: one robot's controller, with a CLIPS mind between its senses and its motors. */
 #include "agent/mind.h"
 #include "agent/pages.h"
+#include "core/attributes.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/name.h"
@@ -13,6 +14,7 @@
 
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -25,23 +27,72 @@ struct settings {
     const char *name, *rules;
     int64_t seed, firings_max;
     struct mu_option_list globals; /* "mate=red" */
+    struct mu_option_list groups, services;
     bool verbose, functions;
 };
 
 struct robot {
     const char *name;
+    const struct mu_option_list *groups, *services;
     struct mind *mind;
     mu_process *process;
     mu_agent *agent;
     bool refused;
-    bool box_full;  /* said once */
-    uint64_t mails; /* that the rules have seen */
-    bool numbered;  /* the mail at hand is among them */
+    bool box_full;       /* said once */
+    uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
+    uint64_t mails;      /* that the rules have seen */
+    bool numbered;       /* the mail at hand is among them */
     char answer[ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
     char print[PRINT_MAX]; /* a line that rules have begun */
     size_t print_len;
 };
+
+/* Takes a service's name off "mapper role=scout".  @return its attributes */
+static const char *service_name(const char *service, char name[MU_NAME_MAX + 2])
+{
+    size_t len = strcspn(service, " ");
+    snprintf(name, MU_NAME_MAX + 2, "%.*s", (int)(len < MU_NAME_MAX + 1 ? len : MU_NAME_MAX + 1),
+             service);
+    return service + len + strspn(service + len, " ");
+}
+
+static mu_result pages_check(const struct settings *set)
+{
+    char name[MU_NAME_MAX + 2];
+    for (size_t i = 0; i < set->groups.count; i++) {
+        if (!mu_name_valid(set->groups.items[i])) {
+            fprintf(stderr, "muster robot --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}\n");
+            return MU_FAULT_USAGE;
+        }
+    }
+    for (size_t i = 0; i < set->services.count; i++) {
+        const char *attributes = service_name(set->services.items[i], name);
+        if (!mu_name_valid(name) || !mu_attributes_valid(attributes)) {
+            fprintf(stderr, "muster robot --service: expected a service and its attributes, such "
+                            "as 'mapper role=scout'\n");
+            return MU_FAULT_USAGE;
+        }
+    }
+    return MU_OK;
+}
+
+static mu_result settings_check(const struct settings *set)
+{
+    if (!set->name || !set->rules) {
+        fprintf(stderr, "muster robot: give it a name and rules, for example: "
+                        "muster robot red --rules rules/follower.clp\n");
+        return MU_FAULT_USAGE;
+    }
+    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
+        fprintf(stderr,
+                "muster robot: '%s' cannot be a robot's name: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
+                set->name);
+        return MU_FAULT_USAGE;
+    }
+    return pages_check(set);
+}
 
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
@@ -73,6 +124,16 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
          .unit = "NAME=VALUE",
          .help = "set a global, for example mate=red",
          .target = &set->globals},
+        {.name = "group",
+         .kind = MU_OPTION_LIST,
+         .unit = "G",
+         .help = "join a group when the broker knows the robot",
+         .target = &set->groups},
+        {.name = "service",
+         .kind = MU_OPTION_LIST,
+         .unit = "'S KEY=VALUE...'",
+         .help = "offer a service, likewise, for example 'mapper role=scout'",
+         .target = &set->services},
         {.name = "functions",
          .kind = MU_OPTION_FLAG,
          .help = "print the functions that rules may call, and exit",
@@ -94,20 +155,8 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
     if (parsed != MU_OK || set->functions) {
         return parsed;
     }
-    if (options.words_count != 1 || !set->rules) {
-        fprintf(stderr, "muster robot: give it a name and rules, for example: "
-                        "muster robot red --rules rules/follower.clp\n");
-        return MU_FAULT_USAGE;
-    }
-    set->name = options.words[0];
-    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
-        fprintf(stderr,
-                "muster robot: '%s' cannot be a robot's name: it must match "
-                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
-                set->name);
-        return MU_FAULT_USAGE;
-    }
-    return MU_OK;
+    set->name = options.words_count == 1 ? options.words[0] : NULL;
+    return settings_check(set);
 }
 
 /* --- what the mind asks for ------------------------------------------------------------------- */
@@ -205,11 +254,28 @@ static void port_print(void *self, const char *text)
 
 /* --- what happens to the agent ---------------------------------------------------------------- */
 
+static void pages_enter(const struct robot *r, mu_agent *a)
+{
+    char name[MU_NAME_MAX + 2];
+    mu_result done = MU_OK;
+    for (size_t i = 0; i < r->groups->count && done == MU_OK; i++) {
+        done = mu_agent_group_join(a, r->groups->items[i]);
+    }
+    for (size_t i = 0; i < r->services->count && done == MU_OK; i++) {
+        const char *attributes = service_name(r->services->items[i], name);
+        done = mu_agent_advertise(a, name, attributes, 0);
+    }
+    if (done != MU_OK) {
+        mu_log(MU_LOG_WARNING, "pages-refused", "why=%s", mu_result_text(done));
+    }
+}
+
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
     if (accepted) {
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
+        pages_enter(r, a);
         return;
     }
     fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
@@ -380,19 +446,13 @@ static const struct mu_agent_kind robot_kind = {.name = "robot",
 static void on_refusal(void *self, mu_agent *a, const char *change, const char *reason)
 {
     struct robot *r = self;
-    mu_log(MU_LOG_INFO, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a), change,
+    mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a), change,
            reason);
     mind_refused(r->mind, change, reason);
 }
 
-static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
-    struct robot *r = self;
-    if (strcmp(mail->performative, "do") != 0) {
-        mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative,
-               mail->src);
-        return;
-    }
     struct mu_text answer;
     mu_text_init(&answer, r->answer, sizeof r->answer);
     bool done = mind_line(r->mind, mail->content, &answer) == MU_OK;
@@ -408,9 +468,46 @@ static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
     }
 }
 
+/* N rules, in as many control steps as that takes. */
+static void directive_step(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    char *end;
+    long long rules = strtoll(mail->content, &end, 10);
+    bool good = end != mail->content && *end == '\0' && rules >= 1 && rules <= UINT32_MAX;
+    if (good) {
+        mu_agent_set_state(a, MU_RUNNING);
+        r->rules_left = (uint32_t)rules;
+    } else {
+        mu_log(MU_LOG_WARNING, "step-refused", "from=%s rules=%s", mail->src, mail->content);
+    }
+    mu_result sent = MU_OK;
+    if (mail->reply_with[0]) {
+        sent = mu_agent_reply(a, mail, good ? "agree" : "refuse", "step");
+    }
+    if (sent != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    static const struct {
+        const char *performative;
+        void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
+    } directives[] = {{"do", directive_do}, {"step", directive_step}};
+    for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
+        if (strcmp(mail->performative, directives[i].performative) == 0) {
+            directives[i].carry_out(self, a, mail);
+            return;
+        }
+    }
+    mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative, mail->src);
+}
+
 static void on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
+    r->rules_left = 0;
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
         mu_process_stop(r->process);
@@ -441,7 +538,8 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     (void)percept;
     struct robot *r = self;
     struct mind_act act;
-    mind_fire(r->mind, &act);
+    uint32_t left = r->rules_left;
+    mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
         mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
     }
@@ -449,6 +547,11 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
         mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
     }
     mu_agent_fired(a, act.firings, act.rules);
+    if (left > 0 && act.firings < left) {
+        r->rules_left = left - act.firings;
+    } else if (left > 0) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+    }
 }
 
 /* --- the life of the process ------------------------------------------------------------------ */
@@ -539,6 +642,8 @@ int main(int argc, char **argv)
     mu_log_open(set.name, set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct robot *r = mu_startup_alloc(sizeof *r);
     r->name = set.name;
+    r->groups = &set.groups;
+    r->services = &set.services;
     mu_result ready = mind_make(r, &set);
     ready = ready == MU_OK ? robot_join(r, &set) : ready;
     if (ready == MU_TIMEOUT) {

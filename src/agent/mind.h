@@ -187,6 +187,9 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out);
 /** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
 void mind_fire(struct mind *m, struct mind_act *act);
 
+/** The same with a smaller budget. */
+void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
+
 /**
  * Does what a person or another agent typed: a command, an expression or a construct.
  *

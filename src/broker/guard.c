@@ -31,6 +31,33 @@ static uint32_t sift_nobody(struct broker *b, const struct mail *m, const struct
     return allowed ? 0 : 1;
 }
 
+static bool is_housemate(const struct broker *b, uint32_t agent, uint32_t other)
+{
+    uint32_t process = b->registry.agents[agent].process;
+    return process != MU_NONE && process == b->registry.agents[other].process;
+}
+
+bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
+{
+    struct trust_agent who = {m->letter.src, b->registry.agents[m->sender].is.kind};
+    bool allowed = false;
+    if (agent == MU_NONE) {
+        allowed = trust_allows_some(&b->trust, &who);
+    } else if (is_housemate(b, m->sender, agent)) {
+        return true;
+    } else {
+        struct trust_agent whom = {receiver, b->registry.agents[agent].is.kind};
+        allowed = trust_allows(&b->trust, &who, &whom);
+    }
+    struct audit_record *r = record_begin(b, m, allowed);
+    if (r) {
+        audit_receiver(r, receiver);
+    }
+    b->counters.directed += allowed;
+    b->counters.refused += !allowed;
+    return allowed;
+}
+
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
 {
     struct trust_agent who = {m->letter.src, b->registry.agents[m->sender].is.kind};

@@ -18,4 +18,12 @@ struct broker;
  */
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
 
+/**
+ * Asks whether the sender of a mail may speak in another agent's name: whom the policy lets direct
+ * it may, and whoever lives in the same process.
+ *
+ * @param agent  MU_NONE: nobody whom the sender could know, who bears the name in receiver
+ */
+bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
+
 #endif

@@ -2,9 +2,11 @@
 #include "broker/query.h"
 
 #include "broker/fields.h"
+#include "broker/guard.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/name.h"
 
 #include <string.h>
 
@@ -84,6 +86,13 @@ bool query_field(const char *content, struct mu_text *out)
     return fields_next(&content, out) && out->len > 0 && fields_end(content);
 }
 
+bool query_field_optional(const char **content, char *to, size_t size)
+{
+    struct mu_text read;
+    mu_text_init(&read, to, size);
+    return fields_end(*content) || fields_next(content, &read);
+}
+
 void query_not_understood(struct broker *b, const struct mail *question)
 {
     struct mu_text t;
@@ -102,6 +111,32 @@ void query_changed(struct broker *b, const struct mail *question, const char *re
     query_begin(b, &t, refusal ? refusal : question->letter.performative);
     fields_add(&t, name);
     query_send(b, question, refusal ? "failure" : "inform");
+}
+
+const char *query_actor(struct broker *b, const struct mail *question, const char *named)
+{
+    const char *own = b->registry.agents[question->sender].name, *refusal = NULL;
+    if (named[0] == '\0' || strcmp(named, own) == 0) {
+        return own;
+    }
+    bool valid = mu_name_valid(named);
+    uint32_t agent = valid ? registry_find(&b->registry, named) : MU_NONE;
+    bool inside = pages_inside(b, question->sender);
+    if (agent != MU_NONE && (registry_is_own(agent) || (inside && !pages_inside(b, agent)))) {
+        agent = MU_NONE;
+    }
+    if (!valid) {
+        refusal = "not-a-name";
+    } else if (!guard_speaks(b, question, agent, named)) {
+        refusal = "refused";
+    } else if (agent == MU_NONE) {
+        refusal = "unknown-name";
+    }
+    if (refusal) {
+        query_changed(b, question, refusal, named);
+        return NULL;
+    }
+    return b->registry.agents[agent].name;
 }
 
 /* --- the white pages -------------------------------------------------------------------------- */

@@ -15,11 +15,11 @@
  *                           inform   went SERVICE AGENT
  *   unsubscribe QUERY   ->  inform   unsubscribe "QUERY"
  *
- * A list that does not fit one mail comes in several.  Changes concern the sender, and are answered
- * only when reply-with is set:
+ * A list that does not fit one mail comes in several.  Changes concern the sender, or the agent
+ * that they name, if the sender may speak for it; they are answered only when reply-with is set:
  *
- *   group-create GROUP, group-join GROUP, group-leave GROUP, withdraw SERVICE,
- *   advertise SERVICE ["ATTRIBUTES" [SECONDS]]
+ *   group-create GROUP, group-join GROUP [AGENT], group-leave GROUP [AGENT],
+ *   withdraw SERVICE [AGENT], advertise SERVICE ["ATTRIBUTES" [SECONDS [AGENT]]]
  *                       ->  inform   the change and its name
  *                           failure  a word that says why not, and the name
  *
@@ -60,6 +60,17 @@ void query_ask(struct broker *b, uint32_t receiver, const char *performative,
 
 /** Reads content that is one field.  @return false if it is not */
 bool query_field(const char *content, struct mu_text *out);
+
+/** Reads the next field, if there is one, else "".  @return false: what is there is no field */
+bool query_field_optional(const char **content, char *to, size_t size);
+
+/**
+ * Says in whose name a change is made.
+ *
+ * @param named  whom the change names; "": nobody
+ * @return the agent's name; NULL: not in that one's, and the sender has been answered
+ */
+const char *query_actor(struct broker *b, const struct mail *question, const char *named);
 
 /** Answers that the question could not be read. */
 void query_not_understood(struct broker *b, const struct mail *question);

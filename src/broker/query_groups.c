@@ -34,28 +34,37 @@ void query_group_create(struct broker *b, const struct mail *question)
     }
 }
 
-void query_group_join(struct broker *b, const struct mail *question)
+typedef const char *group_change(struct groups *g, const char *group, const char *agent,
+                                 const struct said *said);
+
+/* GROUP, and whom it is about, if that is not the sender. */
+static void member_change(struct broker *b, const struct mail *question, group_change *change)
 {
-    name_read group;
-    if (group_read(b, question, group)) {
+    name_read group, named;
+    const char *content = question->letter.content;
+    if (!query_field_optional(&content, group, sizeof group) || group[0] == '\0' ||
+        !query_field_optional(&content, named, sizeof named) || !fields_end(content)) {
+        b->counters.malformed++;
+        query_not_understood(b, question);
+        return;
+    }
+    const char *agent = query_actor(b, question, named);
+    if (agent) {
         struct said said = pages_said(b);
-        const char *agent = b->registry.agents[question->sender].name;
-        const char *refusal = groups_join(&b->pages.groups, group, agent, &said);
+        const char *refusal = change(&b->pages.groups, group, agent, &said);
         pages_tell(b);
         query_changed(b, question, refusal, group);
     }
 }
 
+void query_group_join(struct broker *b, const struct mail *question)
+{
+    member_change(b, question, groups_join);
+}
+
 void query_group_leave(struct broker *b, const struct mail *question)
 {
-    name_read group;
-    if (group_read(b, question, group)) {
-        struct said said = pages_said(b);
-        const char *agent = b->registry.agents[question->sender].name;
-        const char *refusal = groups_leave(&b->pages.groups, group, agent, &said);
-        pages_tell(b);
-        query_changed(b, question, refusal, group);
-    }
+    member_change(b, question, groups_leave);
 }
 
 /* --- questions -------------------------------------------------------------------------------- */

@@ -12,21 +12,15 @@ struct advert {
     char service[MU_FIELD_MAX + 1];
     char attributes[2 * MU_ATTRIBUTES_MAX + 1];
     char seconds[MU_FIELD_MAX + 1];
+    char agent[MU_FIELD_MAX + 1];
 };
-
-/* Reads the next field, if there is one.  @return false: what is there is no field */
-static bool field_optional(const char **content, char *to, size_t size)
-{
-    struct mu_text read;
-    mu_text_init(&read, to, size);
-    return fields_end(*content) || fields_next(content, &read);
-}
 
 static bool advert_read(const char *content, struct advert *a)
 {
-    return field_optional(&content, a->service, sizeof a->service) && a->service[0] != '\0' &&
-           field_optional(&content, a->attributes, sizeof a->attributes) &&
-           field_optional(&content, a->seconds, sizeof a->seconds) && fields_end(content);
+    return query_field_optional(&content, a->service, sizeof a->service) && a->service[0] != '\0' &&
+           query_field_optional(&content, a->attributes, sizeof a->attributes) &&
+           query_field_optional(&content, a->seconds, sizeof a->seconds) &&
+           query_field_optional(&content, a->agent, sizeof a->agent) && fields_end(content);
 }
 
 /* @return whether it is a time from 0 to a hundred years, or nothing, which is 0 */
@@ -51,8 +45,11 @@ void query_advertise(struct broker *b, const struct mail *question)
         query_not_understood(b, question);
         return;
     }
+    const char *agent = query_actor(b, question, a.agent);
+    if (!agent) {
+        return;
+    }
     struct said said = pages_said(b);
-    const char *agent = b->registry.agents[question->sender].name;
     const char *refusal = services_advertise(&b->pages.services, a.service, agent, &offer, &said);
     pages_tell(b);
     query_changed(b, question, refusal, a.service);
@@ -60,19 +57,21 @@ void query_advertise(struct broker *b, const struct mail *question)
 
 void query_withdraw(struct broker *b, const struct mail *question)
 {
-    char service[MU_FIELD_MAX + 1];
-    struct mu_text read;
-    mu_text_init(&read, service, sizeof service);
-    if (!query_field(question->letter.content, &read)) {
+    char service[MU_FIELD_MAX + 1], named[MU_FIELD_MAX + 1];
+    const char *content = question->letter.content;
+    if (!query_field_optional(&content, service, sizeof service) || service[0] == '\0' ||
+        !query_field_optional(&content, named, sizeof named) || !fields_end(content)) {
         b->counters.malformed++;
         query_not_understood(b, question);
         return;
     }
-    struct said said = pages_said(b);
-    const char *agent = b->registry.agents[question->sender].name;
-    const char *refusal = services_withdraw(&b->pages.services, service, agent, &said);
-    pages_tell(b);
-    query_changed(b, question, refusal, service);
+    const char *agent = query_actor(b, question, named);
+    if (agent) {
+        struct said said = pages_said(b);
+        const char *refusal = services_withdraw(&b->pages.services, service, agent, &said);
+        pages_tell(b);
+        query_changed(b, question, refusal, service);
+    }
 }
 
 /* --- queries ---------------------------------------------------------------------------------- */

@@ -16,6 +16,7 @@ enum {
     EXPERIMENT_COMMANDS_MAX = 1024,
     EXPERIMENT_EXPECTATIONS_MAX = 64,
     EXPERIMENT_GLOBALS_MAX = 64,
+    EXPERIMENT_GROUPS_MAX = 64, /* of a robot, and so with services */
     EXPERIMENT_OVERRIDES_MAX = 64,
     EXPERIMENT_RESOLVERS_MAX = 16,
     EXPERIMENT_BROKERS_MAX = 4,    /* as many as one host can have */
@@ -41,6 +42,10 @@ struct experiment_robot {
     struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
     struct experiment_global *globals;
     unsigned globals_count;
+    char **groups; /* that it is in from the start */
+    unsigned groups_count;
+    char **services; /* that it offers from the start: "mapper role=scout" */
+    unsigned services_count;
 };
 
 /* What the observer commands, and when. */
@@ -65,6 +70,11 @@ struct experiment_expectation {
 /* A process of the run that dies ends the run. */
 enum experiment_on_crash { EXPERIMENT_STOP };
 
+/* What the run's broker is told. */
+struct experiment_broker {
+    double delivery_interval_ms; /* 0: it delivers at once */
+};
+
 struct experiment {
     char *name;   /* the file's name without folder and ending, unless it says otherwise;
                      letters, digits, _ . -, so that a folder may bear it */
@@ -78,6 +88,7 @@ struct experiment {
     unsigned brokers_count;
     char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
     unsigned resolvers_count;
+    struct experiment_broker broker;
     struct experiment_robot *robots;
     unsigned robots_count;
     struct experiment_command *observer;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What no schema can say: names, ranges, times, files. */
+#include "core/attributes.h"
 #include "core/name.h"
 #include "ctl/experiment_schema.h"
 #include "muster/limits.h"
@@ -16,6 +17,7 @@
 enum {
     CHECK_DURATION_MAX_S = 1000000,
     CHECK_STEP_MAX_MS = 10000,
+    CHECK_INTERVAL_MAX_MS = 60000,
     CHECK_SUBSTEP_MS = 20,
     CHECK_NAME_MAX = 63
 };
@@ -134,6 +136,13 @@ static mu_result check_top(struct experiment_source *s)
                                     "a second broker with the name '%s'", e->brokers[i]);
         }
     }
+    double interval_ms = e->broker.delivery_interval_ms;
+    if (!(interval_ms >= 0 && interval_ms <= CHECK_INTERVAL_MAX_MS)) {
+        int broker = check_section(s, "broker");
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, broker, "delivery-interval"),
+                                "expected an interval of 0 to %d ms, not %g", CHECK_INTERVAL_MAX_MS,
+                                interval_ms);
+    }
     mu_result checked =
         e->policy ? check_file(s, &e->policy, check_section(s, "policy"), "policy") : MU_OK;
     return checked != MU_OK ? checked
@@ -183,6 +192,39 @@ static mu_result check_globals(struct experiment_source *s, const struct experim
     return MU_OK;
 }
 
+static mu_result check_groups(struct experiment_source *s, const struct experiment_robot *robot,
+                              int node)
+{
+    int groups = yaml_tree_child(s->tree, node, "groups");
+    for (unsigned i = 0; i < robot->groups_count; i++) {
+        if (!mu_name_valid(robot->groups[i])) {
+            return experiment_fault(s, NULL, yaml_tree_item(s->tree, groups, i),
+                                    "expected the name of a group, not '%.80s'", robot->groups[i]);
+        }
+    }
+    return MU_OK;
+}
+
+/* A service, and behind it key=value, separated by spaces. */
+static mu_result check_services(struct experiment_source *s, const struct experiment_robot *robot,
+                                int node)
+{
+    int services = yaml_tree_child(s->tree, node, "services");
+    for (unsigned i = 0; i < robot->services_count; i++) {
+        char name[MU_NAME_MAX + 2];
+        const char *service = robot->services[i];
+        size_t len = strcspn(service, " ");
+        snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name), service);
+        if (!mu_name_valid(name) || !mu_attributes_valid(service + len)) {
+            return experiment_fault(s, NULL, yaml_tree_item(s->tree, services, i),
+                                    "expected a service and its attributes, such as 'mapper "
+                                    "role=scout', not '%.80s'",
+                                    service);
+        }
+    }
+    return MU_OK;
+}
+
 /* Whether the run has a lock step is not known here: the fault is kept for when it has. */
 static mu_result check_broker(struct experiment_source *s, struct experiment_robot *robot, int node)
 {
@@ -222,6 +264,8 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
                                 "expected a pose: [x, y, degrees] beside a body");
     }
     mu_result result = check_globals(s, robot, node);
+    result = result == MU_OK ? check_groups(s, robot, node) : result;
+    result = result == MU_OK ? check_services(s, robot, node) : result;
     result = result == MU_OK ? check_broker(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")

@@ -26,6 +26,10 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
     TEXT("rules", NEEDED, struct experiment_robot, rules),
     TEXT("broker", MAY, struct experiment_robot, broker),
     CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
+    CYAML_FIELD_SEQUENCE("groups", MAY, struct experiment_robot, groups, &schema_name, 0,
+                         EXPERIMENT_GROUPS_MAX),
+    CYAML_FIELD_SEQUENCE("services", MAY, struct experiment_robot, services, &schema_name, 0,
+                         EXPERIMENT_GROUPS_MAX),
     CYAML_FIELD_END};
 _Static_assert(sizeof(struct experiment_pose) == 3 * sizeof(double), "a pose is three numbers");
 
@@ -59,6 +63,11 @@ static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(
 
 static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 
+static const cyaml_schema_field_t schema_broker_fields[] = {
+    CYAML_FIELD_FLOAT("delivery-interval", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL,
+                      struct experiment_broker, delivery_interval_ms),
+    CYAML_FIELD_END};
+
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
     TEXT("world", NEEDED, struct experiment, world),
@@ -72,6 +81,8 @@ static const cyaml_schema_field_t schema_fields[] = {
                          EXPERIMENT_BROKERS_MAX),
     CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
                          EXPERIMENT_RESOLVERS_MAX),
+    CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,
+                        schema_broker_fields),
     TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),

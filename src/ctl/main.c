@@ -41,6 +41,9 @@ static const struct verb verbs[] = {
     {"start", post_verb_start, NULL, "TARGETS", "take agents out of standby"},
     {"suspend", post_verb_suspend, NULL, "TARGETS", "stop agents where they are"},
     {"resume", post_verb_resume, NULL, "TARGETS", "let them go on"},
+    {"step", post_verb_step, NULL, "TARGETS N", "let robots fire N rules"},
+    {"group", group_verb, NULL, "list|join G|...", "groups: who is in them, join, leave, send"},
+    {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 

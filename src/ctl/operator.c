@@ -3,8 +3,11 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
-#include "core/text.h"
+#include "ctl/answer.h"
+#include "ctl/receivers.h"
 #include "ctl/runs.h"
+#include "ctl/words.h"
+#include "muster/directory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,6 +16,10 @@
 static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static const uint64_t RECEIPT_PATIENCE_NS = 5000000000;
 static const int64_t ROUND_NS = 20000000;
+static const uint64_t PAGES_QUIET_NS = 100000000;
+
+/* So many lines are in one Delivery, whatever they are. */
+enum { PAGES_SHORT = 1024 };
 
 mu_result operator_parse(struct mu_options *o, int argc, char **argv,
                          struct operator_options *options)
@@ -42,48 +49,63 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
-/* Prints the content of an answer; one that is a single CLIPS string without its quotes. */
-static void answer_print(const char *content)
-{
-    size_t len = strlen(content);
-    bool quoted = len >= 2 && content[0] == '"' && content[len - 1] == '"';
-    for (size_t i = quoted; i < len - quoted; i++) {
-        if (quoted && content[i] == '\\' && i + 1 < len - quoted) {
-            i++;
-        }
-        putchar(content[i]);
-    }
-    size_t last = len - quoted;
-    if (last <= (size_t)quoted || content[last - 1] != '\n') {
-        putchar('\n');
-    }
-}
-
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct operator* o = self;
-    if (!o->reply_with[0] || strcmp(mail->in_reply_to, o->reply_with) != 0) {
+    if (!o->reply_with || strcmp(mail->in_reply_to, o->reply_with) != 0) {
         return;
     }
-    bool understood = strcmp(mail->performative, "not-understood") != 0;
-    if (!understood && o->asks_group) {
+    if (o->asks_many && strcmp(mail->performative, "not-understood") == 0) {
         return; /* who is in a group need not know CLIPS */
     }
     o->answers++;
-    o->failures += !understood || strcmp(mail->performative, "failure") == 0;
+    o->failures += answer_is_failure(mail);
     if (o->on_answer) {
         o->on_answer(o->on_answer_self, mail);
-        return;
+    } else {
+        answer_print(mail, o->json);
     }
-    printf("%s: %s", mail->src, understood ? "" : "not understood: ");
-    answer_print(mail->content);
+}
+
+/* @return lines of all pages together */
+static size_t lines_count(const mu_process *p)
+{
+    size_t count = 0, groups = 0, offers = 0;
+    const char *group;
+    while (mu_process_member(p, count)) {
+        count++;
+    }
+    for (; (group = mu_process_group(p, groups)); groups++) {
+        size_t members = 0;
+        while (mu_process_group_member(p, group, members)) {
+            members++;
+        }
+        count += members;
+    }
+    while (mu_process_find_service(p, "*", offers)) {
+        offers++;
+    }
+    return count + groups + offers;
+}
+
+/* The broker's first word has all pages in it, unless they are long: then more follows at once. */
+static void pages_await(mu_process *p)
+{
+    size_t before = 0, count = lines_count(p);
+    while (count != before && count >= PAGES_SHORT) {
+        before = count;
+        uint64_t until_ns = mu_clock_ns() + PAGES_QUIET_NS;
+        while (mu_clock_ns() < until_ns && mu_process_spin(p, ROUND_NS) == MU_OK) {
+        }
+        count = lines_count(p);
+    }
 }
 
 int operator_join(struct operator* o, const struct operator_options *options, const char *verb)
 {
     int domain = (int)options->network.domain;
-    *o = (struct operator){0};
+    *o = (struct operator){.json = options->json, .quiet = options->quiet};
     if (domain < 0 && runs_find(&domain) != MU_OK) {
         return MU_EXIT_USAGE;
     }
@@ -92,18 +114,22 @@ int operator_join(struct operator* o, const struct operator_options *options, co
                                          .peer = mu_network_peers(&options->network),
                                          .name = "operator",
                                          .broker = options->network.broker};
+    const char *name = options->as ? options->as : "operator";
+    if (!words_name_check("muster", "an agent", name)) {
+        return MU_EXIT_USAGE;
+    }
     if (mu_process_open(&o->process, &process) != MU_OK) {
         return MU_EXIT_DDS;
     }
-    const char *name = options->as ? options->as : "operator";
     enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
     struct mu_handlers handlers = {
         .self = o, .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
-    if (mu_agent_join(o->process, &o->agent, name, kind, 0, &handlers) != MU_OK) {
-        fprintf(stderr, "muster %s: '%s' is not a name that an agent can have\n", verb, name);
-        return MU_EXIT_USAGE;
-    }
+    mu_result joined = mu_agent_join(o->process, &o->agent, name, kind, 0, &handlers);
+    MU_ASSERT(joined == MU_OK); /* the name is good, and no other is here */
     mu_agent_decline_broadcasts(o->agent);
+    if (options->takes_no_mail) {
+        mu_agent_set_state(o->agent, MU_MOVING);
+    }
     mu_result met = mu_process_await_broker(o->process, BROKER_PATIENCE_NS);
     if (met != MU_OK) {
         fprintf(stderr,
@@ -112,6 +138,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
                 verb, domain, options->network.broker ? options->network.broker : "NAME", domain);
         return MU_EXIT_DDS;
     }
+    pages_await(o->process);
     return o->refused ? MU_EXIT_REFUSED : MU_EXIT_DONE;
 }
 
@@ -136,11 +163,11 @@ static int outcome_exit(enum mu_outcome outcome)
     return MU_EXIT_UNDELIVERED;
 }
 
-static bool spin_until(struct operator* o, const bool *flag, const unsigned *count, unsigned wanted,
-                       uint64_t patience_ns)
+/* @return false when that did not happen within patience_ns */
+static bool outcome_await(struct operator* o, uint64_t patience_ns)
 {
     uint64_t until_ns = mu_clock_ns() + patience_ns;
-    while (!(flag && *flag) && !(count && *count >= wanted)) {
+    while (!o->answered_for) {
         if (mu_clock_ns() > until_ns || mu_process_spin(o->process, ROUND_NS) != MU_OK) {
             return false;
         }
@@ -148,18 +175,51 @@ static bool spin_until(struct operator* o, const bool *flag, const unsigned *cou
     return true;
 }
 
-static bool is_group(const char *to)
+/* Waits for answers as long as any may come. */
+static void answers_await(struct operator* o, unsigned wanted, uint64_t patience_ns)
 {
-    return strcmp(to, "all") == 0 || strcmp(to, "robots") == 0 || strcmp(to, "special") == 0;
+    uint64_t until_ns = mu_clock_ns() + patience_ns;
+    while (o->answers < wanted && outcome_exit(o->outcome) == MU_EXIT_DONE &&
+           mu_clock_ns() <= until_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
+    }
+}
+
+/* Says what became of the mail, if that is no good.  @return the exit code */
+static int outcome_tell(const struct operator* o, const char *to)
+{
+    int code = outcome_exit(o->outcome);
+    if (code != MU_EXIT_DONE) {
+        fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
+                o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");
+    }
+    return code;
+}
+
+/* @return the exit code */
+static int answers_take(struct operator* o, const char *to, unsigned wanted, double wait_s)
+{
+    answers_await(o, wanted, (uint64_t)(wait_s * 1e9));
+    int code = outcome_tell(o, to);
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    if (o->answers < wanted && !(o->quiet && o->answers > 0)) {
+        fprintf(stderr, "muster: %u of %u answers within %g s\n", o->answers, wanted, wait_s);
+    }
+    if (o->answers < wanted && !(o->asks_many && o->answers > 0)) {
+        return MU_EXIT_TIME;
+    }
+    return o->failures > 0 ? MU_EXIT_UNDELIVERED : MU_EXIT_DONE;
 }
 
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s)
 {
-    if (answers_wanted > 0) {
-        snprintf(o->reply_with, sizeof o->reply_with, "q%ld", (long)getpid());
-        mail->reply_with = o->reply_with;
-        o->asks_group = is_group(mail->dst);
+    if (answers_wanted > 0 && !(mail->reply_with && mail->reply_with[0])) {
+        snprintf(o->reply_with_own, sizeof o->reply_with_own, "q%ld", (long)getpid());
+        mail->reply_with = o->reply_with_own;
     }
+    o->reply_with = answers_wanted > 0 ? mail->reply_with : NULL;
+    o->asks_many = receivers_are_many(mail->dst);
     mu_result sent = mu_agent_send(o->agent, mail, &o->seq);
     if (sent != MU_OK) {
         fprintf(stderr,
@@ -168,34 +228,16 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
                 mu_result_text(sent), MU_CONTENT_MAX, MU_DST_MAX);
         return MU_EXIT_USAGE;
     }
-    if (!spin_until(o, &o->answered_for, NULL, 0, RECEIPT_PATIENCE_NS)) {
+    if (!outcome_await(o, RECEIPT_PATIENCE_NS)) {
         fprintf(stderr, "muster: the broker has not answered for the mail\n");
         return MU_EXIT_DDS;
     }
-    int code = outcome_exit(o->outcome);
-    if (code != MU_EXIT_DONE) {
-        fprintf(stderr, "muster: to %s: %s%s\n", mail->dst, mu_outcome_text(o->outcome),
-                o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");
-        return code;
+    int code = outcome_tell(o, mail->dst);
+    if (code == MU_EXIT_DONE && answers_wanted > 0) {
+        return answers_take(o, mail->dst, answers_wanted, wait_s);
     }
-    if (answers_wanted == 0) {
-        printf("%s\n", mu_outcome_text(o->outcome));
-        return MU_EXIT_DONE;
+    if (code == MU_EXIT_DONE && !o->quiet) {
+        fprintf(stderr, "%s\n", mu_outcome_text(o->outcome));
     }
-    if (!spin_until(o, NULL, &o->answers, answers_wanted, (uint64_t)(wait_s * 1e9))) {
-        fprintf(stderr, "muster: %u of %u answers within %g s\n", o->answers, answers_wanted,
-                wait_s);
-        return MU_EXIT_TIME;
-    }
-    return o->failures > 0 ? MU_EXIT_UNDELIVERED : MU_EXIT_DONE;
-}
-
-bool operator_words(char *text, size_t size, const char *const *words, size_t count)
-{
-    struct mu_text t;
-    mu_text_init(&t, text, size);
-    for (size_t i = 0; i < count; i++) {
-        mu_text_format(&t, "%s%s", i ? " " : "", words[i]);
-    }
-    return !t.cut;
+    return code;
 }

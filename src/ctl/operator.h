@@ -14,7 +14,8 @@ struct operator_options {
     struct mu_network network; /* domain < 0: the one live run's, else 0 */
     const char *as;            /* NULL: operator */
     double wait_s;             /* for an answer; 0: none is wanted */
-    bool json;
+    bool json, quiet;
+    bool takes_no_mail; /* what waits for the agent stays where it is */
 };
 
 struct operator
@@ -22,13 +23,15 @@ struct operator
     mu_process *process;
     mu_agent *agent;
     bool registered, refused;
-    enum mu_outcome outcome; /* of the last mail sent */
+    bool json, quiet;
+    enum mu_outcome outcome; /* of the last mail sent: the last word so far */
     uint64_t seq;            /* its number */
-    bool answered_for;       /* outcome is final */
-    bool asks_group;         /* all, robots or special: not-understood is no answer */
+    bool answered_for;       /* there is an outcome */
+    bool asks_many;          /* nobody in particular: not-understood is no answer */
     unsigned answers;        /* mails that came in reply to it */
     unsigned failures;       /* of them, failures */
-    char reply_with[32];
+    const char *reply_with;  /* that answers refer to; NULL: none are wanted */
+    char reply_with_own[32];
     /* Takes an answer instead of its being printed; may be NULL. */
     void (*on_answer)(void *self, const struct mu_mail *mail);
     void *on_answer_self;
@@ -47,7 +50,7 @@ MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv
                                      struct operator_options *options);
 
 /**
- * Joins and waits for the broker's word.
+ * Joins and waits for the broker's word and all of its pages.
  *
  * @return MU_EXIT_DONE, or the exit code, explained
  */
@@ -57,13 +60,11 @@ int operator_join(struct operator* o, const struct operator_options *options, co
  * Sends one mail, waits for its receipt and, if answers_wanted > 0, for so many answers, which are
  * printed on standard output, unless on_answer takes them.
  *
+ * @param mail  reply_with: "" or NULL: one is made up if answers are wanted
  * @return the exit code
  */
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
 
 void operator_leave(struct operator* o);
-
-/** Joins words with spaces.  @return whether they fitted */
-bool operator_words(char *text, size_t size, const char *const *words, size_t count);
 
 #endif

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster send, broadcast, do, start, suspend, resume: mail and directives from the command line. */
+/* muster send, broadcast, do, start, suspend, resume, step: mail and directives. */
 #include "core/exits.h"
-#include "core/name.h"
+#include "ctl/envelope.h"
 #include "ctl/operator.h"
+#include "ctl/receivers.h"
 #include "ctl/verbs.h"
+#include "ctl/words.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,21 +14,24 @@
 struct verb {
     const char *name, *usage, *about;
     size_t words_min;
-    const char *to; /* NULL: the first word */
+    const char *to; /* NULL: the first word; "group:": the group that it names */
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
+    bool counts; /* the only word behind TARGETS is a number, from 1 on */
 };
 
 static const struct verb VERB_SEND = {"send",
                                       "TO WORD... [OPTION...]",
-                                      "Sends a mail; TO is a name, names joined by commas, all, "
-                                      "robots, special, group:G, or an address such as role:R.",
+                                      "Sends a mail.  TO is a name, names joined by commas, "
+                                      "all, robots, special, group:G, or SCHEME:REST, an "
+                                      "address that somebody resolves, such as role:scout.",
                                       2,
                                       NULL,
                                       false,
                                       NULL,
-                                      "muster send red hello world"};
+                                      "muster send red hello world",
+                                      false};
 static const struct verb VERB_BROADCAST = {"broadcast",
                                            "WORD... [OPTION...]",
                                            "Sends a mail to every agent that is active.",
@@ -34,7 +39,8 @@ static const struct verb VERB_BROADCAST = {"broadcast",
                                            "all",
                                            false,
                                            NULL,
-                                           "muster broadcast hello"};
+                                           "muster broadcast hello",
+                                           false};
 static const struct verb VERB_DO = {"do",
                                     "TARGETS 'LINE' [OPTION...]",
                                     "Makes agents evaluate a CLIPS line; TARGETS as for send.",
@@ -42,10 +48,17 @@ static const struct verb VERB_DO = {"do",
                                     NULL,
                                     true,
                                     "do",
-                                    "muster do red '(wander)'"};
-static const struct verb VERB_START = {
-    "start", "TARGETS [OPTION...]", "Takes agents out of standby.", 1, NULL, true,
-    "start", "muster start robots"};
+                                    "muster do red '(wander)'",
+                                    false};
+static const struct verb VERB_START = {"start",
+                                       "TARGETS [OPTION...]",
+                                       "Takes agents out of standby.",
+                                       1,
+                                       NULL,
+                                       true,
+                                       "start",
+                                       "muster start robots",
+                                       false};
 static const struct verb VERB_SUSPEND = {"suspend",
                                          "TARGETS [OPTION...]",
                                          "Stops agents where they are; their mail waits.",
@@ -53,78 +66,110 @@ static const struct verb VERB_SUSPEND = {"suspend",
                                          NULL,
                                          true,
                                          "suspend",
-                                         "muster suspend red"};
-static const struct verb VERB_RESUME = {
-    "resume", "TARGETS [OPTION...]", "Lets suspended agents go on.", 1, NULL, true,
-    "resume", "muster resume red"};
+                                         "muster suspend red",
+                                         false};
+static const struct verb VERB_RESUME = {"resume",
+                                        "TARGETS [OPTION...]",
+                                        "Lets suspended agents go on.",
+                                        1,
+                                        NULL,
+                                        true,
+                                        "resume",
+                                        "muster resume red",
+                                        false};
+static const struct verb VERB_STEP = {"step",
+                                      "TARGETS N [OPTION...]",
+                                      "Lets robots fire N rules, in as many control steps as that "
+                                      "takes, and suspends them then.",
+                                      2,
+                                      NULL,
+                                      true,
+                                      "step",
+                                      "muster step red 1",
+                                      true};
+static const struct verb VERB_GROUP_SEND = {"group send",
+                                            "GROUP WORD... [OPTION...]",
+                                            "Sends a mail to all members of a group; who is absent "
+                                            "gets it on coming back.",
+                                            2,
+                                            "group:",
+                                            false,
+                                            NULL,
+                                            "muster group send scouts hello",
+                                            false};
 
-/* How many answers a directive to these receivers brings; of all, robots are sure to answer. */
-static unsigned answers_of(const struct operator* op, const char *to)
+/* @return whether the words are what the verb takes; said if not */
+static bool words_check(const struct verb *v, const struct mu_options *o)
 {
-    unsigned count = 1;
-    for (const char *c = to; *c; c++) {
-        count += *c == ',';
+    char shown[WORDS_SHOWN];
+    char program[32];
+    snprintf(program, sizeof program, "muster %s", v->name);
+    if (o->words_count < v->words_min || (v->counts && o->words_count > v->words_min)) {
+        fprintf(stderr, "%s: expected %s, for example: %s\n", program, v->usage, v->example);
+        return false;
     }
-    if (strcmp(to, "special") == 0) {
-        return 0; /* none of them need know CLIPS */
+    const char *count = o->words[o->words_count - 1];
+    size_t digits = strspn(count, "0123456789");
+    if (v->counts && (count[digits] || digits > 9 || strspn(count, "0") == digits)) {
+        fprintf(stderr, "%s: '%s': expected a number of rules, from 1 to 999999999\n", program,
+                words_show(shown, count));
+        return false;
     }
-    if (strcmp(to, "all") != 0 && strcmp(to, "robots") != 0) {
-        return count;
+    if (v->to && strcmp(v->to, "group:") == 0) {
+        return words_name_check(program, "a group", o->words[0]);
     }
-    const struct mu_member *m;
-    count = 0;
-    for (size_t i = 0; (m = mu_process_member(op->process, i)); i++) {
-        count += m->kind == MU_KIND_ROBOT && m->state != MU_GONE;
+    if (!v->to && !receivers_valid(o->words[0])) {
+        fprintf(stderr, "%s: '%s': expected " RECEIVERS_EXPECTED "\n", program,
+                words_show(shown, o->words[0]));
+        return false;
     }
-    return count;
+    if (!v->to && strlen(o->words[0]) > MU_DST_MAX) {
+        fprintf(stderr, "%s: expected receivers of at most %d bytes\n", program, MU_DST_MAX);
+        return false;
+    }
+    return true;
 }
 
-static bool receivers_valid(const char *to)
+/* @return whether the content fits a mail; said if not */
+static bool content_make(const struct verb *v, const struct mu_options *o, size_t first,
+                         char content[MU_CONTENT_MAX + 1])
 {
-    char name[MU_NAME_MAX + 2];
-    const char *colon = strchr(to, ':');
-    if (colon) { /* group:G, or another address that somebody resolves: the broker knows */
-        snprintf(name, sizeof name, "%.*s", (int)(colon - to), to);
-        return colon - to <= MU_NAME_MAX && mu_name_valid(name) && colon[1] != '\0';
+    if (!words_join(content, MU_CONTENT_MAX + 1, o->words + first, o->words_count - first)) {
+        fprintf(stderr, "muster %s: expected at most %d bytes of content\n", v->name,
+                MU_CONTENT_MAX);
+        return false;
     }
-    for (size_t len; *to; to += len + (to[len] == ',')) {
-        len = strcspn(to, ",");
-        snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name), to);
-        if (!mu_name_valid(name)) {
-            return false;
-        }
+    if (!words_are_utf8(content)) {
+        fprintf(stderr, "muster %s: expected content in UTF-8\n", v->name);
+        return false;
     }
     return true;
 }
 
 static int verb_send(const struct verb *v, const struct mu_options *o,
-                     const struct operator_options *options, const char *performative)
+                     struct operator_options *options, const struct envelope *envelope)
 {
     static char content[MU_CONTENT_MAX + 1];
-    size_t first = v->to ? 0 : 1;
-    if (!operator_words(content, sizeof content, o->words + first, o->words_count - first)) {
-        fprintf(stderr, "muster %s: more than %d bytes\n", v->name, MU_CONTENT_MAX);
+    char to[MU_DST_MAX + 1];
+    bool to_all = v->to && strcmp(v->to, "all") == 0;
+    snprintf(to, sizeof to, "%s%s", v->to ? v->to : "", to_all ? "" : o->words[0]);
+    struct mu_mail mail = {
+        .dst = to, .directive = v->directive, .performative = v->performative, .content = content};
+    if (!content_make(v, o, to_all ? 0 : 1, content) ||
+        (!v->directive && !envelope_fill(envelope, &mail, v->name))) {
         return MU_EXIT_USAGE;
     }
-    if (!v->to && !receivers_valid(o->words[0])) {
-        fprintf(stderr,
-                "muster %s: '%s': expected a name, names joined by commas, all, robots, special "
-                "or group:G\n",
-                v->name, o->words[0]);
-        return MU_EXIT_USAGE;
-    }
+    bool asks = v == &VERB_DO || options->wait_s > 0.0;
+    options->takes_no_mail = !asks;
     struct operator op;
     int code = operator_join(&op, options, v->name);
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    struct mu_mail mail = {.dst = v->to ? v->to : o->words[0],
-                           .directive = v->directive,
-                           .performative = v->performative ? v->performative : performative,
-                           .content = content};
-    bool asks = v == &VERB_DO || options->wait_s > 0.0;
     double wait_s = options->wait_s > 0.0 ? options->wait_s : 5.0;
-    code = operator_send(&op, &mail, asks ? answers_of(&op, mail.dst) : 0, wait_s);
+    unsigned wanted =
+        asks ? receivers_count(op.process, to, mu_agent_name(op.agent), v->directive) : 0;
+    code = operator_send(&op, &mail, wanted, wait_s);
     operator_leave(&op);
     return code;
 }
@@ -132,7 +177,7 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
 static int verb_run(const struct verb *v, int argc, char **argv)
 {
     static struct operator_options options;
-    const char *performative = NULL;
+    static struct envelope envelope;
     char program[32];
     snprintf(program, sizeof program, "muster %s", v->name);
     struct mu_option table[] = {
@@ -143,14 +188,19 @@ static int verb_run(const struct verb *v, int argc, char **argv)
          .max = 1e6,
          .help = "wait so long for an answer and print it",
          .target = &options.wait_s},
-        {.name = "performative",
-         .kind = MU_OPTION_STRING,
-         .unit = "P",
-         .help = "the speech act, for example ask-one",
-         .target = &performative},
+        {.name = "json",
+         .kind = MU_OPTION_FLAG,
+         .help = "answers as objects, one a line",
+         .target = &options.json},
+        {.name = "quiet",
+         .letter = 'q',
+         .kind = MU_OPTION_FLAG,
+         .help = "do not say what became of the mail when all is well",
+         .target = &options.quiet},
+        ENVELOPE_OPTIONS(envelope),
     };
-    /* A directive's performative is the verb itself. */
-    size_t count = sizeof table / sizeof table[0] - (v->performative ? 1 : 0);
+    /* A directive has no envelope of its own. */
+    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0);
     static struct mu_options o;
     o = (struct mu_options){
         .program = program, .usage = v->usage, .about = v->about, .table = table, .count = count};
@@ -158,11 +208,7 @@ static int verb_run(const struct verb *v, int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    if (o.words_count < v->words_min) {
-        fprintf(stderr, "muster %s: expected %s, for example: %s\n", v->name, v->usage, v->example);
-        return MU_EXIT_USAGE;
-    }
-    return verb_send(v, &o, &options, performative);
+    return words_check(v, &o) ? verb_send(v, &o, &options, &envelope) : MU_EXIT_USAGE;
 }
 
 int post_verb_send(int argc, char **argv)
@@ -193,4 +239,14 @@ int post_verb_suspend(int argc, char **argv)
 int post_verb_resume(int argc, char **argv)
 {
     return verb_run(&VERB_RESUME, argc, argv);
+}
+
+int post_verb_step(int argc, char **argv)
+{
+    return verb_run(&VERB_STEP, argc, argv);
+}
+
+int post_verb_group_send(int argc, char **argv)
+{
+    return verb_run(&VERB_GROUP_SEND, argc, argv);
 }

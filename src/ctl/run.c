@@ -235,7 +235,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (strcmp(mail->performative, "failure") == 0) {
+    if (!run_pages_take(r, mail) && strcmp(mail->performative, "failure") == 0) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
         fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
@@ -438,6 +438,18 @@ static bool resolvers_are_in(const struct run *r)
     return all;
 }
 
+/* @return -1, or the exit code */
+static int pages_gather(struct run *r)
+{
+    int code = -1;
+    while (code < 0 && !run_pages_tell(r)) {
+        code = round_live(r);
+        code = code < 0 && r->command_refused ? MU_EXIT_REFUSED : code;
+        code = code < 0 ? start_patience(r) : code;
+    }
+    return code;
+}
+
 /* Until all are there and the broker has every command. */
 static int gather(struct run *r)
 {
@@ -446,6 +458,7 @@ static int gather(struct run *r)
         code = round_live(r);
         code = code < 0 ? start_patience(r) : code;
     }
+    code = code < 0 ? pages_gather(r) : code;
     if (code < 0 && commands_send(r) != MU_OK) {
         fprintf(stderr, "muster run: more commands than an agent can have under way (%d)\n",
                 MU_OUTBOX_MAX);

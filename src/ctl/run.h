@@ -49,6 +49,7 @@ struct run {
     bool registered, name_refused;
     bool command_refused;                      /* by the trust policy, before the run has begun */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
+    uint64_t pages_sent, pages_answered;       /* of the robots' groups and services */
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
     uint64_t silent_ns; /* since the simulator was heard of last */
 };
@@ -70,6 +71,21 @@ void run_child_name(const struct run *r, unsigned index, char *name);
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
+
+/** @return whether a robot enters its groups and services itself: it is with another broker than
+ * the observer, which lock step does not allow */
+bool run_pages_own(const struct run *r, const struct experiment_robot *robot);
+
+/**
+ * Enters the other robots' groups and services, in run_pages.c: as many as can be under way, the
+ * next time more.  The lock step sees them as they are when it begins.
+ *
+ * @return whether the broker has answered for all of them
+ */
+bool run_pages_tell(struct run *r);
+
+/** @return whether a mail to the observer was an answer to that; a refusal ends the run */
+bool run_pages_take(struct run *r, const struct mu_mail *mail);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -70,6 +70,9 @@ static mu_result broker_start(struct run *r, unsigned index)
     words_begin("muster-broker");
     word_add("%s", run_broker(r, index));
     word_add("--domain=%d", r->domain);
+    if (r->experiment->broker.delivery_interval_ms > 0) {
+        word_add("--delivery-interval=%.17g", r->experiment->broker.delivery_interval_ms);
+    }
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
@@ -126,6 +129,12 @@ static mu_result robot_start(struct run *r, const struct experiment_robot *robot
     word_add("--seed=%lld", (long long)r->experiment->seed);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
+    }
+    for (unsigned i = 0; run_pages_own(r, robot) && i < robot->groups_count; i++) {
+        word_add("--group=%s", robot->groups[i]);
+    }
+    for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
+        word_add("--service=%s", robot->services[i]);
     }
     return supervise_start(&r->children, robot->name, "muster-robot", words_end());
 }

@@ -19,5 +19,10 @@ int post_verb_do(int argc, char **argv);
 int post_verb_start(int argc, char **argv);
 int post_verb_suspend(int argc, char **argv);
 int post_verb_resume(int argc, char **argv);
+int post_verb_step(int argc, char **argv);
+int post_verb_group_send(int argc, char **argv);
+
+int group_verb(int argc, char **argv);
+int service_verb(int argc, char **argv);
 
 #endif

@@ -368,6 +368,26 @@ static void test_limit_fired_names(void)
     mind_close(m);
 }
 
+static void test_some_rules_are_fired_and_no_more(void)
+{
+    char answer[256];
+    struct mind_act act;
+    struct mind *m = open_mind(NULL);
+    CU_ASSERT_EQUAL(say(m, "(defrule one ?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))",
+                        answer, sizeof answer),
+                    MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(assert (n 1))", answer, sizeof answer), MU_OK);
+    sense(m);
+    mind_fire_some(m, 2, &act);
+    CU_ASSERT_EQUAL(act.firings, 2);
+    CU_ASSERT_STRING_EQUAL(act.rules, "one one");
+    CU_ASSERT_EQUAL(act.end, MIND_BUDGET);
+    sense(m);
+    mind_fire_some(m, UINT32_MAX, &act);
+    CU_ASSERT_EQUAL(act.firings, MU_FIRINGS_PER_STEP);
+    mind_close(m);
+}
+
 static bool write_file(const char *path, const char *text, size_t blanks)
 {
     FILE *f = fopen(path, "w");
@@ -462,6 +482,7 @@ int main(void)
         {"limit: content", test_limit_content},
         {"limit: what a step prints", test_limit_print},
         {"limit: names of the rules fired", test_limit_fired_names},
+        {"some rules are fired and no more", test_some_rules_are_fired_and_no_more},
         {"limit: size of a rule file", test_limit_file},
         {"limit: files that extend each other", test_limit_extends},
         {"percepts that are no numbers", test_percepts_that_are_no_numbers},

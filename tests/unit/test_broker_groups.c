@@ -60,7 +60,7 @@ static void test_bad_names(void)
     HEARD("red: failure not-a-name \"\\\"*\"", say("red", "group-leave", "\"\\\"*\""));
     CU_ASSERT_EQUAL(story_status().malformed, 3);
     HEARD("red: not-understood group-join", say("red", "group-join", ""));
-    HEARD("red: not-understood group-join", say("red", "group-join", "a b"));
+    HEARD("red: not-understood group-join", say("red", "group-join", "a b c"));
     HEARD("red: not-understood group-join", say("red", "group-join", "(a)"));
     HEARD("red: not-understood members", say("red", "members", "\"open"));
     CU_ASSERT_EQUAL(story_status().malformed, 7);

@@ -39,7 +39,7 @@ static void test_malformed(void)
         {"advertise", ""},           {"advertise", "a \"b\" c d"}, {"advertise", "a \"\" -1"},
         {"advertise", "a \"\" 0x1"}, {"advertise", "a \"\" nan"},  {"advertise", "a \"b"},
         {"find-service", ""},        {"find-service", "a b"},      {"find-service", "\"a\" b"},
-        {"subscribe", "1"},          {"unsubscribe", "* x=>1"},    {"withdraw", "a b"}};
+        {"subscribe", "1"},          {"unsubscribe", "* x=>1"},    {"withdraw", "a b c"}};
     char want[64];
     team();
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

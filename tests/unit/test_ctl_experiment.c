@@ -66,9 +66,10 @@ static void test_everything(void)
 {
     CU_ASSERT_EQUAL_FATAL(
         load("name: all-of-it\nseed: 18446744073709551615\nstep_ms: 60\non-crash: stop\n"
-             "brokers: [b1]\nresolvers: [near, role]\nworld: a.world\nduration: 60.5\n"
+             "brokers: [b1]\nbroker: {delivery-interval: 20}\nresolvers: [near, role]\n"
+             "world: a.world\nduration: 60.5\n"
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
-             "  - {name: blue, rules: a.clp}\n"
+             "  - {name: blue, rules: a.clp, groups: [g, scouts], services: [map x=1 y=2, sing]}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
              "  - {at: 2.5, do: [red, blue, 'group:g'], line: (stop)}\n"
              "expect:\n  - {near: [blue, red], within: 2.5}\n"
@@ -79,6 +80,7 @@ static void test_everything(void)
     CU_ASSERT_STRING_EQUAL(e->name, "all-of-it");
     CU_ASSERT_EQUAL(e->seed, UINT64_MAX);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_DOUBLE_EQUAL(e->broker.delivery_interval_ms, 20, 0);
     CU_ASSERT_EQUAL_FATAL(e->brokers_count, 1);
     CU_ASSERT_STRING_EQUAL(e->brokers[0], "b1");
     CU_ASSERT_EQUAL_FATAL(e->resolvers_count, 2);
@@ -86,6 +88,11 @@ static void test_everything(void)
     CU_ASSERT_EQUAL_FATAL(e->robots[0].globals_count, 2);
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[0].name, "mate");
     CU_ASSERT_STRING_EQUAL(e->robots[0].globals[1].value, "\"a b\"");
+    CU_ASSERT_EQUAL(e->robots[0].groups_count, 0);
+    CU_ASSERT_EQUAL_FATAL(e->robots[1].groups_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->robots[1].groups[1], "scouts");
+    CU_ASSERT_EQUAL_FATAL(e->robots[1].services_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->robots[1].services[0], "map x=1 y=2");
     CU_ASSERT_EQUAL_FATAL(e->observer_count, 2);
     CU_ASSERT_EQUAL_FATAL(e->observer[0].targets_count, 1);
     CU_ASSERT_STRING_EQUAL(e->observer[0].targets[0], "all");
@@ -180,6 +187,11 @@ static void test_robot_faults(void)
         {ROBOT("name: a, globals: {b: '\"c\\\"'}"), 4, 42, "expected one CLIPS field"},
         {ROBOT("name: a, globals: {'?*b*': c}"), 4, 39, "without ?* and *"},
         {ROBOT("name: a, globals: {b: c, b: d}"), 4, 45, "'b' stands here a second time"},
+        {ROBOT("name: a, groups: [g, 1st]"), 4, 41, "name of a group, not '1st'"},
+        {ROBOT("name: a, groups: g"), 4, 37, "expected"},
+        {ROBOT("name: a, services: [1st]"), 4, 40, "such as 'mapper role=scout', not '1st'"},
+        {ROBOT("name: a, services: ['map x']"), 4, 40, "not 'map x'"},
+        {ROBOT("name: a, services: [map, '']"), 4, 45, "expected a text"},
     };
     CHECK_BAD(cases);
 }
@@ -201,6 +213,11 @@ static void test_other_faults(void)
         {BASE "brokers: [b c]\n", 6, 11, "cannot be a broker's name"},
         {BASE "resolvers: [near:2]\n", 6, 13, "expected a scheme of addresses"},
         {BASE "resolvers: [near, role, near]\n", 6, 25, "stands here a second time"},
+        {BASE "broker: {delivery-interval: -1}\n", 6, 29, "0 to 60000 ms, not -1"},
+        {BASE "broker: {delivery-interval: 60001}\n", 6, 29, "0 to 60000 ms"},
+        {BASE "broker: {delivery-interval: .nan}\n", 6, 29, "expected"},
+        {BASE "broker: {delivery: 1}\n", 6, 10, "expected"},
+        {BASE "broker: main\n", 6, 9, "expected a mapping"},
         {BASE "brokers: [a, b, c, d, e]\n", 6, 10, "expected at most 4"},
         {BASE "brokers: [b, c, b]\n", 6, 17, "a second broker with the name 'b'"},
         {"world: a.world\nduration: 1\nbrokers: [b]\n"
@@ -324,6 +341,19 @@ static void test_limits(void)
     }
     char text[4096];
     struct mu_text out;
+    static const char *const lists[] = {"groups", "services"};
+    for (int i = 0; i < 4; i++) {
+        mu_text_init(&out, text, sizeof text);
+        mu_text_format(&out,
+                       "world: a.world\nduration: 1\nrobots:\n  - name: a\n"
+                       "    rules: a.clp\n    %s: [g",
+                       lists[i / 2]);
+        for (int k = 1; k < EXPERIMENT_GROUPS_MAX + i % 2; k++) {
+            mu_text_format(&out, ", g%d", k);
+        }
+        mu_text_add(&out, "]\n");
+        CU_ASSERT_EQUAL(load(text, NULL), i % 2 ? MU_FAULT_FILE : MU_OK);
+    }
     for (int extra = 0; extra < 2; extra++) {
         mu_text_init(&out, text, sizeof text);
         mu_text_add(&out, "world: a.world\nduration: 1\nrobots:\n"

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ctl/answer.h"
+
+#include "core/json.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What an answer's performative may say of the question. */
+static const struct {
+    const char *performative;
+    const char *said; /* to a person, on standard error; NULL: the content says it all */
+} failures[] = {
+    {"refuse", "refuses"},
+    {"not-understood", "has not understood"},
+    {"failure", NULL},
+};
+
+/* @return its row, or -1 */
+static int failure_find(const struct mu_mail *mail)
+{
+    for (int i = 0; i < (int)(sizeof failures / sizeof failures[0]); i++) {
+        if (strcmp(mail->performative, failures[i].performative) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+bool answer_is_failure(const struct mu_mail *mail)
+{
+    return failure_find(mail) >= 0;
+}
+
+/* Content that is a single CLIPS string goes without its quotes. */
+static void content_print(FILE *to, const char *content)
+{
+    size_t len = strlen(content);
+    bool quoted = len >= 2 && content[0] == '"' && content[len - 1] == '"';
+    for (size_t i = quoted; i < len - quoted; i++) {
+        if (quoted && content[i] == '\\' && i + 1 < len - quoted) {
+            i++;
+        }
+        putc(content[i], to);
+    }
+    size_t last = len - quoted;
+    if (last <= (size_t)quoted || content[last - 1] != '\n') {
+        putc('\n', to);
+    }
+}
+
+static const char *level_text(enum mu_level level)
+{
+    static const char *const texts[] = {"ram", "logged", "synced"};
+    return (unsigned)level < sizeof texts / sizeof texts[0] ? texts[level] : "unknown";
+}
+
+static const char *priority_text(enum mu_priority priority)
+{
+    if (priority == MU_PRIORITY_NORMAL) {
+        return "normal";
+    }
+    return priority < MU_PRIORITY_NORMAL ? "low" : "high";
+}
+
+static void object_print(const struct mu_mail *mail)
+{
+    struct mu_json j;
+    mu_json_to_file(&j, stdout, MU_JSON_LINE);
+    mu_json_object(&j, NULL);
+    mu_json_string(&j, "from", mail->src);
+    mu_json_string(&j, "to", mail->dst);
+    mu_json_uint(&j, "seq", mail->seq);
+    mu_json_uint(&j, "layer", mail->layer);
+    mu_json_string(&j, "performative", mail->performative);
+    mu_json_string(&j, "language", mail->language);
+    mu_json_string(&j, "ontology", mail->ontology);
+    mu_json_string(&j, "reply_with", mail->reply_with);
+    mu_json_string(&j, "in_reply_to", mail->in_reply_to);
+    mu_json_string(&j, "conversation", mail->conversation);
+    mu_json_real(&j, "reply_by_s", (double)mail->reply_by_ns / 1e9);
+    mu_json_string(&j, "priority", priority_text(mail->priority));
+    mu_json_string(&j, "level", level_text(mail->level));
+    mu_json_real(&j, "ttl_s", (double)mail->ttl_ns / 1e9);
+    mu_json_string(&j, "content", mail->content);
+    mu_json_end(&j);
+}
+
+void answer_print(const struct mu_mail *mail, bool json)
+{
+    int failure = failure_find(mail);
+    const char *said = failure >= 0 ? failures[failure].said : NULL;
+    if (json) {
+        object_print(mail);
+    }
+    if (said) {
+        fprintf(stderr, "muster: %s %s: ", mail->src, said);
+        content_print(stderr, mail->content);
+    } else if (!json) {
+        printf("%s: ", mail->src);
+        content_print(stdout, mail->content);
+    }
+}

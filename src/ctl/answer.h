@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file answer.h
+ * An answer to the command line's mail, as a person or a program wants it.
+ */
+#ifndef MUSTER_CTL_ANSWER_H
+#define MUSTER_CTL_ANSWER_H
+
+#include "muster/agent.h"
+
+/** @return whether it says that the mail was of no use: refuse, not-understood, failure */
+bool answer_is_failure(const struct mu_mail *mail);
+
+/** Prints it on standard output, or, if it is a refusal, why on standard error. */
+void answer_print(const struct mu_mail *mail, bool json);
+
+#endif

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mail and directives from the command line: envelopes, answers, exit codes, bad input."""
+import json
+import subprocess
+
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder,
+                     members, muster, new_domain, program, wait_for)
+
+CONTENT_MAX = 16384
+
+
+def answerer_start(processes, domain, *names):
+    for name in names:
+        processes.start(program("mail_answerer"), domain, name)
+    wait_for(lambda: set(names) <= set(members(domain)), 10, f"{names}")
+
+
+def send(domain, *words):
+    return muster("send", *words, "--domain", domain)
+
+
+def test_answers_are_waited_for_and_printed():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann", "bob")
+        done = send(domain, "ann", "tell", "42", "--wait", 10)
+        check_equal((done.returncode, done.stdout, done.stderr), (0, "ann: 42\n", ""), "an answer")
+        done = send(domain, "ann,bob,ann", 'tell "a b"', "--wait", 10)
+        check_equal((done.returncode, sorted(done.stdout.splitlines())),
+                    (0, ["ann: a b", "bob: a b"]), "each once")
+        done = send(domain, "all", "tell here", "--wait", 10)
+        check_equal((done.returncode, len(done.stdout.splitlines())), (0, 2), "of all")
+        for performative, words in (("refuse", "refuses"), ("not-understood", "not understood")):
+            done = send(domain, "ann", performative, "too late", "--wait", 10)
+            check_equal((done.returncode, done.stdout), (8, ""), performative)
+            check(words in done.stderr and "too late" in done.stderr, done.stderr)
+        done = send(domain, "ann", "silence", "--wait", 0.2, "--reply-with", "mine")
+        check_equal((done.returncode, done.stdout), (0, "ann: \n"), "an empty answer")
+
+
+def test_answers_as_objects_have_the_whole_envelope():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        done = send(domain, "ann", "tell", '"a" \\', "--wait", 10, "--json", "--language", "text",
+                    "--ontology", "kitchen", "--conversation", "c1", "--reply-with", "r1",
+                    "--performative", "ask-one", "--level", "ram", "--priority", "high")
+        check_equal(done.returncode, 0, done.stderr)
+        answer = json.loads(done.stdout)
+        want = {"from": "ann", "to": "operator", "performative": "tell", "language": "text",
+                "ontology": "kitchen", "conversation": "c1", "in_reply_to": "r1",
+                "reply_with": "", "layer": 3, "content": '"a" \\'}
+        check_equal({key: answer[key] for key in want}, want, "the answer")
+        done = send(domain, "ann", "refuse", "no", "--wait", 10, "--json")
+        check_equal((done.returncode, json.loads(done.stdout)["performative"]), (8, "refuse"),
+                    "a refusal is an answer, too")
+
+
+def test_what_became_of_it_is_said_and_is_the_exit_code():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann", "bob")
+        gone = processes.started[-1]
+        gone.terminate()
+        gone.wait()
+        for words, want in (
+                (("ann", "tell"), (0, "", "delivered\n")),
+                (("ann", "tell", "--quiet"), (0, "", "")),
+                (("bob", "tell"), (0, "", "stored\n")),
+                (("bob", "tell", "-q"), (0, "", "")),
+                (("bob", "tell", "--ttl", 0.2, "--wait", 10),
+                 (8, "", "muster: to bob: expired\n")),
+                (("ann", "tell", "--as", "carl"), (0, "", "delivered\n"))):
+            done = send(domain, *words)
+            check_equal((done.returncode, done.stdout, done.stderr), want, f"{words}")
+        for to in ("nobody", "group:nobody", "role:nobody", "ann,nobody"):
+            done = send(domain, to, "tell")
+            check_equal(done.returncode, 7, f"{to}: {done.stderr}")
+            check("unknown-name" in done.stderr, done.stderr)
+        done = send(domain, "bob", "tell", "--wait", 0.2)
+        check_equal((done.returncode, done.stdout), (124, ""), "nobody answers")
+        done = muster("start", "ann", "--as", "stranger", "--domain", domain)
+        check_equal(done.returncode, 6, "a directive of a stranger")
+        done = send(new_domain(), "ann", "tell")
+        check_equal(done.returncode, 4, "no broker")
+
+
+def test_a_full_box_is_an_exit_code():
+    domain = new_domain()
+    with Processes() as processes:
+        processes.start(MUSTER, "broker", "main", "--domain", domain, "--box-mails", 1,
+                        "--box-policy", "drop-oldest")
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        answerer_start(processes, domain, "bob")
+        processes.started[-1].terminate()
+        processes.started[-1].wait()
+        waits = processes.start(MUSTER, "send", "bob", "one", "--wait", 20, "--as", "ann",
+                                "--domain", domain, stderr=subprocess.PIPE)
+        wait_for(lambda: "ann" in members(domain), 10, "a sender that waits")
+        wait_for(lambda: "waiting 1" in " ".join(muster("lookup", "broker.postmaster", "--domain",
+                                                        domain).stdout.split()), 10, "its mail")
+        check_equal(send(domain, "bob", "two").returncode, 0, "it made room")
+        _, said = waits.communicate(timeout=20)
+        check_equal((waits.returncode, said), (8, b"muster: to bob: dropped\n"), "the old one")
+
+
+def test_without_a_disk_durable_mail_is_refused():
+    domain = new_domain()
+    with Processes() as processes:
+        processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", "none")
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        answerer_start(processes, domain, "ann")
+        for level, want in (("ram", 0), ("logged", 9), ("synced", 9)):
+            done = send(domain, "ann", "tell", "--level", level)
+            check_equal(done.returncode, want, f"{level}: {done.stderr}")
+        check("no-store" in done.stderr, done.stderr)
+
+
+def test_nobody_loses_mail_to_who_sends_in_his_name():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "bob")
+        processes.started[-1].terminate()
+        processes.started[-1].wait()
+        send(domain, "bob", "tell for bob")
+        check_equal(send(domain, "broker", "hello", "--as", "bob").returncode, 0, "mail of bob")
+        processes.start(program("mail_receiver"), domain, "bob", out / "bob")
+        wait_for(lambda: (out / "bob").exists() and "tell for bob" in (out / "bob").read_text(), 10,
+                 "the mail that waited")
+
+
+def test_bad_input_is_refused_with_what_is_right():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        bad = [b"a b", b"a\nb", b"*", b'"a"', b"", b"ann,", b",ann", b"ann,,ann", b"ann,all",
+               b"group:", b"group:a b", b"group:1", b":a", b"role:", b"caf\xe9", b"x" * 10000,
+               b",".join([b"ann"] * 300)]
+        for to in bad:
+            for verb in ((b"send", to, b"x"), (b"do", to, b"(x)"), (b"start", to),
+                         (b"step", to, b"1")):
+                done = subprocess.run([MUSTER, *verb, b"--domain", b"%d" % domain], timeout=30,
+                                      capture_output=True, stdin=subprocess.DEVNULL)
+                check_equal(done.returncode, 2, f"{verb[0]} {to[:40]}: {done.stderr}")
+                check(b"expected" in done.stderr and len(done.stderr) < 300, f"{done.stderr}")
+        for words in (("--level", "disk"), ("--priority", "1"), ("--ttl", "-1"), ("--ttl", "x"),
+                      ("--reply-by", "nan"), ("--wait", "soon"), ("--ontology", "x" * 64),
+                      ("--performative", "x" * 64), ("--as", "a b"), ("--as", "")):
+            done = send(domain, "ann", "tell", *words)
+            check_equal(done.returncode, 2, f"{words}: {done.stderr}")
+            check(done.stderr.strip(), f"{words} says why")
+        done = subprocess.run([MUSTER, "send", "ann", b"caf\xe9", "--domain", str(domain)],
+                              capture_output=True, timeout=30)
+        check_equal(done.returncode, 2, "content that is no UTF-8")
+        for words in ((), ("ann",)):
+            check_equal(send(domain, *words).returncode, 2, f"{words}")
+
+
+def test_content_up_to_the_limit_and_not_a_byte_more():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        content = "tell " + "\u00e9" * ((CONTENT_MAX - 5) // 2) + "x"
+        check_equal(len(content.encode()), CONTENT_MAX, "bytes")
+        done = send(domain, "ann", content, "--wait", 10)
+        check_equal((done.returncode, done.stdout == f"ann: {content[5:]}\n"), (0, True), "all of it")
+        done = send(domain, "ann", content + "x")
+        check_equal(done.returncode, 2, "one byte more")
+        check(str(CONTENT_MAX) in done.stderr, done.stderr)
+        check_equal(muster("broadcast", "x" * (CONTENT_MAX + 1), "--domain", domain).returncode, 2,
+                    "a broadcast")
+
+
+def state(domain, name):
+    return members(domain)[name]["state"]
+
+
+def test_step_fires_some_rules_and_suspends():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        rules = out / "count.clp"
+        rules.write_text("(defglobal ?*n* = 0)\n(defrule count (position $?) => "
+                         "(bind ?*n* (+ ?*n* 1)))\n")
+        broker_start(processes, domain)
+        processes.start(MUSTER, "robot", "red", "--rules", rules, "--domain", domain)
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red", "--rate",
+                        "10", "--domain", domain)
+        wait_for(lambda: "red" in members(domain), 10, "the robot")
+
+        def count():
+            return muster("do", "red", "?*n*", "--domain", domain).stdout.strip()
+
+        wait_for(lambda: muster("do", "red", "(position)", "--domain", domain).stdout.strip()
+                 not in ("", "red: FALSE"), 10, "steps")
+        check_equal(count(), "red: 0", "rules in standby")
+        for rounds, want in ((3, "red: 3"), (1, "red: 4")):
+            done = muster("step", "red", rounds, "--domain", domain)
+            check_equal(done.returncode, 0, done.stderr)
+            wait_for(lambda: state(domain, "red") == "suspended", 10, "the end of the steps")
+            check_equal(count(), want, "rules fired")
+        done = muster("step", "robots", "999999999", "--wait", 5, "--domain", domain)
+        check_equal((done.returncode, done.stdout), (0, "red: step\n"), "many, and an answer")
+        wait_for(lambda: state(domain, "red") == "running", 10, "it runs")
+        muster("suspend", "red", "--domain", domain)
+        wait_for(lambda: state(domain, "red") == "suspended", 10, "it is stopped")
+        for number in ("0", "-1", "x", "", "1.5", "1000000000", "00"):
+            done = muster("step", "red", number, "--domain", domain)
+            check_equal(done.returncode, 2, f"{number}: {done.stderr}")
+        check_equal(muster("step", "red", "1", "2", "--domain", domain).returncode, 2, "two numbers")
+
+
+def test_directives_take_lists_and_groups():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann", "bob")
+        muster("group", "join", "scouts", "--as", "ann", "--domain", domain)
+        check_equal(muster("suspend", "group:scouts", "--domain", domain).returncode, 0, "a group")
+        wait_for(lambda: (state(domain, "ann"), state(domain, "bob")) == ("suspended", "running"),
+                 10, "one that is suspended")
+        check_equal(muster("suspend", "ann,bob", "--domain", domain).returncode, 0, "a list")
+        wait_for(lambda: state(domain, "bob") == "suspended", 10, "both suspended")
+        check_equal(muster("resume", "bob,ann", "--domain", domain).returncode, 0, "a list")
+        wait_for(lambda: {state(domain, n) for n in ("ann", "bob")} == {"running"}, 10, "both run")
+
+
+def test_pages_keep_their_keys():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        line = json.loads(muster("lookup", "ann", "--json", "--domain", domain).stdout)
+        check_equal(list(line), ["name", "kind", "state", "broker", "host", "pid", "since"], "keys")
+        check_equal(list(members(domain)["ann"]), list(line), "of ps, too")
+        check_equal(muster("lookup", "nobody", "--domain", domain).returncode, 7, "nobody")

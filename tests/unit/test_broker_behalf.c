@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Changes of groups and services in another agent's name. */
+#include "../support/pages_story.h"
+#include "broker/parts.h"
+
+static void team(void)
+{
+    story_begin_with(0, true);
+    story_join("operator");
+    story_join("red");
+    story_join("green");
+    (void)hear(true);
+}
+
+/* Takes the oldest record of the audit.  @return "SENDER PERFORMATIVE RECEIVER allowed" or so */
+static const char *audited(void)
+{
+    static char text[1024];
+    struct audit_record r;
+    if (!broker_audit_next(story.b, &r)) {
+        return "none";
+    }
+    snprintf(text, sizeof text, "%s %s %s %s", r.sender, r.performative, r.receiver,
+             r.allowed ? "allowed" : "refused");
+    return text;
+}
+
+static void test_who_is_trusted_changes_for_others(void)
+{
+    team();
+    HEARD("operator: inform group-join scouts", say("operator", "group-join", "scouts red"));
+    SHOWN("+scouts +scouts/red");
+    HEARD("operator: inform group-join scouts", say("operator", "group-join", "scouts \"green\""));
+    HEARD("operator: inform group-leave scouts", say("operator", "group-leave", "scouts red"));
+    SHOWN("-scouts/red");
+    HEARD("operator: failure not-a-member scouts", say("operator", "group-leave", "scouts red"));
+    HEARD("operator: inform advertise mapper",
+          say("operator", "advertise", "mapper \"role=a\" 0 red"));
+    SHOWN("+mapper@red[role=a]");
+    HEARD("operator: inform withdraw mapper", say("operator", "withdraw", "mapper red"));
+    SHOWN("-mapper@red");
+    HEARD("operator: failure not-offered mapper", say("operator", "withdraw", "mapper red"));
+    story_gone("p-red"); /* who is absent can be made a member, too */
+    HEARD("operator: inform group-join cooks", say("operator", "group-join", "cooks red"));
+    HEARD("operator: inform members-of cooks red", say("operator", "members", "cooks"));
+}
+
+static void test_who_is_not_trusted_does_not(void)
+{
+    team();
+    HEARD("red: failure refused green", say("red", "group-join", "scouts green"));
+    HEARD("red: failure refused green", say("red", "group-leave", "scouts green"));
+    HEARD("red: failure refused green", say("red", "advertise", "mapper \"\" 0 green"));
+    HEARD("red: failure refused green", say("red", "withdraw", "mapper green"));
+    HEARD("red: failure refused nobody", say("red", "group-join", "scouts nobody"));
+    CU_ASSERT_EQUAL(story_status().refused, 5);
+    CU_ASSERT_EQUAL(story_status().malformed, 0);
+    CU_ASSERT_EQUAL(story.b->pages.groups.pairs.count, 0);
+    HEARD("red: inform group-join scouts", say("red", "group-join", "scouts red"));
+    CU_ASSERT_EQUAL(story_status().refused, 5);
+}
+
+static void test_names_that_nobody_bears(void)
+{
+    team();
+    HEARD("operator: failure unknown-name nobody", say("operator", "group-join", "scouts nobody"));
+    HEARD("operator: failure unknown-name broker", say("operator", "group-join", "scouts broker"));
+    HEARD("operator: failure not-a-name \"a b\"", say("operator", "group-join", "scouts \"a b\""));
+    HEARD("operator: failure not-a-name \"1st\"", say("operator", "withdraw", "mapper \"1st\""));
+    HEARD("operator: not-understood group-join", say("operator", "group-join", "scouts red red"));
+    HEARD("operator: not-understood withdraw", say("operator", "withdraw", "mapper red red"));
+    HEARD("operator: not-understood advertise",
+          say("operator", "advertise", "mapper \"\" 0 red red"));
+    HEARD("operator: not-understood group-create", say("operator", "group-create", "a red"));
+    CU_ASSERT_EQUAL(story_status().malformed, 6);
+    CU_ASSERT_EQUAL(story.b->pages.groups.pairs.count, 0);
+}
+
+static void test_who_lives_in_one_process_needs_no_trust(void)
+{
+    team();
+    story_register("guest", "p-red");
+    (void)hear(true);
+    HEARD("red: inform group-join scouts", say("red", "group-join", "scouts guest"));
+    CU_ASSERT_STRING_EQUAL(audited(), "none");
+    story_gone("p-red");
+    story_register("red", "p-red"); /* without its guest, who is absent */
+    (void)hear(true);
+    HEARD("red: failure refused guest", say("red", "group-leave", "scouts guest"));
+}
+
+static void test_the_policy_decides_and_the_audit_says_so(void)
+{
+    struct mu_fault fault;
+    team();
+    CU_ASSERT_EQUAL_FATAL(
+        broker_policy(story.b, "allow operator direct red\nallow green direct all\n", "p", &fault),
+        MU_OK);
+    HEARD("operator: inform group-join scouts", say("operator", "group-join", "scouts red"));
+    HEARD("operator: failure refused green", say("operator", "group-join", "scouts green"));
+    HEARD("green: inform advertise mapper", say("green", "advertise", "mapper \"\" 0 operator"));
+    CU_ASSERT_STRING_EQUAL(audited(), "operator group-join red allowed");
+    CU_ASSERT_STRING_EQUAL(audited(), "operator group-join green refused");
+    CU_ASSERT_STRING_EQUAL(audited(), "green advertise operator allowed");
+    CU_ASSERT_STRING_EQUAL(audited(), "none");
+}
+
+static void test_inside_the_lock_step_outsiders_have_no_name(void)
+{
+    struct mu_fault fault;
+    team();
+    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b, "allow all direct all\n", "p", &fault), MU_OK);
+    story_match("sim");
+    pages_roster(true, 0, "p-red", NULL);
+    (void)hear(false);
+    muster_Mail m = to_broker("red", "group-join", "scouts green");
+    answer_step("red", 0, &m);
+    HEARD("red: failure unknown-name green", hear(false));
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"who is trusted changes for others", test_who_is_trusted_changes_for_others},
+        {"who is not trusted does not", test_who_is_not_trusted_does_not},
+        {"names that nobody bears", test_names_that_nobody_bears},
+        {"who lives in one process needs no trust", test_who_lives_in_one_process_needs_no_trust},
+        {"the policy decides, and the audit says so",
+         test_the_policy_decides_and_the_audit_says_so},
+        {"inside the lock step outsiders have no name",
+         test_inside_the_lock_step_outsiders_have_no_name},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("broker/behalf", tests);
+}
