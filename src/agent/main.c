@@ -446,8 +446,8 @@ static const struct mu_agent_kind robot_kind = {.name = "robot",
 static void on_refusal(void *self, mu_agent *a, const char *change, const char *reason)
 {
     struct robot *r = self;
-    mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a), change,
-           reason);
+    mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a),
+           change, reason);
     mind_refused(r->mind, change, reason);
 }
 
