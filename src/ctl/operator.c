@@ -237,7 +237,7 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
         return answers_take(o, mail->dst, answers_wanted, wait_s);
     }
     if (code == MU_EXIT_DONE && !o->quiet) {
-        fprintf(stderr, "%s\n", mu_outcome_text(o->outcome));
+        printf("%s\n", mu_outcome_text(o->outcome));
     }
     return code;
 }

@@ -56,7 +56,7 @@ def test_mail_for_an_absent_agent_waits_and_comes_in_order():
         check_equal(members(domain)["receiver"]["state"], "absent", "state after leaving")
         for word in ("one", "two", "three"):
             done = muster("send", "receiver", word, "--domain", domain)
-            check_equal((done.returncode, done.stderr.strip()), (0, "stored"), "receipt")
+            check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "receipt")
         receiver_start(processes, domain, out / "record")
         lines = wait_for(lambda: len(record_lines(out / "record")) == 3 and
                          record_lines(out / "record"), 5, "three mails")
@@ -70,7 +70,7 @@ def test_receipts_and_exit_codes():
         receiver_start(processes, domain, out / "record")
         wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
         done = muster("send", "receiver", "hello", "--domain", domain)
-        check_equal((done.returncode, done.stderr.strip()), (0, "delivered"), "a live receiver")
+        check_equal((done.returncode, done.stdout.strip()), (0, "delivered"), "a live receiver")
         done = muster("send", "nobody", "hello", "--domain", domain)
         check_equal(done.returncode, 7, "a name that was never registered")
         check("unknown-name" in done.stderr, done.stderr)
@@ -137,7 +137,7 @@ def test_a_stopped_receiver_is_absent_and_comes_back():
         os.kill(receiver.pid, signal.SIGSTOP)
         wait_for(lambda: members(domain)["receiver"]["state"] == "absent", 5, "absence")
         done = muster("send", "receiver", "later", "--domain", domain)
-        check_equal((done.returncode, done.stderr.strip()), (0, "stored"), "receipt")
+        check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "receipt")
         os.kill(receiver.pid, signal.SIGCONT)
         wait_for(lambda: record_lines(out / "record"), 5, "the mail that waited")
         wait_for(lambda: members(domain)["receiver"]["state"] == "running", 5, "presence")
@@ -155,7 +155,7 @@ def test_a_broker_that_is_killed_is_replaced_and_agents_register_by_themselves()
         broker_start(processes, domain)
         wait_for(lambda: "receiver" in members(domain), 15, "the receiver, by itself")
         done = muster("send", "receiver", "after", "--domain", domain)
-        check_equal((done.returncode, done.stderr.strip()), (0, "delivered"), "receipt")
+        check_equal((done.returncode, done.stdout.strip()), (0, "delivered"), "receipt")
         check_equal([line.split()[2] for line in record_lines(out / "record")],
                     ["before", "after"], "the receiver's mail")
 

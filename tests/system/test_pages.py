@@ -62,7 +62,7 @@ def test_what_the_broker_refuses_is_told():
         check_equal(muster("send", "seeker", "create", "--domain", domain).returncode, 0, "mail")
         heard(out, "seeker", "refused group-create scouts group-exists")
         done = muster("send", "group:scouts", "hello", "--domain", domain)
-        check_equal((done.returncode, done.stderr.strip()), (0, "delivered"), "mail to the group")
+        check_equal((done.returncode, done.stdout.strip()), (0, "delivered"), "mail to the group")
         heard(out, "seeker", "mail operator hello")
         for nobody in ("group:nobody", "role:nobody"):
             done = muster("send", nobody, "hello", "--domain", domain)

@@ -88,7 +88,7 @@ def test_a_broker_outlives_a_run():
             check_equal(simulator.wait(30), 0, f"the simulator of the {life} run")
             check_equal(robot.wait(10), 0, f"the robot of the {life} run")
             done = muster("send", "red", "later", "--domain", domain)
-            check_equal((done.returncode, done.stderr.strip()), (0, "stored"), "mail afterwards")
+            check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "mail afterwards")
 
 
 def test_free_running_survives_a_robot():

@@ -67,13 +67,13 @@ def test_what_became_of_it_is_said_and_is_the_exit_code():
         gone.terminate()
         gone.wait()
         for words, want in (
-                (("ann", "tell"), (0, "", "delivered\n")),
+                (("ann", "tell"), (0, "delivered\n", "")),
                 (("ann", "tell", "--quiet"), (0, "", "")),
-                (("bob", "tell"), (0, "", "stored\n")),
+                (("bob", "tell"), (0, "stored\n", "")),
                 (("bob", "tell", "-q"), (0, "", "")),
                 (("bob", "tell", "--ttl", 0.2, "--wait", 10),
                  (8, "", "muster: to bob: expired\n")),
-                (("ann", "tell", "--as", "carl"), (0, "", "delivered\n"))):
+                (("ann", "tell", "--as", "carl"), (0, "delivered\n", ""))):
             done = send(domain, *words)
             check_equal((done.returncode, done.stdout, done.stderr), want, f"{words}")
         for to in ("nobody", "group:nobody", "role:nobody", "ann,nobody"):
