@@ -192,7 +192,7 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
     d->full_sync = true;
     bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
                  (!is_new || disk_run(d, schema)) && incarnation_begin(d, wall_ns) &&
-                 statements_prepare(d);
+                 statements_prepare(d) && sqlite3_db_release_memory(d->db) == SQLITE_OK;
     sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
     return begun ? MU_OK : complain_of(d);
 }

@@ -4,20 +4,39 @@
 
 #include "muster/result.h"
 
+#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 static bool memory_sealed;
 
 /* There in programs built with a leak checker: this memory is meant to be kept. */
 void __lsan_ignore_object(const void *p) __attribute__((weak));
 
+/* What is larger than a page comes from the system itself: a heap would clear some of it, and what
+ * is never used is never to be there.  The heap of a checker sees what runs over. */
+#ifdef __SANITIZE_ADDRESS__
+enum { PAGES_FROM = INT_MAX };
+#else
+enum { PAGES_FROM = 4096 };
+#endif
+
+static void *memory_take(size_t bytes)
+{
+    if (bytes < PAGES_FROM) {
+        return calloc(1, bytes ? bytes : 1);
+    }
+    void *p = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return p == MAP_FAILED ? NULL : p;
+}
+
 void *mu_startup_array(size_t count, size_t bytes)
 {
     MU_ASSERT(!memory_sealed);
     MU_ASSERT(bytes == 0 || count <= SIZE_MAX / bytes);
-    void *p = calloc(count ? count : 1, bytes ? bytes : 1);
+    void *p = memory_take(count * bytes);
     MU_ASSERT(p);
     if (__lsan_ignore_object) {
         __lsan_ignore_object(p);
