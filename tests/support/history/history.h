@@ -33,6 +33,7 @@ enum {
     GROUPS = 4,
     SERVICES = 3,
     MAILS = 2048,
+    LIVES = 2048, /* of agents */
     OUTBOX = 40,
     TAKEN = 256,
     QUEUE = 6, /* Ups, or Deliveries, on their way to or from a process */
@@ -81,7 +82,6 @@ struct entry {
     bool may_drop;       /* a box that it is for drops mail */
     bool vague;          /* a later life said how it ended, which that life cannot know */
     /* at its sender */
-    bool superseded; /* somebody else has sent under its name since */
     bool stored, told;
     uint32_t told_life, stored_life; /* of the broker that said so */
     bool closed;                     /* nobody is to get it any more */
@@ -217,7 +217,8 @@ struct history {
     struct entry ledger[MAILS];
     uint32_t mails;
     struct book book, book_on_disk;
-    uint32_t heard_life[NAMES]; /* the last sender of that name whose mail was new */
+    bool contested[LIVES]; /* senders whose name another one had while they lived: their numbers
+                              are not theirs alone */
     struct {
         uint64_t taken, receipts, kills, repeats, again, expired, dropped, refused;
     } seen; /* that the history was worth something */

@@ -35,6 +35,7 @@ void agent_join(struct process *p, int seat, int name)
     a->name = name;
     a->first_seq = a->next_seq = 1;
     a->life = ++history.sender_lives;
+    HOLD(a->life < LIVES);
     a->state = muster_STATE_RUNNING;
     a->policy = history_chance(6) ? muster_BOX_DROP_OLDEST : muster_BOX_REFUSE_NEW;
     a->box_mails = history_chance(6) ? 6 + history_roll(10) : 0;
@@ -125,6 +126,18 @@ static void mails_again(struct actor *a)
 
 /* --- what it is told -------------------------------------------------------------------------- */
 
+/* Two may live with one name while the network has lost one of them. */
+static void contest(const struct actor *a)
+{
+    for (int i = 0; i < PROCESSES * SEATS; i++) {
+        const struct process *p = &history.processes[i / SEATS];
+        const struct actor *other = &p->seats[i % SEATS];
+        if (p->alive && other != a && other->name == a->name && other->begun) {
+            history.contested[other->life] = history.contested[a->life] = true;
+        }
+    }
+}
+
 static void verdict_take(struct process *p, struct actor *a, bool accepted, uint64_t last_seq,
                          uint64_t incarnation)
 {
@@ -143,6 +156,7 @@ static void verdict_take(struct process *p, struct actor *a, bool accepted, uint
         a->earlier_end = a->next_seq;
     }
     a->incarnation = incarnation;
+    contest(a);
     if (a->first_seq >= a->earlier_end) {
         numbers_continue(a, last_seq);
     }

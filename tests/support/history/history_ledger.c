@@ -61,9 +61,8 @@ static bool box_may_drop(names to)
 /* It said that it has had the mail: it must have. */
 static void ledger_repeated(struct entry *e, bool again)
 {
-    if (e->sender_life < history.heard_life[e->src]) {
-        e->superseded = true; /* the number is that of another one's mail */
-        return;
+    if (history.contested[e->sender_life]) {
+        return; /* the number may be that of another one's mail */
     }
     HOLD(e->accepted > 0);
     if (e->life != history.life.number) {
@@ -80,7 +79,6 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
     uint32_t unknown = ledger_audience(e, &to);
     uint64_t no_store = is->no_store - was->no_store, refused = is->refused - was->refused;
     HOLD(e->life != history.life.number); /* new once in a life */
-    history.heard_life[e->src] = e->sender_life;
     e->accepted++;
     e->life = history.life.number;
     e->undone = no_store > 0;
@@ -91,6 +89,7 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
     HOLD(!no_store || e->level != muster_LEVEL_RAM);
     if (e->to == TO_BROKER) {
         HOLD(is->sent == was->sent + 1 + (e->asks == ASK_FIND));
+        e->refused_some = false; /* that was the answer */
         e->answer = e->asks == ASK_FIND && e->accepted == 1 ? book_answer(e->key) : 0;
         book_change(e);
         return;
@@ -149,7 +148,7 @@ static void check_order(struct actor *a, const struct entry *e, const struct par
     if (e->due_ns >= 0) {
         return; /* has its own time */
     }
-    bool late = e->sender_life < *life || (e->sender_life == *life && p->seq < *seq);
+    bool late = e->sender_life == *life && p->seq < *seq;
     HOLD(!late || p->again);
     if (!late) {
         *life = e->sender_life;
@@ -213,8 +212,8 @@ static void check_told(const struct entry *e, muster_Outcome result)
 void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t life)
 {
     struct entry *e = entry_of(a, seq);
-    if (!e || result == muster_OUTCOME_DUPLICATE) {
-        return; /* of an earlier sender of that name; or its real outcome comes apart */
+    if (!e || result == muster_OUTCOME_DUPLICATE || history.contested[a->life]) {
+        return; /* of another sender of that name; or its real outcome comes apart */
     }
     history_note("%s hears %d of #%lu", history_name(a->name), (int)result,
                  (unsigned long)(e - history.ledger));
@@ -254,7 +253,10 @@ void ledger_check_end(void)
         bool may_end = e->refused_some || e->undone || e->may_drop || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
         bool kept_word = !kept || may_end || !(e->live & ~e->taken);
-        bool had_word = !sender_is_there(e) || e->told || lost || e->vague || e->superseded;
+        bool had_word = !sender_is_there(e) || e->told || lost || e->vague;
+        if (history.contested[e->sender_life]) {
+            continue;
+        }
         if (!kept_word || !had_word) {
             history_note("#%lu of %s: live %x taken %x", (unsigned long)i, history_name(e->src),
                          e->live, e->taken);
