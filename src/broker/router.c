@@ -459,11 +459,11 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     }
 }
 
-/* @return whether it went out to an earlier life of the broker, and now comes after newer mail: the
- * sender had not heard of this life when it sent that */
+/* @return whether it comes after newer mail: it was lost on a cut, or went out to an earlier life of
+ * the broker and the sender had not heard of this one when it sent the newer */
 static bool is_late(const struct agent *a, const muster_Mail *letter)
 {
-    return letter->again && letter->seq < a->begun_seq;
+    return letter->again && letter->seq > a->missed_seq && letter->seq < a->missed_end;
 }
 
 /* Has the broker had this mail before?  What an earlier life of it has had is known of durable mail
@@ -473,10 +473,10 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
 {
     const struct agent *a = &b->registry.agents[sender];
     *outcome = muster_OUTCOME_DUPLICATE;
-    if (letter->seq <= (is_late(a, letter) ? a->late_seq : a->seen_seq)) {
+    if (letter->seq <= a->seen_seq && !is_late(a, letter)) {
         return true;
     }
-    uint64_t durable_seq = a->begun_seq ? a->durable_then : a->durable_seq;
+    uint64_t durable_seq = a->missed_end ? a->durable_then : a->durable_seq;
     if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > durable_seq) {
         return false;
     }
@@ -488,12 +488,15 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
 static void seq_note(struct agent *a, const muster_Mail *letter)
 {
     if (is_late(a, letter)) {
-        a->late_seq = letter->seq;
+        a->missed_seq = letter->seq;
         return;
     }
-    if (a->begun_seq == 0) {
-        a->begun_seq = letter->seq;
+    if (a->missed_end == 0) {
         a->durable_then = a->durable_seq;
+    }
+    if (a->missed_end == 0 || letter->seq > a->seen_seq + 1) {
+        a->missed_seq = a->seen_seq;
+        a->missed_end = letter->seq;
     }
     a->seen_seq = letter->seq;
 }

@@ -130,6 +130,7 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
         meet_other_broker(a);
     }
     a->broker_incarnation = v->broker_incarnation;
+    a->in_order = false; /* another one may have had the name, and mail, meanwhile */
     /* last_seq is of all lives of the broker: it says where a new sender begins, and nothing of
      * what the broker still knows.  What an earlier one may have had keeps its numbers. */
     if (a->outbox.first_seq >= a->earlier_end) {

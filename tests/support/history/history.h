@@ -79,7 +79,6 @@ struct entry {
     bool refused_some;   /* a box or the store had no room */
     bool forbidden_some; /* a directive */
     bool undone;         /* the disk did not take it */
-    bool may_drop;       /* a box that it is for drops mail */
     bool vague;          /* a later life said how it ended, which that life cannot know */
     /* at its sender */
     bool stored, told;
@@ -210,6 +209,7 @@ struct history {
     bool has_store, loses; /* the network refuses deliveries now and then */
     uint32_t box_mails;
     muster_BoxPolicy box_policy;
+    names drops; /* whose box has dropped mail when it was full, in some life of theirs */
     uint32_t lives, sender_lives; /* begun */
     bool is_quiet;
     struct life life;

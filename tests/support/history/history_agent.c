@@ -38,6 +38,7 @@ void agent_join(struct process *p, int seat, int name)
     HOLD(a->life < LIVES);
     a->state = muster_STATE_RUNNING;
     a->policy = history_chance(6) ? muster_BOX_DROP_OLDEST : muster_BOX_REFUSE_NEW;
+    history.drops |= a->policy ? 1u << name : 0;
     a->box_mails = history_chance(6) ? 6 + history_roll(10) : 0;
     p->registration_due = true;
     history_note("%s joins in %s", history_name(name), p->name);
@@ -132,7 +133,8 @@ static void contest(const struct actor *a)
     for (int i = 0; i < PROCESSES * SEATS; i++) {
         const struct process *p = &history.processes[i / SEATS];
         const struct actor *other = &p->seats[i % SEATS];
-        if (p->alive && other != a && other->name == a->name && other->begun) {
+        if (p->alive && other != a && other->name == a->name &&
+            (other->begun || other->registered)) {
             history.contested[other->life] = history.contested[a->life] = true;
         }
     }
@@ -151,11 +153,11 @@ static void verdict_take(struct process *p, struct actor *a, bool accepted, uint
     }
     if (a->incarnation != 0 && a->incarnation != incarnation) {
         a->last_number = a->acked_number = 0;
-        a->in_order = false;
         mails_again(a);
         a->earlier_end = a->next_seq;
     }
     a->incarnation = incarnation;
+    a->in_order = false;
     contest(a);
     if (a->first_seq >= a->earlier_end) {
         numbers_continue(a, last_seq);
@@ -175,6 +177,10 @@ static bool ring_has(const struct actor *a, int src, uint64_t seq)
 
 static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
 {
+    if (p->number <= a->last_number || (a->in_order && p->number != a->last_number + 1)) {
+        history_note("%s does not take %llu after %llu", history_name(a->name),
+                     (unsigned long long)p->number, (unsigned long long)a->last_number);
+    }
     if (p->number <= a->last_number) {
         a->acked_number = 0; /* our acknowledgement was lost */
         return;
@@ -201,6 +207,8 @@ void process_take(struct process *p)
     for (uint32_t i = 0; i < d->verdicts_count; i++) {
         struct actor *a = process_agent(p, d->verdicts[i].name);
         if (a) {
+            history_note("%s in %s: %s", history_name(a->name), p->name,
+                         d->verdicts[i].accepted ? "accepted" : "refused");
             verdict_take(p, a, d->verdicts[i].accepted, d->verdicts[i].last_seq,
                          d->verdicts[i].incarnation);
         }
@@ -220,7 +228,7 @@ void process_take(struct process *p)
     }
     for (uint32_t i = 0; i < d->parcels_count; i++) {
         struct actor *a = process_agent(p, d->parcels[i].box);
-        if (a && !a->refused) {
+        if (a && !a->leaving) {
             parcel_take(a, &d->parcels[i], d->life);
         }
     }

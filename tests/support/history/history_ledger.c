@@ -46,14 +46,9 @@ uint32_t ledger_audience(const struct entry *e, names *to)
     return unknown + (e->to == TO_GROUP && !history.book.exists[e->key]);
 }
 
-static bool box_may_drop(names to)
+static bool may_drop(const struct entry *e)
 {
-    bool may = history.box_policy != muster_BOX_REFUSE_NEW;
-    for (int i = 0; i < PROCESSES * SEATS; i++) {
-        const struct actor *a = &history.processes[i / SEATS].seats[i % SEATS];
-        may = may || (a->name != NOBODY && to & 1u << a->name && a->policy);
-    }
-    return may;
+    return history.box_policy != muster_BOX_REFUSE_NEW || e->expected & history.drops;
 }
 
 /* --- at the broker ---------------------------------------------------------------------------- */
@@ -104,7 +99,6 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
         e->live = 0;
     }
     e->expected |= refused > 0 && refused < count(to) ? to : e->live;
-    e->may_drop = e->may_drop || box_may_drop(e->live);
 }
 
 void ledger_offer(uint32_t mail, bool again, const muster_BrokerStatus *was,
@@ -191,7 +185,7 @@ static struct entry *entry_of(const struct actor *a, uint64_t seq)
 /* What is told can be so. */
 static void check_told(const struct entry *e, muster_Outcome result)
 {
-    bool vague = e->vague && (e->may_drop || e->ttl_ns || e->refused_some || e->undone ||
+    bool vague = e->vague && (may_drop(e) || e->ttl_ns || e->refused_some || e->undone ||
                               e->forbidden_some || e->unknown_some);
     switch (result) {
     case muster_OUTCOME_DELIVERED:
@@ -199,7 +193,7 @@ static void check_told(const struct entry *e, muster_Outcome result)
         HOLD(vague || !(e->refused_some || e->undone || e->forbidden_some || e->unknown_some));
         break;
     case muster_OUTCOME_EXPIRED: HOLD(e->ttl_ns > 0); break;
-    case muster_OUTCOME_DROPPED: HOLD(e->may_drop); break;
+    case muster_OUTCOME_DROPPED: HOLD(may_drop(e)); break;
     case muster_OUTCOME_BOX_FULL: HOLD(e->refused_some); break;
     case muster_OUTCOME_UNKNOWN_NAME: HOLD(e->unknown_some); break;
     case muster_OUTCOME_REFUSED: HOLD(e->forbidden_some); break;
@@ -227,7 +221,8 @@ void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t 
         e->stored_life = life;
         return;
     }
-    HOLD(!e->told || e->told_life != life); /* one last word in a life */
+    /* One last word in a life, or the same once more for who has asked again. */
+    HOLD(!e->told || e->told_life != life || (e->vague && result == muster_OUTCOME_DELIVERED));
     if (life == e->life || e->vague) {
         check_told(e, result);
     }
@@ -250,7 +245,7 @@ void ledger_check_end(void)
     for (uint32_t i = 0; i < history.mails; i++) {
         const struct entry *e = &history.ledger[i];
         bool kept = e->accepted > 0 && (e->committed || e->life == history.life.number);
-        bool may_end = e->refused_some || e->undone || e->may_drop || e->ttl_ns || e->forbidden_some;
+        bool may_end = e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
         bool kept_word = !kept || may_end || !(e->live & ~e->taken);
         bool had_word = !sender_is_there(e) || e->told || lost || e->vague;
