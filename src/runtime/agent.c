@@ -124,10 +124,19 @@ static void meet_other_broker(struct mu_agent *a)
     a->earlier_end = a->outbox.next_seq;
 }
 
+/* The broker had lost it for a while, and perhaps what it sent then. */
+static void meet_broker_again(struct mu_agent *a)
+{
+    outbox_again(&a->outbox);
+    a->earlier_end = a->outbox.next_seq;
+}
+
 static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
         meet_other_broker(a);
+    } else if (a->registered) {
+        meet_broker_again(a);
     }
     a->broker_incarnation = v->broker_incarnation;
     a->in_order = false; /* another one may have had the name, and mail, meanwhile */

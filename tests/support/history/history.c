@@ -10,6 +10,8 @@
 
 enum { NOTES = 48, NOTE_BYTES = 160, QUIET_ROUNDS = 4000 };
 
+#define PATIENCE_NS (100000 * MS) /* who is not done by then never will be */
+
 struct history history;
 
 static struct mu_random dice;
@@ -186,7 +188,16 @@ static bool all_is_done(void)
         const struct process *p = &history.processes[i];
         done = done && p->ups_count == 0 && p->deliveries_count == 0;
         for (int seat = 0; seat < SEATS; seat++) {
-            done = done && agent_is_done(&p->seats[seat]);
+            bool is_done = agent_is_done(&p->seats[seat]);
+            if (!is_done && history.now_ns > PATIENCE_NS) {
+                const struct actor *a = &p->seats[seat];
+                history_note("%s in %s: registered %d, %lu mails from %llu, taken %llu, acked %llu",
+                             history_name(a->name), p->name, a->registered,
+                             (unsigned long)a->waiting, (unsigned long long)a->first_seq,
+                             (unsigned long long)a->last_number,
+                             (unsigned long long)a->acked_number);
+            }
+            done = done && is_done;
         }
     }
     return done;

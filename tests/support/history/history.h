@@ -217,6 +217,7 @@ struct history {
     struct entry ledger[MAILS];
     uint32_t mails;
     struct book book, book_on_disk;
+    bool cut[LIVES];       /* senders that were absent once: who is absent is told nothing */
     bool contested[LIVES]; /* senders whose name another one had while they lived: their numbers
                               are not theirs alone */
     struct {

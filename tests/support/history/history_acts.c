@@ -44,18 +44,6 @@ static void act_leave(void)
     }
 }
 
-static void seats_clear(void)
-{
-    for (int i = 0; i < PROCESSES * SEATS; i++) {
-        struct process *p = &history.processes[i / SEATS];
-        struct actor *a = &p->seats[i % SEATS];
-        if (a->leaving && !p->registration_due) {
-            a->name = NOBODY;
-            a->leaving = a->registered = false;
-        }
-    }
-}
-
 static void act_crash(void)
 {
     struct process *p = any_process();
@@ -76,6 +64,9 @@ static void act_cut(void)
         history_note("%s is cut off", p->name);
         p->reaches = false;
         p->ups_count = 0;
+        for (int seat = 0; seat < SEATS; seat++) {
+            history.cut[p->seats[seat].life] = true;
+        }
         net_lose(p, true);
     }
 }
@@ -218,5 +209,4 @@ void acts_one(void)
         act_send, act_send, act_send,  act_send,  act_send, act_send, act_send,    act_send,
         act_send, act_kill, act_begin, act_begin, act_disk, act_send, act_nonsense};
     acts[history_roll(sizeof acts / sizeof acts[0])]();
-    seats_clear();
 }

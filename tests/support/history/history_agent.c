@@ -147,12 +147,16 @@ static void verdict_take(struct process *p, struct actor *a, bool accepted, uint
         a->refused = !accepted;
         p->registration_due = true;
     }
+    bool was_registered = a->registered;
     a->registered = accepted;
     if (!accepted) {
         return;
     }
     if (a->incarnation != 0 && a->incarnation != incarnation) {
         a->last_number = a->acked_number = 0;
+        was_registered = true;
+    }
+    if (was_registered) { /* what it has sent may be lost */
         mails_again(a);
         a->earlier_end = a->next_seq;
     }

@@ -248,7 +248,8 @@ void ledger_check_end(void)
         bool may_end = e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
         bool kept_word = !kept || may_end || !(e->live & ~e->taken);
-        bool had_word = !sender_is_there(e) || e->told || lost || e->vague;
+        bool had_word = !sender_is_there(e) || e->told || lost || e->vague ||
+                        history.cut[e->sender_life];
         if (history.contested[e->sender_life]) {
             continue;
         }

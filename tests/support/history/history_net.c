@@ -32,6 +32,13 @@ void net_register(struct process *p)
     r.agents._length = r.agents._maximum = SEATS;
     p->registration_due = false;
     broker_registration(history.life.b, &r, life_now_ns());
+    for (int seat = 0; seat < SEATS; seat++) {
+        struct actor *a = &p->seats[seat];
+        if (a->leaving) { /* it has said so */
+            a->name = NOBODY;
+            a->leaving = a->registered = false;
+        }
+    }
 }
 
 void net_match(void)
