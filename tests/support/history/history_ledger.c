@@ -206,8 +206,13 @@ static void check_told(const struct entry *e, muster_Outcome result)
 void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t life)
 {
     struct entry *e = entry_of(a, seq);
-    if (!e || result == muster_OUTCOME_DUPLICATE || history.contested[a->life]) {
-        return; /* of another sender of that name; or its real outcome comes apart */
+    if (!e || history.contested[a->life]) {
+        return; /* of another sender of that name */
+    }
+    if (result == muster_OUTCOME_DUPLICATE) { /* its real outcome is still to come, */
+        e->stored = true;                     /* unless the broker dies before */
+        e->stored_life = life;
+        return;
     }
     history_note("%s hears %d of #%lu", history_name(a->name), (int)result,
                  (unsigned long)(e - history.ledger));
