@@ -207,7 +207,8 @@ static void members_fill(struct broker *b, const struct place *at, muster_Delive
     if (at->version_had >= upto) {
         return;
     }
-    /* With its first agent it learns which broker this is, and forgets what another one has told. */
+    /* With its first agent it learns which broker this is, and forgets what another one has told.
+     */
     if (at->agents_count == 0 && !b->courier.open_lockstep) {
         b->courier.open_version = at->version_had;
         return;

@@ -459,8 +459,8 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     }
 }
 
-/* @return whether it comes after newer mail: it was lost on a cut, or went out to an earlier life of
- * the broker and the sender had not heard of this one when it sent the newer */
+/* @return whether it comes after newer mail: it was lost on a cut, or went out to an earlier life
+ * of the broker and the sender had not heard of this one when it sent the newer */
 static bool is_late(const struct agent *a, const muster_Mail *letter)
 {
     return letter->again && letter->seq > a->missed_seq && letter->seq < a->missed_end;

@@ -24,7 +24,7 @@ static const uint64_t SECOND_NS = 1000000000;
 
 static struct {
     uint64_t histories, mails, taken, receipts, kills, repeats, again, expired, dropped, refused;
-} *sum; /* shared with the histories */
+} * sum; /* shared with the histories */
 
 static void abort_explain(int number)
 {
@@ -100,8 +100,7 @@ static void test_histories(void)
 int main(void)
 {
     CU_TestInfo tests[] = {{"random histories", test_histories}, CU_TEST_INFO_NULL};
-    CU_SuiteInfo suites[] = {{"broker/history", NULL, NULL, NULL, NULL, tests},
-                             CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"broker/history", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
     CU_initialize_registry();
     CU_register_suites(suites);
     CU_basic_set_mode(CU_BRM_NORMAL);

@@ -217,6 +217,9 @@ struct history {
     struct entry ledger[MAILS];
     uint32_t mails;
     struct book book, book_on_disk;
+    uint32_t hasty[LIVES]; /* the life of the broker to which a sender spoke before it had heard of
+                              it: should that die, too, a later one takes what it never had for
+                              what it knew */
     bool cut[LIVES];       /* senders that were absent once: who is absent is told nothing */
     bool contested[LIVES]; /* senders whose name another one had while they lived: their numbers
                               are not theirs alone */
@@ -233,8 +236,7 @@ void history_note(const char *format, ...) __attribute__((format(printf, 1, 2)))
 /** Prints the seed and what happened last, and ends the process. */
 _Noreturn void history_fail(const char *what, const char *file, int line);
 
-#define HOLD(condition) \
-    ((condition) ? (void)0 : history_fail(#condition, __FILE__, __LINE__))
+#define HOLD(condition) ((condition) ? (void)0 : history_fail(#condition, __FILE__, __LINE__))
 
 /** Lives one history through.  Returns if all promises were kept. */
 void history_live(uint64_t seed, uint32_t steps);

@@ -108,7 +108,7 @@ static void mail_ask(struct entry *e)
 
 static void mail_address(struct entry *e)
 {
-    static const enum to_whom kinds[] = {TO_NAMES, TO_NAMES, TO_NAMES, TO_NAMES, TO_NAMES,
+    static const enum to_whom kinds[] = {TO_NAMES, TO_NAMES,  TO_NAMES, TO_NAMES, TO_NAMES,
                                          TO_ALL,   TO_ROBOTS, TO_GROUP, TO_GROUP};
     e->to = kinds[history_roll(9)];
     e->key = (int)history_roll(GROUPS);

@@ -59,10 +59,12 @@ static void ledger_repeated(struct entry *e, bool again)
     if (history.contested[e->sender_life]) {
         return; /* the number may be that of another one's mail */
     }
-    HOLD(e->accepted > 0);
+    uint32_t hasty = history.hasty[e->sender_life];
+    HOLD(e->accepted > 0 || (hasty && hasty < history.life.number));
     if (e->life != history.life.number) {
         HOLD(again && e->level != muster_LEVEL_RAM);
-        HOLD(e->committed || e->undone || e->refused_some || e->to == TO_BROKER || e->live == 0);
+        HOLD(hasty || e->committed || e->undone || e->refused_some || e->to == TO_BROKER ||
+             e->live == 0);
         e->vague = true;
     }
 }
@@ -73,6 +75,10 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
     names to;
     uint32_t unknown = ledger_audience(e, &to);
     uint64_t no_store = is->no_store - was->no_store, refused = is->refused - was->refused;
+    const struct actor *a = agent_of(e->src);
+    if (a && a->life == e->sender_life && a->incarnation != history.life.incarnation) {
+        history.hasty[e->sender_life] = history.life.number;
+    }
     HOLD(e->life != history.life.number); /* new once in a life */
     e->accepted++;
     e->life = history.life.number;
@@ -214,6 +220,9 @@ void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t 
         e->stored_life = life;
         return;
     }
+    if (e->accepted == 0 && history.hasty[a->life]) {
+        return;
+    }
     history_note("%s hears %d of #%lu", history_name(a->name), (int)result,
                  (unsigned long)(e - history.ledger));
     history.seen.receipts++;
@@ -250,11 +259,13 @@ void ledger_check_end(void)
     for (uint32_t i = 0; i < history.mails; i++) {
         const struct entry *e = &history.ledger[i];
         bool kept = e->accepted > 0 && (e->committed || e->life == history.life.number);
-        bool may_end = e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
+        bool may_end =
+            e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
         bool kept_word = !kept || may_end || !(e->live & ~e->taken);
         bool had_word = !sender_is_there(e) || e->told || lost || e->vague ||
-                        history.cut[e->sender_life];
+                        history.cut[e->sender_life] ||
+                        (e->accepted == 0 && history.hasty[e->sender_life]);
         if (history.contested[e->sender_life]) {
             continue;
         }

@@ -33,9 +33,8 @@ bool life_member(int name, muster_Member *out)
 /* Somebody simulates freely all the while, so that there is a time of the run. */
 static void run_begin(void)
 {
-    muster_Roster r = {.simulator = history_words("sim"),
-                       .step = (int64_t)(history.now_ns / MS),
-                       .step_ns = MS};
+    muster_Roster r = {
+        .simulator = history_words("sim"), .step = (int64_t)(history.now_ns / MS), .step_ns = MS};
     broker_roster(history.life.b, &r, life_now_ns());
 }
 

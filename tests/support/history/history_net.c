@@ -20,13 +20,13 @@ void net_register(struct process *p)
     for (int seat = 0; seat < SEATS; seat++) {
         const struct actor *a = &p->seats[seat];
         bool said = a->name != NOBODY && !a->refused;
-        entries[seat] = (muster_Entry){
-            .name = history_words(said ? history_name(a->name) : ""),
-            .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
-            .state = said && !a->leaving ? a->state : muster_STATE_ABSENT,
-            .full = a->policy,
-            .box_mails = a->box_mails,
-            .home = history_words("")};
+        entries[seat] =
+            (muster_Entry){.name = history_words(said ? history_name(a->name) : ""),
+                           .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
+                           .state = said && !a->leaving ? a->state : muster_STATE_ABSENT,
+                           .full = a->policy,
+                           .box_mails = a->box_mails,
+                           .home = history_words("")};
     }
     r.agents._buffer = entries;
     r.agents._length = r.agents._maximum = SEATS;
@@ -88,8 +88,8 @@ static void dst_of(const struct entry *e, char *to, size_t size)
     }
     for (int name = 0; name < NAMES; name++) {
         if (e->addressed & 1u << name) {
-            len += (size_t)snprintf(to + len, size - len, "%s%s", len ? "," : "",
-                                    history_name(name));
+            len +=
+                (size_t)snprintf(to + len, size - len, "%s%s", len ? "," : "", history_name(name));
         }
     }
     if (e->to_unknown) {
@@ -152,8 +152,8 @@ static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, 
         HOLD(life_status().malformed == was.malformed + 1 && life_status().sent == was.sent);
         return;
     }
-    history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)seq,
-                 (unsigned long)mail, dst, again ? " again" : "", m.performative, content);
+    history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)seq, (unsigned long)mail,
+                 dst, again ? " again" : "", m.performative, content);
     broker_up(history.life.b, &up, life_now_ns());
     muster_BrokerStatus is = life_status();
     ledger_offer(mail, again, &was, &is);
@@ -161,8 +161,7 @@ static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, 
 
 static void feed_ack(const struct process *p, int name, uint64_t number, uint64_t handed)
 {
-    muster_Ack ack = {
-        .box = history_words(history_name(name)), .number = number, .handed = handed};
+    muster_Ack ack = {.box = history_words(history_name(name)), .number = number, .handed = handed};
     muster_Up up = {.process = history_words(p->name), .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
     history_note("%s has up to %llu", ack.box, (unsigned long long)number);

@@ -5,6 +5,7 @@
 #include "broker/journal.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { ROWS = MAILS, LINES = 256, TEXT = 128 };
@@ -87,8 +88,7 @@ static void write_gone(const struct journal_entry *e)
 {
     uint32_t first = row_find(e->row), end = row_find(e->last_row + 1);
     HOLD(end - first == e->last_row - e->row + 1);
-    memmove(&disk.rows[first], &disk.rows[end],
-            (disk.rows_count - end) * sizeof disk.rows[0]);
+    memmove(&disk.rows[first], &disk.rows[end], (disk.rows_count - end) * sizeof disk.rows[0]);
     disk.rows_count -= end - first;
 }
 
@@ -143,7 +143,16 @@ void platter_commit(void)
 
 static void restore(const struct journal_entry *e)
 {
-    HOLD(journal_restore(history.life.b, e));
+    bool taken = journal_restore(history.life.b, e);
+    if (!taken) {
+        history_note("entry of kind %d, of %s/%llu for %s, is not taken", (int)e->kind,
+                     e->letter.src ? e->letter.src : "", (unsigned long long)e->letter.seq,
+                     e->waiting ? e->waiting : "");
+    }
+    bool is_mail = e->kind == JOURNAL_MAIL;
+    uint32_t mail = is_mail ? (uint32_t)strtoul(e->letter.content, NULL, 10) : 0;
+    /* Two of one name can have given two mails one number. */
+    HOLD(taken || (is_mail && history.contested[history.ledger[mail].sender_life]));
 }
 
 static void restore_bearers(void)
