@@ -219,6 +219,8 @@ static void check_holders(void)
                 HOLD(m.state == a->state);
             }
         }
+        history_note("%s is in %s, state %d, with %lu holders", history_name(name),
+                     known ? m.process : "-", known ? (int)m.state : 0, (unsigned long)holders);
         HOLD(holders <= 1);
         HOLD(holders == 1 || !known || m.state == muster_STATE_ABSENT);
     }

@@ -71,7 +71,8 @@ struct entry {
     /* at the broker */
     uint32_t accepted; /* how often it was new to a life of the broker */
     uint32_t life;     /* the last one that took it as new, or on whose disk it is */
-    names expected;    /* whoever may have it */
+    names meant;       /* all for whom it was, ever */
+    names expected;    /* of them, whoever may have it */
     names live;        /* of the last time that it was new: they are to have it */
     names taken;
     bool committed;      /* it was on the disk once */

@@ -48,7 +48,7 @@ uint32_t ledger_audience(const struct entry *e, names *to)
 
 static bool may_drop(const struct entry *e)
 {
-    return history.box_policy != muster_BOX_REFUSE_NEW || e->expected & history.drops;
+    return history.box_policy != muster_BOX_REFUSE_NEW || e->meant & history.drops;
 }
 
 /* --- at the broker ---------------------------------------------------------------------------- */
@@ -100,6 +100,7 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
     /* A directive for nobody is refused once if its sender may direct nobody. */
     HOLD(is->sent == was->sent + count(to) + unknown + (to ? 0 : refused));
     HOLD(no_store || is->unknown_name == was->unknown_name + unknown);
+    e->meant |= to;
     e->live = no_store || refused ? 0 : to;
     if (e->refused_some && count(to) == 1) {
         e->live = 0;
