@@ -478,27 +478,6 @@ static void test_mail_that_came_through_another_broker(void)
     expect("red#9004 new; ");
 }
 
-/* The network had lost it for a while, and another one had its name and some of its mail. */
-static void test_a_broker_that_lost_it_for_a_while(void)
-{
-    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
-    verdict_deliver(verdict("red", 5, 0), "red welcome; ");
-    expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
-    for (int i = 0; i < 3; i++) {
-        CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
-    }
-    outbox_sent(&red->outbox, 2);
-    parcel("red", 7, "", "after theirs");
-    parcel("red", 9, "", "too far");
-    verdict_deliver(verdict("red", 5, 20), "red#7 after theirs; ");
-    CU_ASSERT_EQUAL(red->outbox.unsent_seq, 1); /* all that has no answer goes out again, */
-    CU_ASSERT_EQUAL(red->outbox.first_seq, 1);  /* under its own numbers */
-    const muster_Up *up = answer(NULL);
-    CU_ASSERT_EQUAL_FATAL(up->acts._buffer[0].mails._length, 3);
-    CU_ASSERT_TRUE(up->acts._buffer[0].mails._buffer[1].again);
-    CU_ASSERT_FALSE(up->acts._buffer[0].mails._buffer[2].again);
-}
-
 static void test_receipts_for_an_earlier_process_of_that_name(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
@@ -787,7 +766,6 @@ int main(void)
         {"a verdict goes on counting", test_a_verdict_goes_on_counting},
         {"another broker begins anew", test_another_broker_begins_anew},
         {"a broker that is back", test_a_broker_that_is_back_renumbers_nothing},
-        {"a broker that lost it for a while", test_a_broker_that_lost_it_for_a_while},
         {"mail through another broker", test_mail_that_came_through_another_broker},
         {"receipts for an earlier process", test_receipts_for_an_earlier_process_of_that_name},
         CU_TEST_INFO_NULL,
