@@ -165,7 +165,7 @@ struct delivery {
 };
 
 struct process {
-    char name[8];
+    char name[16];
     bool alive;
     bool reaches; /* the broker's network has it */
     uint64_t incarnation, beat_ns;
