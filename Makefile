@@ -121,6 +121,8 @@ $(O)/test/%: $(O)/tests/unit/%.o $$(call module_objs,$$(call test_module,$$*)) $
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lcunit $(LIBS_$(call test_module,$*))
 
+$(O)/test/test_broker_history: $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/history/*.c))
+
 bench_module = $(word 2,$(subst _, ,$(1)))
 $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -165,6 +167,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 .PHONY: soak
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
+
+.PHONY: soak-model
+soak-model: $(O)/test/test_broker_history ## a minute of random histories of the broker, from other seeds each time
+	@MUSTER_SECONDS=60 $(O)/test/test_broker_history
 
 .PHONY: soak-store
 soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice

@@ -208,6 +208,12 @@ static void members_fill(struct broker *b, const struct place *at, muster_Delive
     if (at->version_had >= upto) {
         return;
     }
+    /* With its first agent it learns which broker this is, and forgets what another one has told.
+     */
+    if (at->agents_count == 0 && !b->courier.open_lockstep) {
+        b->courier.open_version = at->version_had;
+        return;
+    }
     for (uint32_t i = changes_after(c, at->version_had); i != MU_NONE; i = changes_next(c, i)) {
         uint64_t version = changes_version(c, i);
         if (version > upto) {

@@ -151,6 +151,17 @@ void places_refuse(struct places *p, uint32_t place, const char *name, const cha
     at->refusals_count += i == at->refusals_count;
 }
 
+void places_accept(struct places *p, uint32_t place, const char *name)
+{
+    struct place *at = &p->at[place];
+    for (uint32_t i = 0; i < at->refusals_count; i++) {
+        if (strcmp(at->refusals[i].name, name) == 0) {
+            at->refusals[i] = at->refusals[--at->refusals_count];
+            return;
+        }
+    }
+}
+
 void places_wake(struct places *p, uint32_t place)
 {
     if (!p->at[place].queued) {

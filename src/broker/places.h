@@ -87,6 +87,9 @@ void places_set_matched(struct places *p, uint32_t place, bool matched);
 /** Notes a refused registration; when there are too many, the process will ask again. */
 void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason);
 
+/** The name is the process's after all: what it has not heard yet, it need not hear. */
+void places_accept(struct places *p, uint32_t place, const char *name);
+
 /** Puts a process into the queue of those that may have something to be told. */
 void places_wake(struct places *p, uint32_t place);
 

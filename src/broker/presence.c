@@ -52,6 +52,7 @@ static void seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot
                  const struct presence *is)
 {
     tenants_add(&b->registry, &b->places, place, slot, agent);
+    places_accept(&b->places, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
     journal_agent(b, agent);

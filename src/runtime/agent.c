@@ -124,13 +124,23 @@ static void meet_other_broker(struct mu_agent *a)
     a->earlier_end = a->outbox.next_seq;
 }
 
+/* The broker had lost it for a while, and perhaps what it sent then. */
+static void meet_broker_again(struct mu_agent *a)
+{
+    outbox_again(&a->outbox);
+    a->earlier_end = a->outbox.next_seq;
+}
+
 static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
     bool is_new = a->broker_incarnation != v->broker_incarnation;
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
         meet_other_broker(a);
+    } else if (a->registered) {
+        meet_broker_again(a);
     }
     a->broker_incarnation = v->broker_incarnation;
+    a->in_order = false; /* another one may have had the name, and mail, meanwhile */
     /* last_seq is of all lives of the broker: it says where a new sender begins, and nothing of
      * what the broker still knows.  What an earlier one may have had keeps its numbers. */
     if (a->outbox.first_seq >= a->earlier_end) {

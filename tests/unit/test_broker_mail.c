@@ -150,6 +150,33 @@ static void test_directives_pass_a_full_window(void)
     EXPECT("red 1-200 delivered; observer 1-1 delivered; green #202 red/201 m");
 }
 
+static void say_again(uint64_t seq)
+{
+    muster_Mail m = letter("red", seq, "green", "late");
+    m.again = true;
+    story_mail(m);
+}
+
+/* What was lost on a cut goes out again when newer mail has come already. */
+static void test_lost_mail_comes_late(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("green");
+    story_send("red", 1, "green", "one");
+    story_send("red", 4, "green", "four");
+    EXPECT("green #1 red/1 one; green #2 red/4 four");
+    story_send("red", 2, "green", "not marked");
+    EXPECT("red 2-2 duplicate");
+    for (uint64_t seq = 1; seq <= 4; seq++) {
+        say_again(seq);
+    }
+    EXPECT("red 1-1 duplicate; red 4-4 duplicate; green #3 red/2 late; green #4 red/3 late");
+    say_again(2);
+    say_again(3);
+    EXPECT("red 2-3 duplicate");
+}
+
 static void test_duplicates_are_dropped(void)
 {
     team();
@@ -382,6 +409,7 @@ int main(void)
         {"moving and suspended agents wait", test_moving_and_suspended_wait},
         {"directives", test_directives},
         {"directives pass a full window", test_directives_pass_a_full_window},
+        {"lost mail comes late", test_lost_mail_comes_late},
         {"duplicates are dropped", test_duplicates_are_dropped},
         {"time to live", test_time_to_live},
         {"due in a free run", test_due_in_a_free_run},

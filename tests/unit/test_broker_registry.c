@@ -165,6 +165,34 @@ static void test_restarted_sender_goes_on_counting(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-again");
 }
 
+/* A refusal that has not gone out is not to come after the welcome. */
+static void test_a_refusal_that_is_void_is_not_told(void)
+{
+    story_begin();
+    story_join("red");
+    story_register("red", "p-late");
+    story_tick(2000 * MS); /* refused; its process has not matched yet */
+    story_gone("p-red");
+    story_register("red", "p-late");
+    story_match("p-late");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-late");
+}
+
+/* It would forget them with the first answer to a name, which says which broker this is. */
+static void test_pages_are_told_with_the_first_agent(void)
+{
+    story_begin();
+    story_join("red");
+    story_register("red", "p-late"); /* waits for the name */
+    story_match("p-late");
+    EXPECT("");
+    CU_ASSERT_EQUAL(story.members, 0);
+    story_register("green", "p-late");
+    EXPECT("green welcome 0");
+    CU_ASSERT_EQUAL(story.members, 2 * (2 + MU_BROKER_LINES) - (1 + MU_BROKER_LINES));
+}
+
 static void test_limit_agents(void)
 {
     char name[16], process[16];
@@ -172,7 +200,7 @@ static void test_limit_agents(void)
     for (unsigned i = 0; i < MU_AGENTS_MAX; i++) {
         snprintf(name, sizeof name, "r%u", i);
         snprintf(process, sizeof process, "p%u", i / MU_LOCAL_AGENTS_MAX);
-        story_register(name, process);
+        story_register(name, i + 1 < MU_AGENTS_MAX ? process : "q");
     }
     CU_ASSERT_EQUAL(story_status().agents, MU_AGENTS_MAX);
     story_match("q");
@@ -230,6 +258,8 @@ int main(void)
         {"a held name is inherited", test_held_name_is_inherited},
         {"a claim is given up", test_claim_is_given_up},
         {"a restarted sender goes on counting", test_restarted_sender_goes_on_counting},
+        {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
+        {"pages are told with the first agent", test_pages_are_told_with_the_first_agent},
         {"limit: agents", test_limit_agents},
         {"limit: processes", test_limit_processes},
         {"refused strangers make way", test_refused_strangers_make_way},

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "history.h"
+
+#include "broker/journal.h"
+#include "broker/parts.h"
+
+#include <string.h>
+
+#define WALL 1000000000000000000ull
+
+uint64_t life_now_ns(void)
+{
+    return history.now_ns - history.life.began_ns;
+}
+
+muster_BrokerStatus life_status(void)
+{
+    muster_BrokerStatus s;
+    broker_status(history.life.b, &s);
+    return s;
+}
+
+bool life_member(int name, muster_Member *out)
+{
+    for (uint32_t i = 0; broker_member(history.life.b, i, out); i++) {
+        if (history_name_index(out->name) == name) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Somebody simulates freely all the while, so that there is a time of the run. */
+static void run_begin(void)
+{
+    muster_Roster r = {
+        .simulator = history_words("sim"), .step = (int64_t)(history.now_ns / MS), .step_ns = MS};
+    broker_roster(history.life.b, &r, life_now_ns());
+}
+
+void life_begin(void)
+{
+    static struct broker *all[64]; /* kept, so that leak checkers see them */
+    uint64_t wall_ns = WALL + history.now_ns;
+    history.life = (struct life){.number = ++history.lives,
+                                 .incarnation = wall_ns + history.lives,
+                                 .began_ns = history.now_ns};
+    struct broker_options options = {.name = "alpha",
+                                     .incarnation = history.life.incarnation,
+                                     .host = "here",
+                                     .pid = 9,
+                                     .wall_ns = wall_ns,
+                                     .has_store = history.has_store,
+                                     .number_base =
+                                         history.has_store ? history.life.incarnation : 0,
+                                     .box_policy = history.box_policy,
+                                     .box_mails = history.box_mails};
+    history.life.b = all[history.lives % 64] = broker_open(&options);
+    if (history.has_store) {
+        platter_restore();
+    }
+    run_begin();
+    history_note("the broker begins its life %lu", (unsigned long)history.life.number);
+}
+
+/* What was on its way to the broker dies with it; what it has written may still be read. */
+void life_kill(void)
+{
+    history_note("the broker dies");
+    history.life.b = NULL;
+    history.seen.kills++;
+    for (int i = 0; i < PROCESSES; i++) {
+        struct process *p = &history.processes[i];
+        p->ups_count = 0;
+        p->deliveries_count = history_chance(2) ? p->deliveries_count : 0;
+        p->registration_due = true;
+    }
+    if (history.has_store) {
+        history.book = history.book_on_disk;
+    } else {
+        memset(&history.book, 0, sizeof history.book);
+    }
+}
+
+void life_round(void)
+{
+    broker_tick(history.life.b, life_now_ns());
+    book_expire();
+    if (history.has_store) {
+        platter_commit();
+    }
+    net_deliver();
+}
+
+/* --- what must hold at all times -------------------------------------------------------------- */
+
+static void check_boxes(struct broker *b)
+{
+    for (int name = 0; name < NAMES; name++) {
+        uint32_t agent = registry_find(&b->registry, history_name(name));
+        if (agent == MU_NONE || !mailbox_is_begun(&b->mailbox, agent)) {
+            continue;
+        }
+        const struct box *box = mailbox_box(&b->mailbox, agent);
+        history.life.acked[name] = box->acked;
+        HOLD(box->lists[POST_FLIGHT].count <= MU_WINDOW_MAX + MAILBOX_RESERVE);
+        HOLD(box->use.mails <= MU_BOX_MAX + MAILBOX_RESERVE);
+        if (history.box_mails && history.life.number == 1) { /* later, there was more before */
+            HOLD(box->use.mails <= history.box_mails + MAILBOX_RESERVE);
+        }
+        uint32_t posts = 0;
+        for (int list = 0; list <= POST_FLIGHT; list++) {
+            posts += box->lists[list].count;
+        }
+        HOLD(posts == box->use.mails);
+    }
+}
+
+void life_check(void)
+{
+    muster_BrokerStatus s = life_status();
+    HOLD(s.sent == s.delivered + s.waiting + s.expired + s.box_full + s.over_share +
+                       s.unknown_name + s.refused + s.dropped + s.no_store);
+    HOLD(s.waiting == history.life.b->mailbox.posts_live);
+    HOLD(s.stored <= s.waiting + (history.life.b->journal.first ? MAILS : 0));
+    check_boxes(history.life.b);
+}
+
+static uint32_t receipts_kept(const struct receipts *r)
+{
+    uint32_t kept = r->used;
+    for (uint32_t i = r->free; i != MU_NONE; i = r->pool[i].next) {
+        kept--;
+    }
+    return kept;
+}
+
+void life_check_empty(void)
+{
+    struct broker *b = history.life.b;
+    HOLD(b->counters.waiting == 0);
+    HOLD(b->store.mails == 0);
+    HOLD(b->mailbox.posts_live == 0);
+    HOLD(b->mailbox.pairs.live == 0);
+    HOLD(receipts_kept(&b->receipts) == 0);
+    HOLD(b->due.count == 0 && b->expiry.count == 0);
+    HOLD(b->ages.oldest == NULL);
+    HOLD(b->claims.count == 0);
+    HOLD(b->mailbox.watch_head == MU_NONE);
+    for (int side = 0; side < SHARE_SIDES; side++) {
+        HOLD(b->shares.all[side].mails == 0 && b->shares.all[side].bytes == 0 &&
+             b->shares.all[side].posts == 0);
+    }
+    if (history.has_store) {
+        HOLD(b->journal.first == NULL && b->journal.agents_count == 0);
+        for (uint32_t i = 0; i < JOURNAL_BUCKETS; i++) {
+            HOLD(b->journal.buckets[i] == NULL);
+        }
+    }
+}

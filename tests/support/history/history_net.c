@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "history.h"
+
+#include "core/hash.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- registrations ---------------------------------------------------------------------------- */
+
+void net_register(struct process *p)
+{
+    muster_Entry entries[SEATS];
+    muster_Registration r = {.process = p->name,
+                             .broker = history_words(""),
+                             .incarnation = p->incarnation,
+                             .host = history_words("here"),
+                             .pid = 1};
+    for (int seat = 0; seat < SEATS; seat++) {
+        const struct actor *a = &p->seats[seat];
+        bool said = a->name != NOBODY && !a->refused;
+        entries[seat] =
+            (muster_Entry){.name = history_words(said ? history_name(a->name) : ""),
+                           .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
+                           .state = said && !a->leaving ? a->state : muster_STATE_ABSENT,
+                           .full = a->policy,
+                           .box_mails = a->box_mails,
+                           .home = history_words("")};
+    }
+    r.agents._buffer = entries;
+    r.agents._length = r.agents._maximum = SEATS;
+    p->registration_due = false;
+    broker_registration(history.life.b, &r, life_now_ns());
+    for (int seat = 0; seat < SEATS; seat++) {
+        struct actor *a = &p->seats[seat];
+        if (a->leaving) { /* it has said so */
+            a->name = NOBODY;
+            a->leaving = a->registered = false;
+        }
+    }
+}
+
+void net_match(void)
+{
+    for (int i = 0; i < PROCESSES; i++) {
+        struct process *p = &history.processes[i];
+        const char *wanted;
+        for (uint32_t k = 0; (wanted = broker_process(history.life.b, k)); k++) {
+            if (strcmp(wanted, p->name) == 0 && p->alive && p->reaches && !history_chance(3)) {
+                history_note("%s has matched", p->name);
+                broker_matched(history.life.b, p->name, true, life_now_ns());
+                break;
+            }
+        }
+    }
+}
+
+void net_lose(struct process *p, bool crashed)
+{
+    if (!history.life.b) {
+        return;
+    }
+    if (history_chance(2)) {
+        broker_matched(history.life.b, p->name, false, life_now_ns());
+        broker_gone(history.life.b, p->name, 0, crashed, life_now_ns());
+    } else {
+        broker_gone(history.life.b, p->name, 0, crashed, life_now_ns());
+        broker_matched(history.life.b, p->name, false, life_now_ns());
+    }
+}
+
+/* --- Ups -------------------------------------------------------------------------------------- */
+
+static const char *const performatives[ASKS] = {"group-create", "group-join", "group-leave",
+                                                "advertise",    "withdraw",   "find-service"};
+
+static void dst_of(const struct entry *e, char *to, size_t size)
+{
+    size_t len = 0;
+    to[0] = '\0';
+    switch (e->to) {
+    case TO_ALL: snprintf(to, size, "all"); return;
+    case TO_ROBOTS: snprintf(to, size, "robots"); return;
+    case TO_BROKER: snprintf(to, size, "broker"); return;
+    case TO_GROUP: snprintf(to, size, "group:g%d", e->key); return;
+    case TO_NAMES: break;
+    }
+    for (int name = 0; name < NAMES; name++) {
+        if (e->addressed & 1u << name) {
+            len +=
+                (size_t)snprintf(to + len, size - len, "%s%s", len ? "," : "", history_name(name));
+        }
+    }
+    if (e->to_unknown) {
+        snprintf(to + len, size - len, "%sstranger", len ? "," : "");
+    }
+}
+
+static void content_of(const struct entry *e, uint32_t mail, char *to, size_t size)
+{
+    if (e->to != TO_BROKER) {
+        snprintf(to, size, "%lu", (unsigned long)mail);
+    } else if (e->asks <= ASK_LEAVE) {
+        snprintf(to, size, "g%d", e->key);
+    } else if (e->asks == ASK_ADVERTISE) {
+        snprintf(to, size, "s%d \"role=x\" %.4f", e->key, (double)e->ttl_ns / 1e9);
+    } else {
+        snprintf(to, size, "s%d", e->key);
+    }
+}
+
+/* One mail reaches the broker. */
+static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, bool again)
+{
+    const struct entry *e = &history.ledger[mail];
+    char dst[256], content[64], reply_with[16] = "";
+    dst_of(e, dst, sizeof dst);
+    content_of(e, mail, content, sizeof content);
+    bool asks = e->to == TO_BROKER;
+    if (asks && e->asks == ASK_FIND) {
+        snprintf(reply_with, sizeof reply_with, "%lu", (unsigned long)mail);
+    }
+    muster_Mail m = {.src = history_words(history_name(e->src)),
+                     .seq = seq,
+                     .dst = dst,
+                     .layer = e->layer,
+                     .performative = history_words(asks ? performatives[e->asks] : "do"),
+                     .language = history_words(""),
+                     .ontology = history_words(""),
+                     .reply_with = reply_with,
+                     .in_reply_to = history_words(""),
+                     .conversation = history_words(""),
+                     .priority = e->priority,
+                     .level = e->level,
+                     .again = again,
+                     .due_ns = e->due_ns,
+                     .ttl_ns = asks ? 0 : e->ttl_ns,
+                     .content = content};
+    muster_Act act = {.agent = history_words(history_name(name)),
+                      .state = muster_STATE_RUNNING,
+                      .rules = history_words("")};
+    act.mails = (dds_sequence_muster_Mail){._length = 1, ._maximum = 1, ._buffer = &m};
+    muster_Up up = {.process = p->name, .step = muster_STEP_NOW};
+    up.acts = (dds_sequence_muster_Act){._length = 1, ._maximum = 1, ._buffer = &act};
+    muster_BrokerStatus was = life_status();
+    muster_Member member;
+    bool there = life_member(name, &member) && member.state != muster_STATE_ABSENT &&
+                 strcmp(member.process, p->name) == 0;
+    if (!there) {
+        broker_up(history.life.b, &up, life_now_ns());
+        HOLD(life_status().malformed == was.malformed + 1 && life_status().sent == was.sent);
+        return;
+    }
+    history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)seq, (unsigned long)mail,
+                 dst, again ? " again" : "", m.performative, content);
+    broker_up(history.life.b, &up, life_now_ns());
+    muster_BrokerStatus is = life_status();
+    ledger_offer(mail, again, &was, &is);
+}
+
+static void feed_ack(const struct process *p, int name, uint64_t number, uint64_t handed)
+{
+    muster_Ack ack = {.box = history_words(history_name(name)), .number = number, .handed = handed};
+    muster_Up up = {.process = history_words(p->name), .step = muster_STEP_NOW};
+    up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
+    history_note("%s has up to %llu", ack.box, (unsigned long long)number);
+    broker_up(history.life.b, &up, life_now_ns());
+}
+
+void net_feed(struct process *p)
+{
+    struct up up = p->ups[0];
+    bool twice = !history.is_quiet && history.loses && history_chance(12) && p->ups_count < QUEUE;
+    p->ups_count--;
+    memmove(&p->ups[0], &p->ups[1], p->ups_count * sizeof p->ups[0]);
+    for (uint32_t i = 0; i < up.acks_count; i++) {
+        feed_ack(p, up.acks[i].name, up.acks[i].number, up.acks[i].handed);
+    }
+    for (uint32_t i = 0; i < up.mails_count; i++) {
+        feed_mail(p, history.ledger[up.mails[i].mail].src, up.mails[i].mail, up.mails[i].seq,
+                  up.mails[i].again);
+    }
+    if (twice) {
+        p->ups[p->ups_count++] = up;
+    }
+}
+
+/* --- Deliveries ------------------------------------------------------------------------------- */
+
+static void parcel_copy(const muster_Parcel *from, struct parcel *to)
+{
+    const muster_Mail *m = &from->letter;
+    *to = (struct parcel){.box = history_name_index(from->box),
+                          .src = history_name_index(m->src),
+                          .number = from->number,
+                          .seq = m->seq,
+                          .priority = m->priority,
+                          .layer = m->layer,
+                          .again = m->again,
+                          .text = mu_hash_string(m->content)};
+    bool of_broker = to->src == NOBODY;
+    HOLD(to->box != NOBODY && (!of_broker || strcmp(m->src, "broker") == 0));
+    to->mail = (uint32_t)strtoul(of_broker ? m->in_reply_to : m->content, NULL, 10);
+    HOLD(to->mail < history.mails);
+}
+
+/* A number goes out for the first time, or as it was. */
+static void parcel_check(const struct process *p, const struct parcel *parcel)
+{
+    struct life *l = &history.life;
+    muster_Member m;
+    HOLD(life_member(parcel->box, &m) && strcmp(m.process, p->name) == 0);
+    uint64_t *highest = &l->highest[parcel->box];
+    if (*highest != 0 && parcel->number <= *highest) {
+        HOLD(parcel->number > l->acked[parcel->box]);
+        return;
+    }
+    HOLD(*highest == 0 || parcel->number == *highest + 1);
+    HOLD(m.state == muster_STATE_RUNNING || parcel->layer == 0);
+    *highest = parcel->number;
+}
+
+static void news_copy(struct process *p, const muster_Delivery *from)
+{
+    if (from->verdicts._length > 0) {
+        uint64_t incarnation = from->verdicts._buffer[0].broker_incarnation;
+        if (p->copied_from != 0 && p->copied_from != incarnation) {
+            process_forget(p);
+        }
+        p->copied_from = incarnation;
+    }
+    for (uint32_t i = 0; i < from->members._length; i++) {
+        int name = history_name_index(from->members._buffer[i].name);
+        if (name != NOBODY) {
+            p->seen[name] = from->members._buffer[i].state;
+        }
+    }
+    for (uint32_t i = 0; i < from->memberships._length; i++) {
+        const muster_Membership *m = &from->memberships._buffer[i];
+        int name = history_name_index(m->agent);
+        names *group = &p->members[m->group[1] - '0'];
+        if (name != NOBODY) {
+            *group = m->joined ? *group | 1u << name : *group & ~(1u << name);
+        }
+    }
+    for (uint32_t i = 0; i < from->offers._length; i++) {
+        const muster_Offer *o = &from->offers._buffer[i];
+        names one = 1u << history_name_index(o->agent), *all = &p->offers[o->service[1] - '0'];
+        *all = o->offered ? *all | one : *all & ~one;
+    }
+}
+
+static void delivery_copy(struct process *p, const muster_Delivery *from)
+{
+    struct delivery *to = &p->deliveries[p->deliveries_count++];
+    HOLD(from->parcels._length <= PARCELS && from->receipts._length <= RECEIPTS &&
+         from->verdicts._length <= VERDICTS);
+    to->life = history.life.number;
+    to->parcels_count = from->parcels._length;
+    to->receipts_count = from->receipts._length;
+    to->verdicts_count = from->verdicts._length;
+    for (uint32_t i = 0; i < to->parcels_count; i++) {
+        parcel_copy(&from->parcels._buffer[i], &to->parcels[i]);
+        parcel_check(p, &to->parcels[i]);
+    }
+    for (uint32_t i = 0; i < to->receipts_count; i++) {
+        const muster_Receipt *r = &from->receipts._buffer[i];
+        to->receipts[i].name = history_name_index(r->agent);
+        to->receipts[i].first = r->first_seq;
+        to->receipts[i].last = r->last_seq;
+        to->receipts[i].result = r->result;
+    }
+    for (uint32_t i = 0; i < to->verdicts_count; i++) {
+        const muster_Verdict *v = &from->verdicts._buffer[i];
+        to->verdicts[i].name = history_name_index(v->agent);
+        to->verdicts[i].accepted = v->accepted;
+        to->verdicts[i].last_seq = v->last_seq;
+        to->verdicts[i].incarnation = v->broker_incarnation;
+    }
+    if (from->roll_call) {
+        p->registration_due = true;
+    }
+    news_copy(p, from);
+}
+
+void net_deliver(void)
+{
+    const char *name;
+    muster_Delivery d;
+    while (broker_next(history.life.b, &name, &d)) {
+        struct process *p = &history.processes[strtol(name + 1, NULL, 10)];
+        HOLD(strcmp(name, p->name) == 0);
+        bool lost = history.loses && !history.is_quiet && history_chance(6);
+        if (lost || !p->alive || p->deliveries_count == QUEUE) {
+            broker_undelivered(history.life.b);
+            continue;
+        }
+        if (d.parcels._length + d.receipts._length + d.verdicts._length + d.members._length) {
+            history_note("to %s: %lu parcels, %lu receipts, %lu verdicts, %lu pages", name,
+                         (unsigned long)d.parcels._length, (unsigned long)d.receipts._length,
+                         (unsigned long)d.verdicts._length, (unsigned long)d.members._length);
+        }
+        delivery_copy(p, &d);
+        broker_delivered(history.life.b, life_now_ns());
+    }
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* An agent that the network had lost for a while, and that is accepted again. */
+#include "../support/capture.h"
+#include "core/text.h"
+#include "runtime/process.h"
+
+#include <CUnit/Basic.h>
+#include <stdlib.h>
+#include <string.h>
+
+static mu_process process;
+static char heard_buffer[1024];
+static struct mu_text heard;
+
+/* idlc makes no const members; the runtime writes to none. */
+static char *words(const char *s)
+{
+    return (char *)(uintptr_t)s;
+}
+
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    mu_text_format(&heard, "%s#%llu; ", a->name, (unsigned long long)mail->number);
+}
+
+static struct mu_agent *join(const char *name)
+{
+    static const struct mu_handlers handlers = {.on_mail = on_mail};
+    mu_agent *a = NULL;
+    memset(&process, 0, sizeof process);
+    process_take_memory(&process, 0, 0);
+    mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
+    capture_begin();
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &handlers), MU_OK);
+    capture_end();
+    return a;
+}
+
+/* The broker accepts red and hands it the mails of these numbers. */
+static void accept(uint64_t last_seq, const uint64_t *numbers, uint32_t count)
+{
+    muster_Verdict v = {.agent = words("red"),
+                        .accepted = true,
+                        .last_seq = last_seq,
+                        .broker_incarnation = 5,
+                        .reason = words("")};
+    muster_Parcel parcels[4];
+    muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW, .broker = words("b")};
+    for (uint32_t i = 0; i < count; i++) {
+        parcels[i] = (muster_Parcel){.box = words("red"), .number = numbers[i]};
+        parcels[i].letter = (muster_Mail){.src = words("blue"),
+                                          .seq = numbers[i],
+                                          .dst = words("red"),
+                                          .layer = 3,
+                                          .performative = words("tell"),
+                                          .language = words(""),
+                                          .ontology = words(""),
+                                          .reply_with = words(""),
+                                          .in_reply_to = words(""),
+                                          .conversation = words(""),
+                                          .due_ns = -1,
+                                          .content = words("x")};
+    }
+    d.verdicts._buffer = &v;
+    d.verdicts._length = 1;
+    d.parcels._buffer = parcels;
+    d.parcels._length = count;
+    mu_text_clear(&heard);
+    step_take_delivery(&process, &d, NULL);
+}
+
+/* Another one has had its name meanwhile, and some of its mail. */
+static void test_numbers_go_on_where_another_one_left_off(void)
+{
+    (void)join("red");
+    accept(0, (const uint64_t[]){1, 2, 3}, 3);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#1; red#2; red#3; ");
+    accept(0, (const uint64_t[]){7, 9}, 2);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#7; ");
+}
+
+static void test_what_has_no_answer_goes_out_again(void)
+{
+    struct mu_agent *red = join("red");
+    muster_Mail mails[4];
+    accept(0, NULL, 0);
+    for (int i = 0; i < 3; i++) {
+        CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
+    }
+    outbox_sent(&red->outbox, 2);
+    accept(20, NULL, 0); /* they may have come, and keep their numbers */
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&red->outbox, mails, 4), 3);
+    CU_ASSERT(mails[0].seq == 1 && mails[0].again);
+    CU_ASSERT(mails[1].seq == 2 && mails[1].again);
+    CU_ASSERT(mails[2].seq == 3 && !mails[2].again);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"numbers go on", test_numbers_go_on_where_another_one_left_off},
+        {"what has no answer", test_what_has_no_answer_goes_out_again},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"runtime/cut", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_initialize_registry();
+    CU_register_suites(suites);
+    CU_basic_set_mode(CU_BRM_NORMAL);
+    CU_basic_run_tests();
+    unsigned failures = CU_get_number_of_failures();
+    CU_cleanup_registry();
+    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}
