@@ -116,7 +116,7 @@ static bool is_host(const char *text)
 
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
-    *bus = (struct bus){.index = -1};
+    *bus = (struct bus){.place = options->place, .index = -1};
     if (!is_host(options->interface) || (options->hub && !config_hosts_valid(options->hub))) {
         fprintf(stderr,
                 "expected the address of an interface, and names or addresses of at most %d "
@@ -169,13 +169,32 @@ bool bus_is_lone_broker(const struct bus *bus, int domain)
     return alone;
 }
 
+/* The same without what tools can learn a type from.  Every process hears of every writer that the
+ * broker has for a process, and the description of its type costs it most of the time that takes;
+ * tools learn the type from the readers. */
+static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d)
+{
+    return (dds_topic_descriptor_t){.m_size = d->m_size,
+                                    .m_align = d->m_align,
+                                    .m_flagset = d->m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
+                                    .m_nkeys = d->m_nkeys,
+                                    .m_typename = d->m_typename,
+                                    .m_keys = d->m_keys,
+                                    .m_nops = d->m_nops,
+                                    .m_ops = d->m_ops,
+                                    .m_meta = d->m_meta};
+}
+
 static mu_result topic_open(struct bus *bus, enum bus_topic topic)
 {
     if (bus->topics[topic]) {
         return MU_OK;
     }
     const struct topic *t = &topic_table[topic];
-    dds_entity_t made = dds_create_topic(bus->participant, t->descriptor, t->name, NULL, NULL);
+    bool untyped = bus->place == BUS_BROKER && t->untyped_at_broker;
+    const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
+    dds_entity_t made =
+        dds_create_topic(bus->participant, untyped ? &bare : t->descriptor, t->name, NULL, NULL);
     if (made < 0) {
         return dds_fault(t->name, made);
     }

@@ -54,6 +54,7 @@ enum { BUS_BATCH = 32 };
 
 struct bus {
     int32_t participant;
+    enum bus_place place;
     int index;                  /* of the participant; -1: CYCLONEDDS_URI says */
     int32_t topics[BUS_TOPICS]; /* 0: not opened yet */
     uint64_t malformed;         /* samples refused at the border */

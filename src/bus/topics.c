@@ -18,7 +18,8 @@ const struct topic topic_table[BUS_TOPICS] = {
     [BUS_SENSE] = {"Sense", &muster_Sense_desc, .check = check_sense, .partition = "the process",
                    .from_to = "simulator to robot's process",
                    .carries = "a new step: percepts of the process's robots"},
-    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true, .check = check_delivery,
+    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true,
+                      .untyped_at_broker = true, .check = check_delivery,
                       .partition = "the process", .from_to = "broker to agent's process",
                       .carries =
                           "mails, receipts, changes of the white and yellow pages and groups"},
