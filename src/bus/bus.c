@@ -169,9 +169,7 @@ bool bus_is_lone_broker(const struct bus *bus, int domain)
     return alone;
 }
 
-/* The same without what tools can learn a type from.  Every process hears of every writer that the
- * broker has for a process, and the description of its type costs it most of the time that takes;
- * tools learn the type from the readers. */
+/* The same without what a tool can learn the type from. */
 static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d)
 {
     return (dds_topic_descriptor_t){.m_size = d->m_size,
@@ -185,13 +183,15 @@ static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d
                                     .m_meta = d->m_meta};
 }
 
+/* One side of a topic describes its type, for tools.  Every description costs whoever hears of it:
+ * a hundred processes would hear a hundred of the broker's writers describe the same. */
 static mu_result topic_open(struct bus *bus, enum bus_topic topic)
 {
     if (bus->topics[topic]) {
         return MU_OK;
     }
     const struct topic *t = &topic_table[topic];
-    bool untyped = bus->place == BUS_BROKER && t->untyped_at_broker;
+    bool untyped = bus->place != BUS_OBSERVER && (bus->place == BUS_AGENT) != t->agents_describe_it;
     const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
     dds_entity_t made =
         dds_create_topic(bus->participant, untyped ? &bare : t->descriptor, t->name, NULL, NULL);

@@ -16,7 +16,7 @@ struct topic {
     bool keeps_all;                    /* history KEEP_ALL; else KEEP_LAST */
     int32_t depth;                     /* of KEEP_LAST; 0: 1 */
     bool for_late_comers;              /* durability TRANSIENT_LOCAL */
-    bool untyped_at_broker;            /* its writers there say nothing of the type */
+    bool agents_describe_it;           /* their readers say what the type is; else the other side */
     int64_t liveliness_ns;             /* 0: infinite */
     bool (*check)(const void *sample); /* false: breaks a rule of the wire */
     const char *partition;             /* in words, for the reference page */
