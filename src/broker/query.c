@@ -81,7 +81,8 @@ void query_changed(struct broker *b, const struct mail *question, const char *re
                    const char *name)
 {
     struct mu_text t;
-    b->counters.malformed += refusal && strncmp(refusal, "not-a", 5) == 0;
+    b->counters.malformed +=
+        refusal && (strcmp(refusal, "not-a-name") == 0 || strcmp(refusal, "not-attributes") == 0);
     if (question->letter.reply_with[0] == '\0') {
         return;
     }

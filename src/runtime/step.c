@@ -36,14 +36,18 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
         return false;
     }
     queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    bool had = parcel->number <= a->last_number;
     if (!number_take(a, parcel->number)) {
+        if (had && !taken_has(a->taken, m)) {
+            taken_add(a->taken, m); /* by an earlier life of the agent */
+        }
         return false;
     }
-    if (m->again && taken_has(a->taken, m->src, m->seq)) {
+    if (m->again && taken_has(a->taken, m)) {
         a->repeats++;
         return false;
     }
-    taken_add(a->taken, m->src, m->seq);
+    taken_add(a->taken, m);
     a->handed++;
     return true;
 }

@@ -478,6 +478,20 @@ static void test_mail_that_came_through_another_broker(void)
     expect("red#9004 new; ");
 }
 
+/* What an earlier life of the agent has noted, and this one has been handed again. */
+static void test_mail_of_an_earlier_life_through_another_broker(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 3);
+    verdict_deliver(verdict("red", 5, 0), "red welcome; ");
+    expect_numbers(2, 4, "red#4 x; ");
+    again_parcel(9001, 2);
+    again_parcel(9002, 3);
+    again_parcel(9003, 4);
+    again_parcel(9004, 5);
+    verdict_deliver(verdict("red", 6, 0), "red#9004 x; ");
+    CU_ASSERT_EQUAL(red->repeats, 3);
+}
+
 static void test_receipts_for_an_earlier_process_of_that_name(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
@@ -767,6 +781,8 @@ int main(void)
         {"another broker begins anew", test_another_broker_begins_anew},
         {"a broker that is back", test_a_broker_that_is_back_renumbers_nothing},
         {"mail through another broker", test_mail_that_came_through_another_broker},
+        {"mail of an earlier life through another broker",
+         test_mail_of_an_earlier_life_through_another_broker},
         {"receipts for an earlier process", test_receipts_for_an_earlier_process_of_that_name},
         CU_TEST_INFO_NULL,
     };
