@@ -58,6 +58,7 @@ struct agent {
     struct presence is;
     uint64_t since_wall_ns;
     uint64_t seen_seq;     /* the last mail that it has sent in this life of the broker */
+    uint64_t came_seq;     /* the last one that has come in this life, taken or not */
     uint64_t durable_seq;  /* the last one that went to the store, in any life */
     uint64_t earlier_seq;  /* no mail of an earlier life of the broker has a higher one */
     uint64_t reserved_seq; /* on disk: later lives count from here */

@@ -231,7 +231,8 @@ static muster_Act act_of(struct mu_agent *a)
                         .forward_m_s = runs ? a->forward_m_s : 0.0,
                         .turn_rad_s = runs ? a->turn_rad_s : 0.0,
                         .firings = a->firings,
-                        .rules = a->rules ? a->rules : none};
+                        .rules = a->rules ? a->rules : none,
+                        .first_seq = a->outbox.first_seq};
 }
 
 /* What is in the Up that is being put together, and what may still go in. */

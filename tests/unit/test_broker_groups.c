@@ -23,7 +23,7 @@ static void test_create_join_leave(void)
     HEARD("green: inform group-join scouts", say("green", "group-join", "scouts"));
     SHOWN("");
     HEARD("red: failure not-a-member scouts", say("red", "group-leave", "scouts"));
-    CU_ASSERT_EQUAL(b->counters.malformed, 0); /* a true answer to a good question */
+    CU_ASSERT_EQUAL(story.b->counters.malformed, 0); /* a true answer to a good question */
     HEARD("red: failure unknown-group cooks", say("red", "group-leave", "cooks"));
     HEARD("red: inform group-join cooks", say("red", "group-join", "cooks"));
     SHOWN("+cooks +cooks/red");

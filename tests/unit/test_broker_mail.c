@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/broker_story.h"
+#include "broker/parts.h"
 
 #define X10 "xxxxxxxxxx"
 
@@ -158,6 +159,42 @@ static void test_duplicates_are_dropped(void)
     CU_ASSERT_EQUAL(story_status().duplicates_dropped, 2);
     story_send("red", 9, "green", "a gap is no harm");
     EXPECT("green #2 red/9 a gap is no harm");
+}
+
+/* Mails first to last of red for green, from an outbox whose first one is first_seq. */
+static void send_from(uint64_t first_seq, uint64_t first, uint64_t last)
+{
+    muster_Mail mails[8];
+    uint32_t count = 0;
+    for (uint64_t seq = first; seq <= last; seq++) {
+        mails[count++] = letter("red", seq, "green", "m");
+    }
+    muster_Act act = {.agent = words("red"),
+                      .state = muster_STATE_RUNNING,
+                      .rules = words(""),
+                      .first_seq = first_seq};
+    act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
+    muster_Up up = {.process = words("p-red"), .step = muster_STEP_NOW};
+    up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
+    broker_up(story.b, &up, story.now_ns);
+}
+
+/* Mail was sent to an earlier life of the broker, or while it was not heard. */
+static void test_mail_after_a_lost_one_waits_for_it(void)
+{
+    team();
+    send_from(7, 9, 10);
+    EXPECT("");
+    CU_ASSERT_EQUAL(story.b->counters.gaps, 2);
+    send_from(7, 7, 8);
+    EXPECT("green #1 red/7 m; green #2 red/8 m");
+    send_from(7, 10, 10); /* it has the first ones, and their answers are on their way */
+    EXPECT("");
+    send_from(7, 7, 10);
+    EXPECT("red 7-8 duplicate; green #3 red/9 m; green #4 red/10 m");
+    send_from(20, 20, 20); /* those between were answered for by another broker */
+    EXPECT("green #5 red/20 m");
+    CU_ASSERT_EQUAL(story.b->counters.gaps, 3);
 }
 
 static void test_time_to_live(void)
@@ -381,6 +418,7 @@ int main(void)
         {"directives", test_directives},
         {"directives pass a full window", test_directives_pass_a_full_window},
         {"duplicates are dropped", test_duplicates_are_dropped},
+        {"mail after a lost one waits for it", test_mail_after_a_lost_one_waits_for_it},
         {"time to live", test_time_to_live},
         {"due in a free run", test_due_in_a_free_run},
         {"window and resending", test_window_and_resending},

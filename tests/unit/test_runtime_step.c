@@ -444,6 +444,7 @@ static void test_a_broker_that_is_back_renumbers_nothing(void)
     }
     const muster_Up *up = answer(NULL);
     CU_ASSERT_EQUAL_FATAL(up->acts._buffer[0].mails._length, 3);
+    CU_ASSERT_EQUAL(up->acts._buffer[0].first_seq, 1);
     CU_ASSERT_TRUE(up->acts._buffer[0].mails._buffer[1].again);
     CU_ASSERT_FALSE(up->acts._buffer[0].mails._buffer[2].again);
     mu_text_clear(&heard);
