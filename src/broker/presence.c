@@ -192,6 +192,16 @@ static void reregister(struct broker *b, uint32_t agent, uint32_t slot, struct p
     }
 }
 
+/* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
+ */
+static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
+{
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, host);
+    for (char *c = to; *c; c++) {
+        *c = *c > ' ' && *c <= '~' ? *c : '?';
+    }
+}
+
 static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
 {
     *is = (struct presence){.kind = e->kind,
@@ -204,7 +214,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .since_wall_ns = e->since_wall_ns,
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
-    (void)mu_text_copy(is->host, sizeof is->host, r->host);
+    host_copy(is->host, r->host);
 }
 
 static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,

@@ -466,14 +466,19 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
 {
     const struct agent *a = &b->registry.agents[sender];
     *outcome = muster_OUTCOME_DUPLICATE;
+    const struct mail *m = journal_find(&b->journal, sender, letter->seq);
     if (letter->seq <= a->seen_seq) {
+        /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
+         * is on disk already is said to be there, lest this life ends before the answer. */
+        if (m && m->journal_written && !presence_in_lockstep(b, sender)) {
+            *outcome = muster_OUTCOME_STORED;
+        }
         return true;
     }
     if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
         return false;
     }
-    bool waits = journal_find(&b->journal, sender, letter->seq) != NULL;
-    *outcome = waits ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
+    *outcome = m ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
     return true;
 }
 
