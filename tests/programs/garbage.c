@@ -41,7 +41,7 @@ static char none[1], process[] = "p-garbage", me[] = "garbler", clips[] = "x", h
 static char receiver[] = "receiver", broker[] = "broker", last_question[] = "the last one";
 static struct bus_writer registrations, ups;
 static uint64_t seq;
-static bool done;
+static bool registered, done;
 
 static void registration_write(char *name, char *host, char *entry)
 {
@@ -108,13 +108,12 @@ static void mails_write(void)
         mail_write(&m, me);
     }
     muster_Mail wrong[] = {mail_make(receiver, too_large), mail_make(receiver, hello),
-                           mail_make(receiver, hello),     mail_make(receiver, hello),
-                           mail_make(receiver, hello),     mail_make(receiver, hello)};
+                           mail_make(receiver, hello), mail_make(receiver, hello),
+                           mail_make(receiver, hello)};
     wrong[1].priority = 2;
-    wrong[2].level = (muster_Level)9;
-    wrong[3].seq = UINT64_MAX;
-    wrong[4].seq = 0;
-    wrong[5].performative = endless;
+    wrong[2].seq = UINT64_MAX;
+    wrong[3].seq = 0;
+    wrong[4].performative = endless;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         mail_write(&wrong[i], me);
     }
@@ -146,8 +145,12 @@ static void delivery_print(const muster_Delivery *d)
     static const char *const outcomes[] = {"delivered", "stored",    "expired", "box-full",
                                            "unknown",   "duplicate", "refused"};
     for (uint32_t i = 0; i < d->verdicts._length; i++) {
-        if (!d->verdicts._buffer[i].accepted) {
-            printf("refused %s\n", d->verdicts._buffer[i].reason);
+        const muster_Verdict *v = &d->verdicts._buffer[i];
+        if (v->accepted) {
+            seq = v->last_seq > seq ? v->last_seq : seq;
+            registered = true;
+        } else {
+            printf("refused %s\n", v->reason);
         }
     }
     for (uint32_t i = 0; i < d->receipts._length; i++) {
@@ -215,6 +218,10 @@ int main(int argc, char **argv)
             bus_wait(&bus, 0, 10000000); /* of what is not read yet the last word alone stays */
             deliveries_take(&reader);
         }
+    }
+    while (!registered && mu_clock_ns() < until_ns) {
+        bus_wait(&bus, 0, 10000000);
+        deliveries_take(&reader);
     }
     mails_write();
     questions_write();

@@ -461,7 +461,7 @@ static void again_parcel(uint64_t number, uint64_t seq)
     parcels[delivery.parcels._length - 1].letter.again = true;
 }
 
-/* What an earlier broker has handed over, to an earlier life even, is known by sender and number. */
+/* What another broker has handed over, to an earlier life even, is known by sender and number. */
 static void test_mail_that_came_through_another_broker(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 2);
