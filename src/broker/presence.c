@@ -69,7 +69,11 @@ void presence_depart(struct broker *b, uint32_t agent)
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    if (b->places.at[place].lost && a->claim == MU_NONE) {
+        journal_await(b, agent);
+    } else {
+        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    }
     presence_changed(b);
     pages_presence(b, agent);
     if (a->claim != MU_NONE) {

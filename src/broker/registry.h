@@ -66,7 +66,8 @@ struct agent {
     bool verdict_due;
     bool gone;    /* its process went in lock step: counts when that ends */
     bool unsaved; /* the journal has to write its line */
-    bool awaited; /* known of an earlier life of the broker: its receipts are kept for it */
+    bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
+                     are kept */
     muster_Kind saved_kind;
 };
 

@@ -5,6 +5,7 @@
  * Writes "sent NAME NUMBER RECEIVER", "told NAME - FIRST LAST OUTCOME", "took NAME SENDER NUMBER".
  * After SIGUSR1 it sends no more, and writes "done - - -" when all that it sent has an outcome.
  */
+#include "core/clock.h"
 #include "core/random.h"
 
 #include <muster/muster.h>
@@ -26,6 +27,8 @@ static struct sender {
     bool registered;
     bool told[MAILS_MAX];
 } senders[AGENTS_MAX];
+
+static const uint64_t BETWEEN_NS = 5000000;
 
 static volatile sig_atomic_t quiet;
 static int record;
@@ -126,11 +129,13 @@ int main(int argc, char **argv)
         }
     }
     bool done = false;
+    uint64_t next_ns = 0;
     while (mu_process_spin(p, 20000000) == MU_OK) {
-        if (!quiet) {
+        if (!quiet && mu_clock_ns() >= next_ns) {
+            next_ns = mu_clock_ns() + BETWEEN_NS;
             mail_send(&senders[mu_random_between(&dice, 0, agents - 1)], &dice,
                       strtoll(argv[3], NULL, 10), agents);
-        } else if (!done && all_answered(agents)) {
+        } else if (quiet && !done && all_answered(agents)) {
             note("done - - -\n");
             done = true;
         }

@@ -400,10 +400,31 @@ static void test_a_sender_that_has_left_is_told_nothing(void)
 {
     team();
     story_send("red", 1, "green", "bye");
-    story_gone("p-red");
+    story_leave("red", "p-red");
     EXPECT("green #1 red/1 bye");
     story_ack("green", 1);
     story_register("red", "p-red");
+    EXPECT("red welcome 1");
+}
+
+/* Nothing is heard of the sender for so long, while its mail is acknowledged. */
+static void sender_silent(uint64_t silent_ns)
+{
+    team();
+    story_send("red", 1, "green", "one");
+    story_gone("p-red");
+    EXPECT("green #1 red/1 one");
+    story_ack("green", 1);
+    story.now_ns += silent_ns;
+    broker_tick(story.b, story.now_ns);
+    story_register("red", "p-red");
+}
+
+static void test_a_sender_that_was_silent_is_told_what_it_has_missed(void)
+{
+    sender_silent(9999999999u);
+    EXPECT("red 1-1 delivered; red welcome 1");
+    sender_silent(10000000000u);
     EXPECT("red welcome 1");
 }
 
@@ -428,6 +449,8 @@ int main(void)
         {"malformed mails", test_malformed_mails},
         {"malformed samples", test_malformed_samples},
         {"a sender that has left is told nothing", test_a_sender_that_has_left_is_told_nothing},
+        {"a sender that was silent is told what it has missed",
+         test_a_sender_that_was_silent_is_told_what_it_has_missed},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/mail", tests);
