@@ -118,6 +118,7 @@ def main():
             time.sleep(2)
             before = resident_kb(crowd.broker)
             crowd.churn()
+            watch = Watch(processes, crowd.domain)  # the first one has ended
             wait_for(lambda: watch.look("status").get("agents") == PROCESSES * AGENTS, 30,
                      f"all are back: {watch.look('status')}")
             for member in crowd.members:
