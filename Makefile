@@ -173,8 +173,12 @@ soak-model: $(O)/test/test_broker_history ## a minute of random histories of the
 	@MUSTER_SECONDS=60 $(O)/test/test_broker_history
 
 .PHONY: soak-store
-soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice
+soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or change lost
 	@BUILD=$(BUILD) tests/soak/store.py
+
+.PHONY: soak-churn
+soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
+	@BUILD=$(BUILD) tests/soak/churn.py
 
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py

@@ -32,7 +32,7 @@ ONLY_IN = {
     r"sqlite3\.h": r"src/broker/disk",
 }
 BANNED = r"\b(strcpy|strcat|sprintf|vsprintf|gets|atoi|atof|strtok|alloca)\s*\("
-ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free)\s*\("
+ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free|qsort|qsort_r)\s*\("
 problems = []
 
 

@@ -171,6 +171,21 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
     }
 }
 
+/* What was sent when this broker was not there, or was not heard, is lost, and what follows may
+ * arrive before it has been sent again: if that was taken, the lost ones would pass for had.
+ * @return whether no mail is missing between those that have come, or were answered for, and this
+ */
+static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t seq)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (first_seq > 0 && seq > first_seq && seq - 1 > a->came_seq) {
+        b->counters.gaps++;
+        return false;
+    }
+    a->came_seq = seq > a->came_seq ? seq : a->came_seq;
+    return true;
+}
+
 static void act_take(struct broker *b, uint32_t place, const muster_Act *act, enum up_effect effect)
 {
     uint32_t agent = agent_at(b, place, act->agent);
@@ -182,7 +197,10 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
         lockstep_keep_state(&b->lockstep, agent, act->state);
     }
     for (uint32_t i = 0; i < act->mails._length; i++) {
-        mail_take(b, agent, &act->mails._buffer[i], effect);
+        const muster_Mail *letter = &act->mails._buffer[i];
+        if (mail_is_next(b, agent, act->first_seq, letter->seq)) {
+            mail_take(b, agent, letter, effect);
+        }
     }
 }
 

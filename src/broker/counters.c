@@ -58,6 +58,8 @@ static const struct counter counters[] = {
      AT(resolve.refused)},
     {PART_POSTMASTER, "duplicates-dropped", "mails that came twice from their sender",
      AT(counters.duplicates_dropped)},
+    {PART_POSTMASTER, "gaps", "mails not taken yet, for an earlier one of their sender is missing",
+     AT(counters.gaps)},
     {PART_POSTMASTER, "malformed", "samples and mails that break a rule of the wire",
      AT(counters.malformed)},
     {PART_POSTMASTER, "stored", "mails kept now, each once", AT(store.mails)},

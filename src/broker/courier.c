@@ -4,9 +4,9 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/sort.h"
 #include "muster/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void courier_init(struct courier *c)
@@ -194,8 +194,9 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
     return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
 }
 
-static int member_compare(const void *x, const void *y)
+static int member_compare(const void *x, const void *y, const void *context)
 {
+    (void)context;
     const muster_Member *one = x, *other = y;
     return strcmp(one->name, other->name);
 }
@@ -260,7 +261,7 @@ static void delivery_finish(muster_Delivery *d)
     d->outside._maximum = d->outside._length;
 }
 
-static int part_compare(const void *x, const void *y, void *registry)
+static int part_compare(const void *x, const void *y, const void *registry)
 {
     const struct courier_part *one = x, *other = y;
     const struct registry *r = registry;
@@ -277,7 +278,7 @@ static void parts_take(struct broker *b, uint32_t place)
            (agent = tenants_pop(&b->registry, &b->places, place)) != TENANTS_NONE) {
         c->parts[c->parts_count++] = (struct courier_part){.agent = agent};
     }
-    qsort_r(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
+    mu_sort(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
 }
 
 static void parts_fill(struct broker *b, muster_Delivery *d)
@@ -337,7 +338,7 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     refusals_fill(b, at, d);
     members_fill(b, at, d);
     if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
-        qsort(c->members, d->members._length, sizeof c->members[0], member_compare);
+        mu_sort(c->members, d->members._length, sizeof c->members[0], member_compare, NULL);
     }
     pages_fill(b, at, d);
     if (at->simulator) {

@@ -10,7 +10,8 @@
 
 static const uint64_t RETRY_NS = 1000000000;
 
-/* So long after its start the broker keeps receipts for senders that have not come back. */
+/* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
+ * fallen silent: they may come back. */
 static const uint64_t AWAIT_NS = 10000000000;
 
 enum { WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) };
@@ -33,18 +34,37 @@ bool journal_takes(const struct broker *b)
 uint64_t journal_deadline_ns(const struct broker *b)
 {
     uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
-    return b->journal.awaits && AWAIT_NS < retry_ns ? AWAIT_NS : retry_ns;
+    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
+}
+
+static void await_until(struct journal *j, uint64_t until_ns)
+{
+    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
+    j->awaits = true;
+}
+
+void journal_await(struct broker *b, uint32_t agent)
+{
+    b->registry.agents[agent].awaited = true;
+    if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
+        await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
+    }
 }
 
 void journal_tick(struct broker *b)
 {
-    if (!b->journal.awaits || b->clock.now_ns < AWAIT_NS) {
+    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
         return;
     }
     b->journal.awaits = false;
+    uint64_t wall_ns = presence_wall_ns(b);
     for (uint32_t i = 0; i < b->registry.count; i++) {
-        if (b->registry.agents[i].awaited) {
-            b->registry.agents[i].awaited = false;
+        struct agent *a = &b->registry.agents[i];
+        uint64_t absent_ns = wall_ns - a->since_wall_ns;
+        if (a->awaited && absent_ns < AWAIT_NS) {
+            await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
+        } else if (a->awaited) {
+            a->awaited = false;
             receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
         }
     }

@@ -98,7 +98,8 @@ struct journal_cursor {
 struct journal {
     bool on;
     bool failing;
-    bool awaits; /* agents of an earlier life may still come back: see struct agent */
+    bool awaits;        /* agents that are not there may still come back: see struct agent */
+    uint64_t awaits_ns; /* until then, the first of them */
     uint64_t retry_ns;
     uint64_t rows;             /* the last row of a mail */
     struct mail *first, *last; /* mails that are marked, in order of routing */
@@ -144,6 +145,9 @@ void journal_attach(struct broker *b, enum journal_lines lines,
 
 /** A line has changed, come or gone. */
 void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t slot);
+
+/** An agent has gone without a word: its receipts are kept until it is back, or for 10 s. */
+void journal_await(struct broker *b, uint32_t agent);
 
 /** Who has not come back by now is not awaited any more. */
 void journal_tick(struct broker *b);

@@ -24,7 +24,9 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
     struct agent *a = &b->registry.agents[agent];
     a->is.kind = a->saved_kind = e->agent_kind;
     a->since_wall_ns = b->wall_ns;
-    a->awaited = b->journal.awaits = a->process == MU_NONE;
+    if (a->process == MU_NONE) {
+        journal_await(b, agent);
+    }
     a->durable_seq = e->durable_seq;
     a->earlier_seq = a->reserved_seq = e->reserved_seq;
     registry_touch(&b->registry, agent);

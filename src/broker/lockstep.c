@@ -5,9 +5,9 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/sort.h"
 #include "muster/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
@@ -113,7 +113,7 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
-static int agent_compare(const void *x, const void *y, void *registry)
+static int agent_compare(const void *x, const void *y, const void *registry)
 {
     const uint32_t *one = x, *other = y;
     const struct registry *r = registry;
@@ -124,7 +124,7 @@ static int agent_compare(const void *x, const void *y, void *registry)
 static void turns_order(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    qsort_r(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
+    mu_sort(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
 }
 
 /* The next step begins with those of whom something is left. */

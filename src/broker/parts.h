@@ -48,6 +48,7 @@ enum { BROKER_LINE_MAX = 320 };
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
     uint64_t duplicates_dropped, resent, malformed, dropped, over_share, no_store;
+    uint64_t gaps;     /* mails that came before an earlier one of their sender, and not taken */
     uint64_t directed; /* directives let through, one a receiver */
 };
 

@@ -70,7 +70,11 @@ void presence_depart(struct broker *b, uint32_t agent)
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    if (b->places.at[place].lost && a->claim == MU_NONE) {
+        journal_await(b, agent);
+    } else {
+        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    }
     presence_changed(b);
     pages_presence(b, agent);
     if (a->claim != MU_NONE) {
@@ -193,6 +197,16 @@ static void reregister(struct broker *b, uint32_t agent, uint32_t slot, struct p
     }
 }
 
+/* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
+ */
+static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
+{
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, host);
+    for (char *c = to; *c; c++) {
+        *c = *c > ' ' && *c <= '~' ? *c : '?';
+    }
+}
+
 static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
 {
     *is = (struct presence){.kind = e->kind,
@@ -205,7 +219,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .since_wall_ns = e->since_wall_ns,
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
-    (void)mu_text_copy(is->host, sizeof is->host, r->host);
+    host_copy(is->host, r->host);
 }
 
 static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,

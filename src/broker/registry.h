@@ -58,17 +58,16 @@ struct agent {
     struct presence is;
     uint64_t since_wall_ns;
     uint64_t seen_seq;     /* the last mail that it has sent in this life of the broker */
-    uint64_t missed_seq;   /* the last gap in them: all after this one, */
-    uint64_t missed_end;   /* and before this one, has not come; 0: none has come yet */
-    uint64_t durable_seq;  /* the last one that went to the store, in any life, */
-    uint64_t durable_then; /* and in any life before this one */
+    uint64_t came_seq;     /* the last one that has come in this life, taken or not */
+    uint64_t durable_seq;  /* the last one that went to the store, in any life */
     uint64_t earlier_seq;  /* no mail of an earlier life of the broker has a higher one */
     uint64_t reserved_seq; /* on disk: later lives count from here */
     uint64_t mark;         /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone;    /* its process went in lock step: counts when that ends */
     bool unsaved; /* the journal has to write its line */
-    bool awaited; /* known of an earlier life of the broker: its receipts are kept for it */
+    bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
+                     are kept */
     muster_Kind saved_kind;
 };
 

@@ -501,13 +501,6 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     }
 }
 
-/* @return whether it comes after newer mail: it was lost on a cut, or went out to an earlier life
- * of the broker and the sender had not heard of this one when it sent the newer */
-static bool is_late(const struct agent *a, const muster_Mail *letter)
-{
-    return letter->again && letter->seq > a->missed_seq && letter->seq < a->missed_end;
-}
-
 /* Has the broker had this mail before?  What an earlier life of it has had is known of durable mail
  * alone, and asked only of what may have come to that life. */
 static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *letter,
@@ -515,32 +508,20 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
 {
     const struct agent *a = &b->registry.agents[sender];
     *outcome = muster_OUTCOME_DUPLICATE;
-    if (letter->seq <= a->seen_seq && !is_late(a, letter)) {
+    const struct mail *m = journal_find(&b->journal, sender, letter->seq);
+    if (letter->seq <= a->seen_seq) {
+        /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
+         * is on disk already is said to be there, lest this life ends before the answer. */
+        if (m && m->journal_written && !presence_in_lockstep(b, sender)) {
+            *outcome = muster_OUTCOME_STORED;
+        }
         return true;
     }
-    uint64_t durable_seq = a->missed_end ? a->durable_then : a->durable_seq;
-    if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > durable_seq) {
+    if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
         return false;
     }
-    bool waits = journal_find(&b->journal, sender, letter->seq) != NULL;
-    *outcome = waits ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
+    *outcome = m ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
     return true;
-}
-
-static void seq_note(struct agent *a, const muster_Mail *letter)
-{
-    if (is_late(a, letter)) {
-        a->missed_seq = letter->seq;
-        return;
-    }
-    if (a->missed_end == 0) {
-        a->durable_then = a->durable_seq;
-    }
-    if (a->missed_end == 0 || letter->seq > a->seen_seq + 1) {
-        a->missed_seq = a->seen_seq;
-        a->missed_end = letter->seq;
-    }
-    a->seen_seq = letter->seq;
 }
 
 /* There is no room for it, whoever it is for. */
@@ -567,7 +548,7 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
         tell_sender(b, sender, letter->seq, had);
         return NULL;
     }
-    seq_note(a, letter);
+    a->seen_seq = letter->seq;
     journal_seq(b, sender);
     if (!border_mail(letter)) {
         b->counters.malformed++;

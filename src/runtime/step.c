@@ -38,14 +38,18 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
         return false;
     }
     queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    bool had = parcel->number <= a->last_number;
     if (!number_take(a, parcel->number)) {
+        if (had && !taken_has(a->taken, m)) {
+            taken_add(a->taken, m); /* by an earlier life of the agent */
+        }
         return false;
     }
-    if (m->again && taken_has(a->taken, m->src, m->seq)) {
+    if (m->again && taken_has(a->taken, m)) {
         a->repeats++;
         return false;
     }
-    taken_add(a->taken, m->src, m->seq);
+    taken_add(a->taken, m);
     a->handed++;
     return true;
 }
@@ -251,7 +255,8 @@ static muster_Act act_of(struct mu_agent *a)
                         .forward_m_s = runs ? a->forward_m_s : 0.0,
                         .turn_rad_s = runs ? a->turn_rad_s : 0.0,
                         .firings = a->firings,
-                        .rules = a->rules ? a->rules : none};
+                        .rules = a->rules ? a->rules : none,
+                        .first_seq = a->outbox.first_seq};
 }
 
 /* What is in the Up that is being put together, and what may still go in. */

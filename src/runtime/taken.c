@@ -4,28 +4,40 @@
 #include "core/hash.h"
 #include "muster/limits.h"
 
+#include <string.h>
+
 _Static_assert(TAKEN_MAX > MU_WINDOW_MAX + 8, "a window, and directives beyond it");
+
+/* As the broker's boxes have them: a directive has no priority. */
+static uint32_t queue_of(const muster_Mail *m)
+{
+    return m->layer == 0 ? 0 : (uint32_t)(m->priority + 2);
+}
 
 void taken_clear(struct taken *t)
 {
-    if (t->mails[0].seq != 0) {
-        *t = (struct taken){.next = 0};
+    for (uint32_t i = 0; i < TAKEN_QUEUES; i++) {
+        if (t->queues[i].mails[0].seq != 0) {
+            memset(&t->queues[i], 0, sizeof t->queues[i]);
+        }
     }
 }
 
-void taken_add(struct taken *t, const char *src, uint64_t seq)
+void taken_add(struct taken *t, const muster_Mail *m)
 {
-    t->mails[t->next].sender = mu_hash_string(src);
-    t->mails[t->next].seq = seq;
-    t->next = (t->next + 1) % TAKEN_MAX;
+    uint32_t queue = queue_of(m), next = t->queues[queue].next;
+    t->queues[queue].mails[next].sender = mu_hash_string(m->src);
+    t->queues[queue].mails[next].seq = m->seq;
+    t->queues[queue].next = (next + 1) % TAKEN_MAX;
 }
 
-bool taken_has(const struct taken *t, const char *src, uint64_t seq)
+bool taken_has(const struct taken *t, const muster_Mail *m)
 {
-    uint64_t sender = mu_hash_string(src);
+    uint64_t sender = mu_hash_string(m->src);
+    uint32_t queue = queue_of(m);
     for (uint32_t i = 0; i < TAKEN_MAX; i++) {
-        if (t->mails[i].seq == seq && t->mails[i].sender == sender) {
-            return seq != 0;
+        if (t->queues[queue].mails[i].seq == m->seq && t->queues[queue].mails[i].sender == sender) {
+            return m->seq != 0;
         }
     }
     return false;

@@ -15,10 +15,10 @@
 static void status_print(const muster_BrokerStatus *s)
 {
     printf("status agents %" PRIu32 " sent %" PRIu64 " delivered %" PRIu64 " waiting %" PRIu64
-           " stored %" PRIu32 " oldest_ns %" PRIu64 " cpu_ns %" PRIu64 " resident_bytes %" PRIu64
-           "\n",
-           s->agents, s->sent, s->delivered, s->waiting, s->stored, s->oldest_ns, s->cpu_ns,
-           s->resident_bytes);
+           " malformed %" PRIu64 " stored %" PRIu32 " oldest_ns %" PRIu64 " cpu_ns %" PRIu64
+           " resident_bytes %" PRIu64 "\n",
+           s->agents, s->sent, s->delivered, s->waiting, s->malformed, s->stored, s->oldest_ns,
+           s->cpu_ns, s->resident_bytes);
 }
 
 static void part_print(const muster_PartStatus *s)

@@ -14,7 +14,7 @@ MAILS, KILLS = 20000, 6
 
 
 def whole_lines(path):
-    text = path.read_text() if path.exists() else ""
+    text = path.read_text(errors="replace") if path.exists() else ""
     return text.splitlines() if text.endswith("\n") else text.splitlines()[:-1]
 
 

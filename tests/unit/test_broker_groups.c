@@ -23,6 +23,7 @@ static void test_create_join_leave(void)
     HEARD("green: inform group-join scouts", say("green", "group-join", "scouts"));
     SHOWN("");
     HEARD("red: failure not-a-member scouts", say("red", "group-leave", "scouts"));
+    CU_ASSERT_EQUAL(story.b->counters.malformed, 0); /* a true answer to a good question */
     HEARD("red: failure unknown-group cooks", say("red", "group-leave", "cooks"));
     CU_ASSERT_EQUAL(story_status().malformed, 0); /* these are answers, no broken rules */
     HEARD("red: inform group-join cooks", say("red", "group-join", "cooks"));

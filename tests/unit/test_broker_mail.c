@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/broker_story.h"
+#include "broker/parts.h"
 
 #define X10 "xxxxxxxxxx"
 
@@ -150,33 +151,6 @@ static void test_directives_pass_a_full_window(void)
     EXPECT("red 1-200 delivered; observer 1-1 delivered; green #202 red/201 m");
 }
 
-static void say_again(uint64_t seq)
-{
-    muster_Mail m = letter("red", seq, "green", "late");
-    m.again = true;
-    story_mail(m);
-}
-
-/* What was lost on a cut goes out again when newer mail has come already. */
-static void test_lost_mail_comes_late(void)
-{
-    story_begin();
-    story_join("red");
-    story_join("green");
-    story_send("red", 1, "green", "one");
-    story_send("red", 4, "green", "four");
-    EXPECT("green #1 red/1 one; green #2 red/4 four");
-    story_send("red", 2, "green", "not marked");
-    EXPECT("red 2-2 duplicate");
-    for (uint64_t seq = 1; seq <= 4; seq++) {
-        say_again(seq);
-    }
-    EXPECT("red 1-1 duplicate; red 4-4 duplicate; green #3 red/2 late; green #4 red/3 late");
-    say_again(2);
-    say_again(3);
-    EXPECT("red 2-3 duplicate");
-}
-
 static void test_duplicates_are_dropped(void)
 {
     team();
@@ -187,6 +161,42 @@ static void test_duplicates_are_dropped(void)
     CU_ASSERT_EQUAL(story_status().duplicates_dropped, 2);
     story_send("red", 9, "green", "a gap is no harm");
     EXPECT("green #2 red/9 a gap is no harm");
+}
+
+/* Mails first to last of red for green, from an outbox whose first one is first_seq. */
+static void send_from(uint64_t first_seq, uint64_t first, uint64_t last)
+{
+    muster_Mail mails[8];
+    uint32_t count = 0;
+    for (uint64_t seq = first; seq <= last; seq++) {
+        mails[count++] = letter("red", seq, "green", "m");
+    }
+    muster_Act act = {.agent = words("red"),
+                      .state = muster_STATE_RUNNING,
+                      .rules = words(""),
+                      .first_seq = first_seq};
+    act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
+    muster_Up up = {.process = words("p-red"), .step = muster_STEP_NOW};
+    up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
+    broker_up(story.b, &up, story.now_ns);
+}
+
+/* Mail was sent to an earlier life of the broker, or while it was not heard. */
+static void test_mail_after_a_lost_one_waits_for_it(void)
+{
+    team();
+    send_from(7, 9, 10);
+    EXPECT("");
+    CU_ASSERT_EQUAL(story.b->counters.gaps, 2);
+    send_from(7, 7, 8);
+    EXPECT("green #1 red/7 m; green #2 red/8 m");
+    send_from(7, 10, 10); /* it has the first ones, and their answers are on their way */
+    EXPECT("");
+    send_from(7, 7, 10);
+    EXPECT("red 7-8 duplicate; green #3 red/9 m; green #4 red/10 m");
+    send_from(20, 20, 20); /* those between were answered for by another broker */
+    EXPECT("green #5 red/20 m");
+    CU_ASSERT_EQUAL(story.b->counters.gaps, 3);
 }
 
 static void test_time_to_live(void)
@@ -392,10 +402,31 @@ static void test_a_sender_that_has_left_is_told_nothing(void)
 {
     team();
     story_send("red", 1, "green", "bye");
-    story_gone("p-red");
+    story_leave("red", "p-red");
     EXPECT("green #1 red/1 bye");
     story_ack("green", 1);
     story_register("red", "p-red");
+    EXPECT("red welcome 1");
+}
+
+/* Nothing is heard of the sender for so long, while its mail is acknowledged. */
+static void sender_silent(uint64_t silent_ns)
+{
+    team();
+    story_send("red", 1, "green", "one");
+    story_gone("p-red");
+    EXPECT("green #1 red/1 one");
+    story_ack("green", 1);
+    story.now_ns += silent_ns;
+    broker_tick(story.b, story.now_ns);
+    story_register("red", "p-red");
+}
+
+static void test_a_sender_that_was_silent_is_told_what_it_has_missed(void)
+{
+    sender_silent(9999999999u);
+    EXPECT("red 1-1 delivered; red welcome 1");
+    sender_silent(10000000000u);
     EXPECT("red welcome 1");
 }
 
@@ -409,8 +440,8 @@ int main(void)
         {"moving and suspended agents wait", test_moving_and_suspended_wait},
         {"directives", test_directives},
         {"directives pass a full window", test_directives_pass_a_full_window},
-        {"lost mail comes late", test_lost_mail_comes_late},
         {"duplicates are dropped", test_duplicates_are_dropped},
+        {"mail after a lost one waits for it", test_mail_after_a_lost_one_waits_for_it},
         {"time to live", test_time_to_live},
         {"due in a free run", test_due_in_a_free_run},
         {"window and resending", test_window_and_resending},
@@ -420,6 +451,8 @@ int main(void)
         {"malformed mails", test_malformed_mails},
         {"malformed samples", test_malformed_samples},
         {"a sender that has left is told nothing", test_a_sender_that_has_left_is_told_nothing},
+        {"a sender that was silent is told what it has missed",
+         test_a_sender_that_was_silent_is_told_what_it_has_missed},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/mail", tests);

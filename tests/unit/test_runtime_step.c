@@ -446,6 +446,7 @@ static void test_a_broker_that_is_back_renumbers_nothing(void)
     }
     const muster_Up *up = answer(NULL);
     CU_ASSERT_EQUAL_FATAL(up->acts._buffer[0].mails._length, 3);
+    CU_ASSERT_EQUAL(up->acts._buffer[0].first_seq, 1);
     CU_ASSERT_TRUE(up->acts._buffer[0].mails._buffer[1].again);
     CU_ASSERT_FALSE(up->acts._buffer[0].mails._buffer[2].again);
     mu_text_clear(&heard);
@@ -462,18 +463,17 @@ static void again_parcel(uint64_t number, uint64_t seq)
     parcels[delivery.parcels._length - 1].letter.again = true;
 }
 
-/* What an earlier broker has handed over is known by sender and number. */
+/* What another broker has handed over, to an earlier life even, is known by sender and number. */
 static void test_mail_that_came_through_another_broker(void)
 {
-    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 2);
     verdict_deliver(verdict("red", 5, 0), "red welcome; ");
-    expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
+    expect_numbers(1, 3, "red#3 x; ");
     again_parcel(9001, 2);
     again_parcel(9002, 3);
     again_parcel(9003, 4);
     verdict_deliver(verdict("red", 6, 0), "red#9003 x; ");
     CU_ASSERT_EQUAL(red->repeats, 2);
-    CU_ASSERT_EQUAL(red->handed, 4);
     CU_ASSERT_EQUAL(red->last_number, 9003); /* acknowledged all the same */
     parcel("red", 9004, "", "new");
     parcels[0].letter.seq = 2; /* not marked: a sender may count anew */

@@ -6,22 +6,62 @@
 #include <CUnit/Basic.h>
 #include <stdlib.h>
 
+static muster_Mail mail_of(const char *src, uint64_t seq, uint32_t layer, int32_t priority)
+{
+    return (muster_Mail){
+        .src = (char *)(uintptr_t)src, .seq = seq, .layer = layer, .priority = priority};
+}
+
+static void take(struct taken *t, const char *src, uint64_t seq)
+{
+    muster_Mail m = mail_of(src, seq, 3, 0);
+    taken_add(t, &m);
+}
+
+static bool is_taken(const struct taken *t, const char *src, uint64_t seq)
+{
+    muster_Mail m = mail_of(src, seq, 3, 0);
+    return taken_has(t, &m);
+}
+
 static void test_the_last_ones_are_known(void)
 {
     static struct taken t;
-    CU_ASSERT_FALSE(taken_has(&t, "red", 1));
-    CU_ASSERT_FALSE(taken_has(&t, "", 0)); /* nothing was taken, not even number 0 */
+    CU_ASSERT_FALSE(is_taken(&t, "red", 1));
+    CU_ASSERT_FALSE(is_taken(&t, "", 0)); /* nothing was taken, not even number 0 */
     for (uint64_t seq = 1; seq <= TAKEN_MAX; seq++) {
-        taken_add(&t, "red", seq);
+        take(&t, "red", seq);
     }
-    CU_ASSERT_TRUE(taken_has(&t, "red", 1));
-    CU_ASSERT_TRUE(taken_has(&t, "red", TAKEN_MAX));
-    CU_ASSERT_FALSE(taken_has(&t, "blue", 1));
-    CU_ASSERT_FALSE(taken_has(&t, "red", TAKEN_MAX + 1));
-    taken_add(&t, "blue", 1);
-    CU_ASSERT_FALSE(taken_has(&t, "red", 1)); /* the oldest made room */
-    CU_ASSERT_TRUE(taken_has(&t, "red", 2));
-    CU_ASSERT_TRUE(taken_has(&t, "blue", 1));
+    CU_ASSERT_TRUE(is_taken(&t, "red", 1));
+    CU_ASSERT_TRUE(is_taken(&t, "red", TAKEN_MAX));
+    CU_ASSERT_FALSE(is_taken(&t, "blue", 1));
+    CU_ASSERT_FALSE(is_taken(&t, "red", TAKEN_MAX + 1));
+    take(&t, "blue", 1);
+    CU_ASSERT_FALSE(is_taken(&t, "red", 1)); /* the oldest made room */
+    CU_ASSERT_TRUE(is_taken(&t, "red", 2));
+    CU_ASSERT_TRUE(is_taken(&t, "blue", 1));
+}
+
+/* What overtakes in the box does not drive out what it has overtaken. */
+static void test_each_priority_has_its_own(void)
+{
+    static struct taken t;
+    muster_Mail kept[] = {mail_of("red", 1, 0, 0), mail_of("red", 2, 3, -1),
+                          mail_of("red", 3, 3, 0)};
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
+        taken_add(&t, &kept[i]);
+    }
+    for (uint64_t seq = 4; seq < 4 + 2 * TAKEN_MAX; seq++) {
+        muster_Mail high = mail_of("red", seq, 3, 1);
+        taken_add(&t, &high);
+    }
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
+        CU_ASSERT_TRUE(taken_has(&t, &kept[i]));
+    }
+    taken_clear(&t);
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++) {
+        CU_ASSERT_FALSE(taken_has(&t, &kept[i]));
+    }
 }
 
 static void test_hashes_are_the_published_ones(void)
@@ -37,6 +77,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"the last ones are known", test_the_last_ones_are_known},
+        {"each priority has its own", test_each_priority_has_its_own},
         {"hashes are the published ones", test_hashes_are_the_published_ones},
         CU_TEST_INFO_NULL,
     };

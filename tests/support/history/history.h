@@ -121,13 +121,15 @@ struct actor {
     uint64_t last_seq[NAMES][PRIORITIES];
 };
 
+struct up_mail {
+    int seat;
+    uint32_t mail;
+    uint64_t seq, first_seq; /* of the outbox: all before it are answered for */
+    bool again;
+};
+
 struct up {
-    struct {
-        int seat;
-        uint32_t mail;
-        uint64_t seq;
-        bool again;
-    } mails[UP_MAILS];
+    struct up_mail mails[UP_MAILS];
     uint32_t mails_count;
     struct {
         int name;

@@ -249,6 +249,7 @@ static void up_add_mails(struct actor *a, int seat, struct up *up)
         up->mails[up->mails_count].seat = seat;
         up->mails[up->mails_count].mail = s->mail;
         up->mails[up->mails_count].seq = s->seq;
+        up->mails[up->mails_count].first_seq = a->first_seq;
         up->mails[up->mails_count++].again = s->again;
         history.ledger[s->mail].seq = s->seq;
         a->own_seq = a->begun ? a->own_seq : s->seq;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "history.h"
 
+#include "broker/parts.h"
 #include "core/hash.h"
 
 #include <stdio.h>
@@ -111,9 +112,11 @@ static void content_of(const struct entry *e, uint32_t mail, char *to, size_t si
 }
 
 /* One mail reaches the broker. */
-static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, bool again)
+static void feed_mail(struct process *p, const struct up_mail *from)
 {
+    uint32_t mail = from->mail;
     const struct entry *e = &history.ledger[mail];
+    int name = e->src;
     char dst[256], content[64], reply_with[16] = "";
     dst_of(e, dst, sizeof dst);
     content_of(e, mail, content, sizeof content);
@@ -122,7 +125,7 @@ static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, 
         snprintf(reply_with, sizeof reply_with, "%lu", (unsigned long)mail);
     }
     muster_Mail m = {.src = history_words(history_name(e->src)),
-                     .seq = seq,
+                     .seq = from->seq,
                      .dst = dst,
                      .layer = e->layer,
                      .performative = history_words(asks ? performatives[e->asks] : "do"),
@@ -133,13 +136,14 @@ static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, 
                      .conversation = history_words(""),
                      .priority = e->priority,
                      .level = e->level,
-                     .again = again,
+                     .again = from->again,
                      .due_ns = e->due_ns,
                      .ttl_ns = asks ? 0 : e->ttl_ns,
                      .content = content};
     muster_Act act = {.agent = history_words(history_name(name)),
                       .state = muster_STATE_RUNNING,
-                      .rules = history_words("")};
+                      .rules = history_words(""),
+                      .first_seq = from->first_seq};
     act.mails = (dds_sequence_muster_Mail){._length = 1, ._maximum = 1, ._buffer = &m};
     muster_Up up = {.process = p->name, .step = muster_STEP_NOW};
     up.acts = (dds_sequence_muster_Act){._length = 1, ._maximum = 1, ._buffer = &act};
@@ -152,11 +156,16 @@ static void feed_mail(struct process *p, int name, uint32_t mail, uint64_t seq, 
         HOLD(life_status().malformed == was.malformed + 1 && life_status().sent == was.sent);
         return;
     }
-    history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)seq, (unsigned long)mail,
-                 dst, again ? " again" : "", m.performative, content);
+    history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)from->seq,
+                 (unsigned long)mail, dst, from->again ? " again" : "", m.performative, content);
+    uint64_t gaps = history.life.b->counters.gaps;
     broker_up(history.life.b, &up, life_now_ns());
     muster_BrokerStatus is = life_status();
-    ledger_offer(mail, again, &was, &is);
+    if (history.life.b->counters.gaps > gaps) { /* it waits for one that was lost */
+        HOLD(is.sent == was.sent && is.waiting == was.waiting);
+        return;
+    }
+    ledger_offer(mail, from->again, &was, &is);
 }
 
 static void feed_ack(const struct process *p, int name, uint64_t number, uint64_t handed)
@@ -178,8 +187,7 @@ void net_feed(struct process *p)
         feed_ack(p, up.acks[i].name, up.acks[i].number, up.acks[i].handed);
     }
     for (uint32_t i = 0; i < up.mails_count; i++) {
-        feed_mail(p, history.ledger[up.mails[i].mail].src, up.mails[i].mail, up.mails[i].seq,
-                  up.mails[i].again);
+        feed_mail(p, &up.mails[i]);
     }
     if (twice) {
         p->ups[p->ups_count++] = up;
