@@ -41,7 +41,10 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
     if (!number_take(a, parcel->number)) {
         return false;
     }
-    if (m->again && taken_has(a->taken, m->src, m->seq)) {
+    /* What has passed another broker may have come by two ways; brokers number their own words each
+     * for itself. */
+    bool may_repeat = m->again || (m->hops > 0 && strcmp(m->src, "broker") != 0);
+    if (may_repeat && taken_has(a->taken, m->src, m->seq)) {
         a->repeats++;
         return false;
     }
