@@ -147,7 +147,7 @@ static void way_use(struct broker *b, uint32_t agent, const struct peer *p)
     }
 }
 
-/* @param echoes  ways that may be echoes will do, too */
+/* @param echoes  ways that may be echoes will do, too, as for who has had no way for long enough */
 static void way_choose(struct broker *b, uint32_t agent, bool echoes)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -162,13 +162,14 @@ static void way_choose(struct broker *b, uint32_t agent, bool echoes)
         return;
     }
     bool same = p && a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    if (way && !echoes && may_be_echo(a, way, same)) {
-        pause_begin(b, agent);
+    bool is_fresh = a->process == MU_NONE && !b->liaison.pausing[agent];
+    if (way && !echoes && !is_fresh && may_be_echo(a, way, same)) {
         way = NULL;
     }
     if (way) {
         way_use(b, agent, p);
     } else if (a->process != MU_NONE) {
+        pause_begin(b, agent);
         presence_depart(b, agent);
     }
 }
