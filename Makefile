@@ -166,6 +166,10 @@ soak: all ## twenty whole runs, idle, busy and paced: one hash
 soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail lost or twice
 	@BUILD=$(BUILD) tests/soak/store.py
 
+.PHONY: soak-brokers
+soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
+	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
