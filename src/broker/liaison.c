@@ -18,16 +18,21 @@ static const uint64_t PAUSE_NS = LIAISON_PAUSE_MS * 1000000ull;
 void liaison_init(struct liaison *l)
 {
     *l = (struct liaison){.part_open = MU_NONE, .peer_open = MU_NONE};
-    for (uint32_t i = 0; i < MU_BROKERS_MAX; i++) {
-        struct peer *p = &l->peers[i];
-        p->ways = mu_startup_array(REGISTRY_MAX, sizeof *p->ways);
-        p->taken = mu_startup_array(REGISTRY_MAX, sizeof *p->taken);
-        p->ack_due = mu_startup_array(REGISTRY_MAX, sizeof *p->ack_due);
-        p->acks = mu_startup_array(REGISTRY_MAX, sizeof *p->acks);
+    /* For all peers together: memory in large pieces stays untouched until it is used. */
+    size_t all = (size_t)MU_BROKERS_MAX * REGISTRY_MAX;
+    struct way *ways = mu_startup_array(all, sizeof *ways);
+    uint64_t *taken = mu_startup_array(all, sizeof *taken);
+    bool *ack_due = mu_startup_array(all, sizeof *ack_due);
+    uint32_t *acks = mu_startup_array(all, sizeof *acks);
+    for (size_t i = 0; i < MU_BROKERS_MAX; i++) {
+        l->peers[i] = (struct peer){.ways = ways + i * REGISTRY_MAX,
+                                    .taken = taken + i * REGISTRY_MAX,
+                                    .ack_due = ack_due + i * REGISTRY_MAX,
+                                    .acks = acks + i * REGISTRY_MAX};
     }
     l->pauses = mu_startup_array(REGISTRY_MAX, sizeof *l->pauses);
     l->pausing = mu_startup_array(REGISTRY_MAX, sizeof *l->pausing);
-    l->acks_open = mu_startup_array(REGISTRY_MAX, sizeof *l->acks_open);
+    l->acks_open = mu_startup_array(LIAISON_ACKS, sizeof *l->acks_open);
 }
 
 bool liaison_is_broker(const char *process)

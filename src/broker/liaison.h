@@ -25,6 +25,9 @@ struct broker;
 /* How long another way has to wait that may be an echo of our own. */
 enum { LIAISON_PAUSE_MS = 1000 };
 
+/* Acknowledgements in one Up to a neighbour. */
+enum { LIAISON_ACKS = 1024 };
+
 /* What a neighbour says of an agent. */
 struct way {
     bool present, no_broadcasts;

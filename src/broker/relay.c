@@ -11,9 +11,6 @@
 
 #include <string.h>
 
-/* Acknowledgements in one Up to a neighbour. */
-enum { ACKS_EACH = 1024 };
-
 /* --- mail ------------------------------------------------------------------------------------- */
 
 /* @return the sender of a mail, entered if it is new; MU_NONE: the white pages are full */
@@ -153,6 +150,17 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
     pages_tell(b);
 }
 
+/* The neighbour has not heard us for a while, or not yet in this life. */
+static void roll_call_take(struct broker *b, const struct peer *p)
+{
+    uint32_t place = places_find(&b->places, p->place);
+    announce_all(b);
+    if (place != MU_NONE) {
+        pages_forget_told(&b->places.at[place]);
+        places_wake(&b->places, place);
+    }
+}
+
 void relay_take(struct broker *b, const muster_Delivery *d)
 {
     if (!border_string(d->process, MU_PROCESS_MAX) || !border_string(d->broker, MU_NAME_MAX) ||
@@ -166,7 +174,7 @@ void relay_take(struct broker *b, const muster_Delivery *d)
         return;
     }
     if (d->roll_call) {
-        announce_all(b);
+        roll_call_take(b, p);
     }
     for (uint32_t i = 0; i < d->parcels._length; i++) {
         parcel_take(b, p, &d->parcels._buffer[i]);
@@ -191,7 +199,7 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
     }
     struct peer *p = &l->peers[i];
     l->peer_open = i;
-    l->acks_open_count = p->acks_count < ACKS_EACH ? p->acks_count : ACKS_EACH;
+    l->acks_open_count = p->acks_count < LIAISON_ACKS ? p->acks_count : LIAISON_ACKS;
     for (uint32_t k = 0; k < l->acks_open_count; k++) {
         uint32_t agent = p->acks[p->acks_count - 1 - k];
         l->acks_open[k] =

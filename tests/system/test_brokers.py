@@ -53,6 +53,12 @@ def team_start(processes, domain, out, *words):
     return brokers
 
 
+def counter(domain, broker, name):
+    done = muster("lookup", "broker.postmaster", "--domain", domain, "--broker", broker)
+    found = [line.split()[1] for line in done.stdout.splitlines() if line.split()[0] == name]
+    return int(found[0]) if found else -1
+
+
 def do(domain, broker, *words):
     done = muster(*words, "--domain", domain, "--broker", broker)
     check_equal(done.returncode, 0, f"{words} at {broker}: {done.stderr}")
@@ -146,6 +152,32 @@ def test_durable_mail_of_a_dead_broker_comes_when_it_is_back():
         broker_start(processes, domain, "a", *store)
         wait_for(lambda: len(heard(out, "late")) == 20, 10, "all of it crosses")
         check_equal(len(set(heard(out, "late"))), 20, "each once")
+
+
+def test_what_a_broker_has_taken_over_is_in_its_store():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = ["--store", out / "b.db"]
+        broker_start(processes, domain, "a", "--store", out / "a.db")
+        second = broker_start(processes, domain, "b", *store)
+        for name in ("blue", "green"):
+            receiver_start(processes, domain, name, out, "b")
+            wait_for(lambda: home(domain, "a", name) == "b", 10, f"{name} is known at a")
+        do(domain, "b", "suspend", "blue,green")
+        wait_for(lambda: pages(domain, "a")["green"]["state"] == "suspended", 10, "they sleep")
+        sender = processes.start(program("mail_storer"), domain, "tx", "blue,green", 20, "logged",
+                                 out / "receipts", "a")
+        check_equal(sender.wait(20), 0, "the sender")
+        wait_for(lambda: counter(domain, "b", "waiting") == 40, 10, "the mail is at b")
+        second.kill()
+        second.wait()
+        broker_start(processes, domain, "b", *store)
+        wait_for(lambda: counter(domain, "b", "waiting") + counter(domain, "a", "waiting") >= 40,
+                 10, "the mail is back")
+        do(domain, "a", "resume", "blue,green")
+        for name in ("blue", "green"):
+            wait_for(lambda: heard(out, name) == [f"mail {n + 1}" for n in range(20)], 10,
+                     f"what {name} heard: {heard(out, name)}")
 
 
 def test_a_second_broker_changes_nothing_in_a_lock_step():

@@ -305,6 +305,22 @@ static void test_a_restart_is_met_with_numbers_of_its_own(void)
     HEARD("red", "back");
 }
 
+static void test_a_restart_that_nobody_noticed(void)
+{
+    two();
+    net_ask("red", "group-join", "team");
+    net_settle();
+    net_broker_open(B); /* its old reader is still matched */
+    net_hear_of(B, A, true);
+    net_move("blue", B);
+    net_settle();
+    LIVES(A, "blue", "b running");
+    LIVES(B, "red", "a running");
+    net_send("blue", "group:team", "hello");
+    net_settle();
+    HEARD("red", "hello");
+}
+
 static void test_a_name_that_both_sides_gave_away(void)
 {
     for (int earlier = A; earlier <= B; earlier++) {
@@ -537,6 +553,7 @@ int main(void)
         {"mail follows", test_mail_follows_to_another_broker},
         {"a broker dies", test_a_broker_dies_and_its_agents_go_to_another},
         {"a restart", test_a_restart_is_met_with_numbers_of_its_own},
+        {"a restart unnoticed", test_a_restart_that_nobody_noticed},
         {"a clash", test_a_name_that_both_sides_gave_away},
         {"a name held elsewhere", test_a_name_that_is_held_elsewhere},
         {"numbers go on", test_numbers_of_a_name_go_on_at_another_broker},
