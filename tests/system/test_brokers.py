@@ -166,7 +166,7 @@ def test_what_a_broker_has_taken_over_is_in_its_store():
         do(domain, "b", "suspend", "blue,green")
         wait_for(lambda: pages(domain, "a")["green"]["state"] == "suspended", 10, "they sleep")
         sender = processes.start(program("mail_storer"), domain, "tx", "blue,green", 20, "logged",
-                                 out / "receipts", "a")
+                                 out / "receipts")
         check_equal(sender.wait(20), 0, "the sender")
         wait_for(lambda: counter(domain, "b", "waiting") == 40, 10, "the mail is at b")
         second.kill()
@@ -176,7 +176,7 @@ def test_what_a_broker_has_taken_over_is_in_its_store():
                  10, "the mail is back")
         do(domain, "a", "resume", "blue,green")
         for name in ("blue", "green"):
-            wait_for(lambda: heard(out, name) == [f"mail {n + 1}" for n in range(20)], 10,
+            wait_for(lambda: heard(out, name) == [f"count {n + 1}" for n in range(20)], 10,
                      f"what {name} heard: {heard(out, name)}")
 
 
