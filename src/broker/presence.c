@@ -82,7 +82,11 @@ void presence_depart(struct broker *b, uint32_t agent)
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    if (b->places.at[place].is_broker) {
+        a->awaited = true; /* it is only out of sight: what it is to be told waits */
+    } else {
+        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    }
     presence_changed(b);
     pages_presence(b, agent);
     if (a->claim != MU_NONE) {

@@ -305,6 +305,23 @@ static void test_a_restart_is_met_with_numbers_of_its_own(void)
     HEARD("red", "back");
 }
 
+static void test_what_a_sender_is_to_be_told_waits_for_the_link(void)
+{
+    two();
+    broker_matched(net.b[B], "p-blue", false, net.now_ns); /* it reads nothing for now */
+    net_send("red", "blue", "one");
+    net_settle();
+    TOLD("red", "1-1 stored");
+    net_link(A, B, false);
+    net_settle();
+    broker_matched(net.b[B], "p-blue", true, net.now_ns);
+    net_settle();
+    HEARD("blue", "one");
+    net_link(A, B, true);
+    net_settle();
+    TOLD("red", "1-1 delivered");
+}
+
 static void test_a_restart_that_nobody_noticed(void)
 {
     two();
@@ -553,6 +570,7 @@ int main(void)
         {"mail follows", test_mail_follows_to_another_broker},
         {"a broker dies", test_a_broker_dies_and_its_agents_go_to_another},
         {"a restart", test_a_restart_is_met_with_numbers_of_its_own},
+        {"receipts wait", test_what_a_sender_is_to_be_told_waits_for_the_link},
         {"a restart unnoticed", test_a_restart_that_nobody_noticed},
         {"a clash", test_a_name_that_both_sides_gave_away},
         {"a name held elsewhere", test_a_name_that_is_held_elsewhere},
