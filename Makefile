@@ -180,6 +180,10 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
 
+.PHONY: soak-brokers
+soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
+	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 

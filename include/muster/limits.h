@@ -92,6 +92,18 @@
 /** Agents in one part of a process's registration. */
 #define MU_PART_AGENTS 64
 
+/** Parts of a registration: a broker says all agents that it knows. */
+#define MU_PARTS_MAX                                                                \
+    (((MU_AGENTS_MAX > MU_LOCAL_AGENTS_MAX ? MU_AGENTS_MAX : MU_LOCAL_AGENTS_MAX) + \
+      MU_PART_AGENTS - 1) /                                                         \
+     MU_PART_AGENTS)
+
+/** Brokers between an agent and whoever knows of it. */
+#define MU_DISTANCE_MAX 8
+
+/** Brokers that a mail passes at most. */
+#define MU_HOPS_MAX 16
+
 /** Mails that one broker stores, in all boxes together. */
 #ifndef MU_MAILS_MAX
 #define MU_MAILS_MAX 65536

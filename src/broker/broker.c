@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/broker.h"
 
+#include "broker/announce.h"
 #include "broker/border.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "broker/relay.h"
 #include "broker/router.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const uint64_t RESEND_AFTER_NS = 1000000000;
@@ -36,6 +39,7 @@ struct broker *broker_open(const struct broker_options *options)
 {
     struct broker *b = mu_startup_alloc(sizeof *b);
     (void)mu_text_copy(b->name, sizeof b->name, options->name);
+    (void)snprintf(b->place, sizeof b->place, "broker.%s", b->name);
     b->incarnation = options->incarnation;
     b->wall_ns = options->wall_ns;
     b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
@@ -59,6 +63,7 @@ struct broker *broker_open(const struct broker_options *options)
     trust_init(&b->trust);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
+    liaison_init(&b->liaison);
     journal_init(&b->journal, options->has_store);
     pages_journal_attach(b);
     b->mailbox.base = options->number_base;
@@ -98,7 +103,7 @@ static void place_matched(struct broker *b, uint32_t place)
     pages_forget_told(at);
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
-        b->registry.agents[agent].verdict_due = true;
+        b->registry.agents[agent].verdict_due = !at->is_broker;
         mailbox_repeat(&b->mailbox, agent);
         tenants_wake(&b->registry, &b->places, agent);
     }
@@ -207,8 +212,8 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
 static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
 {
     uint32_t agent = agent_at(b, place, ack->box);
-    if (agent == MU_NONE) {
-        b->counters.malformed++;
+    if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
+        b->counters.malformed += !b->places.at[place].is_broker;
     } else if (b->places.at[place].rostered) {
         lockstep_keep_ack(&b->lockstep, agent, ack->number);
     } else {
@@ -240,12 +245,47 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     for (uint32_t i = 0; i < up->acks._length; i++) {
         ack_take(b, place, &up->acks._buffer[i]);
     }
-    for (uint32_t i = 0; i < up->acts._length; i++) {
+    for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
     }
     if (effect == EFFECT_STEP) {
         lockstep_answered(b, place);
     }
+}
+
+/* --- other brokers -----------------------------------------------------------------------------
+ */
+
+void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    announce_to(b, count);
+}
+
+void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    relay_take(b, d);
+}
+
+bool broker_announcement(struct broker *b, muster_Registration *out)
+{
+    return announce_next(b, out);
+}
+
+void broker_announced(struct broker *b)
+{
+    announce_done(b);
+}
+
+bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
+{
+    return relay_up_next(b, peer, out);
+}
+
+void broker_up_sent(struct broker *b)
+{
+    relay_up_sent(b);
 }
 
 /* --- time ------------------------------------------------------------------------------------- */
@@ -279,6 +319,8 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     router_tick(b);
     courier_tick(b);
     journal_tick(b);
+    liaison_tick(b);
+    announce_tick(b);
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
         pages_expire(b, runclock_mail_ns(&b->clock));
@@ -290,9 +332,16 @@ void broker_tick(struct broker *b, uint64_t now_ns)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {
-        resend_deadline_ns(b),        courier_deadline_ns(b), UINT64_MAX, UINT64_MAX, UINT64_MAX,
-        pacer_deadline_ns(&b->pacer), journal_deadline_ns(b), UINT64_MAX};
+    uint64_t others[] = {resend_deadline_ns(b),
+                         courier_deadline_ns(b),
+                         UINT64_MAX,
+                         UINT64_MAX,
+                         UINT64_MAX,
+                         pacer_deadline_ns(&b->pacer),
+                         journal_deadline_ns(b),
+                         UINT64_MAX,
+                         liaison_deadline_ns(b),
+                         announce_deadline_ns(b)};
     const struct mail *due = schedule_first(&b->due);
     const struct mail *expiry = schedule_first(&b->expiry);
     if (due && b->clock.runs && !b->clock.lockstep) {

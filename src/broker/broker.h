@@ -87,6 +87,34 @@ const char *broker_process(const struct broker *b, uint32_t index);
 /** @return whether the broker still has business with a process */
 bool broker_serves(const struct broker *b, const char *process);
 
+/* --- other brokers, each as it were a process "broker.NAME" ------------------------------------
+ */
+
+/** So many other brokers are there now; nothing is announced while there are none. */
+void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns);
+
+/** Another broker delivers mail, receipts, lines of groups and services to this one. */
+void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns);
+
+/**
+ * Gives the next part of what this broker says to the others of the agents that it knows.
+ *
+ * @param out  filled with pointers into the broker, valid until the next call into it
+ * @return false when there is none; after a good write, broker_announced; after another one, stop
+ *         and ask again later
+ */
+bool broker_announcement(struct broker *b, muster_Registration *out);
+void broker_announced(struct broker *b);
+
+/**
+ * Gives the next acknowledgements for another broker: after the commit of what they stand for.
+ *
+ * @param peer  out: the broker's name
+ * @return as broker_announcement; after a good write, broker_up_sent
+ */
+bool broker_up_next(struct broker *b, const char **peer, muster_Up *out);
+void broker_up_sent(struct broker *b);
+
 /** Fills the counters; what only the process knows (processor time, memory) stays 0. */
 void broker_status(const struct broker *b, muster_BrokerStatus *status);
 

@@ -86,6 +86,19 @@ static const struct counter counters[] = {
     {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
     {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
     {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},
+
+    {PART_LIAISON, "peers", "other brokers that are there now", AT(liaison.peers_there)},
+    {PART_LIAISON, "announced", "parts of the white pages told to them",
+     AT(liaison.count.announced)},
+    {PART_LIAISON, "parcels-in", "mails taken from them", AT(liaison.count.parcels_in)},
+    {PART_LIAISON, "repeated", "mails that came from them once more", AT(liaison.count.repeated)},
+    {PART_LIAISON, "passed-on", "mails that they have taken over, one a receiver",
+     AT(liaison.count.passed_on)},
+    {PART_LIAISON, "receipts-in", "receipts that came from them", AT(liaison.count.receipts_in)},
+    {PART_LIAISON, "clashes", "agents that had to give their name to one that had it before",
+     AT(liaison.count.clashes)},
+    {PART_LIAISON, "hops-refused", "mails that had passed too many brokers",
+     AT(liaison.count.hops_refused)},
 };
 
 enum { COUNTERS = sizeof counters / sizeof counters[0] };

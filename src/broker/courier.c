@@ -107,6 +107,16 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 
 /* --- putting together ------------------------------------------------------------------------- */
 
+/* @return what is left of its time to live, for the next broker on its way */
+static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
+{
+    uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
+    if (m->place[SCHEDULE_EXPIRY] == MU_NONE || !b->places.at[b->courier.open].is_broker) {
+        return m->letter.ttl_ns;
+    }
+    return at_ns > mail_ns ? at_ns - mail_ns : 1;
+}
+
 /* @return whether all that may go to the agent now had room */
 static bool parcels_fill(struct broker *b, struct courier_part *part, struct courier_room *room,
                          muster_Delivery *d)
@@ -138,6 +148,7 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
                                   .number = number + part->parcels,
                                   .letter = m->letter};
         parcel->letter.again = m->letter.again || b->mailbox.posts[i].sent;
+        parcel->letter.ttl_ns = ttl_left_ns(b, m);
     }
     return i == MU_NONE && (awake || gate < GATE_OPEN);
 }
@@ -190,7 +201,7 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
         changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
-        !a->is.no_broadcasts;
+        !a->is.no_broadcasts && a->is.home[0] == '\0';
     return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
 }
 
@@ -206,7 +217,7 @@ static void members_fill(struct broker *b, const struct place *at, muster_Delive
 {
     const struct changes *c = &b->registry.changes;
     uint64_t upto = b->courier.open_version;
-    if (at->version_had >= upto) {
+    if (at->version_had >= upto || at->is_broker) { /* which is told by the announcement */
         return;
     }
     /* With its first agent it learns which broker this is, and forgets what another one has told.
@@ -358,11 +369,12 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
         if (!at->used || !at->matched || at->blocked || place_hold(b, at)) {
             continue;
         }
+        b->courier.open = place;
         if (delivery_fill(b, place, d)) {
-            b->courier.open = place;
             *process = at->name;
             return true;
         }
+        b->courier.open = MU_NONE;
     }
     courier_sleep(b);
     return false;

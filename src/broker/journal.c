@@ -139,7 +139,8 @@ void journal_put(struct broker *b, struct mail *m)
     journal_enter(j, m);
     mail_mark(j, m);
     struct agent *a = &b->registry.agents[m->sender];
-    if (m->letter.seq > a->durable_seq) {
+    /* What came by another broker says nothing of what the sender has sent here. */
+    if (m->letter.hops == 0 && m->letter.seq > a->durable_seq) {
         a->durable_seq = m->letter.seq;
         agent_mark(b, m->sender);
     }

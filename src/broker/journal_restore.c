@@ -60,7 +60,7 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     uint32_t sender = agent_named(b, e->letter.src);
     if (sender == MU_NONE || e->row == 0 || e->letter.level == muster_LEVEL_RAM ||
         !border_mail(&e->letter) || !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
-        journal_find(j, sender, e->letter.seq)) {
+        (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }
     muster_Mail letter = e->letter;
@@ -77,7 +77,9 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     journal_enter(j, m);
     struct agent *a = &b->registry.agents[sender];
-    a->durable_seq = letter.seq > a->durable_seq ? letter.seq : a->durable_seq;
+    if (letter.hops == 0 && letter.seq > a->durable_seq) {
+        a->durable_seq = letter.seq;
+    }
     return true;
 }
 

@@ -31,7 +31,7 @@ struct turn {
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
     uint32_t addresses; /* among the mails from outside: those to SCHEME:REST */
-    bool active; /* in the list of those of whom anything was collected */
+    bool active;        /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;

@@ -6,6 +6,7 @@
 #include "broker/health.h"
 #include "broker/herald.h"
 #include "broker/opening.h"
+#include "broker/peers.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -47,6 +48,7 @@ struct post {
     struct bus_writer pages, events;
     struct health health;
     struct herald herald;
+    struct peers peers;
     struct files_audit audit;
     struct mailbag bags[MU_PROCESSES_MAX];
     uint32_t bag_count;
@@ -78,8 +80,8 @@ static mu_result post_open(struct post *p, const char *name)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    MU_TRY(health_open(&p->health, &p->bus));
-    return MU_OK;
+    MU_TRY(peers_open(&p->peers, &p->bus, partition));
+    return health_open(&p->health, &p->bus);
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
@@ -179,6 +181,7 @@ static void post_take(struct post *p)
 {
     registrations_take(p);
     ups_take(p);
+    peers_take(&p->peers, p->broker, post_now(p));
     rosters_take(p);
 }
 
@@ -317,12 +320,14 @@ static void post_round(struct post *p)
 {
     herald_hear(&p->herald);
     herald_tell(&p->herald, p->broker);
+    peers_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     bags_follow(p);
     bool impatient = bags_look(p, look);
     broker_tick(p->broker, post_now(p));
     store_write(p);
+    impatient = !peers_tell(&p->peers, p->broker) || impatient;
     impatient = !deliveries_write(p) || impatient;
     pages_tell(p);
     events_tell(p);

@@ -42,7 +42,7 @@ bool pages_shows(const struct broker *b, uint32_t line, bool inside)
 
 static bool place_is_told(const struct place *at)
 {
-    return at->used && at->matched && at->agents_count > 0 && !at->simulator;
+    return at->used && at->matched && (at->agents_count > 0 || at->is_broker) && !at->simulator;
 }
 
 /* The versions that every process has had: what is older may be forgotten. */
@@ -222,7 +222,8 @@ static void offers_fill(struct broker *b, const struct place *at, muster_Deliver
     p->services_open = at->services_had;
     for (uint32_t line = changes_after(c, at->services_had);
          line != MU_NONE && d->offers._length < max; line = changes_next(c, line)) {
-        services_line(&p->services, line, pages_shows(b, line, at->rostered),
+        /* Another broker sees for itself whom it shows. */
+        services_line(&p->services, line, at->is_broker || pages_shows(b, line, at->rostered),
                       &d->offers._buffer[d->offers._length++]);
         p->services_open = changes_version(c, line);
     }

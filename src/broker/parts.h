@@ -14,6 +14,8 @@
  *   lockstep   collects a step's mail and lets it take effect      router, presence
  *   pages      groups, services, standing queries                   groups, services, router
  *   courier    what is ready for a process, as one Delivery        mailbox, receipts
+ *   liaison    the other brokers: who lives beyond which; announce says who is known here, relay
+ *              takes their mail                                    presence, router, pages
  *   journal    what must be on disk before anybody is told         registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -27,6 +29,7 @@
 #include "broker/courier.h"
 #include "broker/events.h"
 #include "broker/journal.h"
+#include "broker/liaison.h"
 #include "broker/lockstep.h"
 #include "broker/mailbox.h"
 #include "broker/pacer.h"
@@ -54,6 +57,7 @@ struct broker_counters {
 
 struct broker {
     char name[MU_FIELD_MAX + 1];
+    char place[MU_PROCESS_MAX + sizeof "broker."]; /* what it is to other brokers */
     uint64_t incarnation;
     uint64_t wall_ns; /* nanoseconds since 1970 when the clock shows 0 */
     uint64_t resend_after_ns;
@@ -75,6 +79,7 @@ struct broker {
     struct trust trust;
     struct audit audit;
     struct journal journal;
+    struct liaison liaison;
     struct broker_counters counters;
     struct events events;
     struct pacer pacer;

@@ -37,7 +37,7 @@ uint32_t places_find(const struct places *p, const char *name)
 static bool place_is_needed(const struct place *at)
 {
     return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched ||
-           at->speaks;
+           at->speaks || (at->is_broker && !at->lost);
 }
 
 /* Somebody who was turned down and never met: makes way only when its place is wanted. */

@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 enum {
-    PLACES_PARTS = MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS,
+    PLACES_PARTS = MU_PARTS_MAX,
     PLACES_REFUSALS = 64, /* that wait for one Delivery */
 };
 

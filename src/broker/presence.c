@@ -48,18 +48,31 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 }
 
 /* What the agent has had in its box before is for its new process to have again. */
-static void seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                 const struct presence *is)
+void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                   const struct presence *is)
 {
     tenants_add(&b->registry, &b->places, place, slot, agent);
     places_accept(&b->places, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
+    if (b->places.at[place].is_broker) { /* there, it has been answered */
+        b->registry.agents[agent].verdict_due = false;
+    }
     journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
     pages_presence(b, agent);
     tenants_wake(&b->registry, &b->places, agent);
+}
+
+void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                   const struct presence *is)
+{
+    uint32_t from = b->registry.agents[agent].process;
+    tenants_remove(&b->registry, &b->places, agent);
+    mailbox_unwatch(&b->mailbox, agent);
+    presence_seat(b, agent, place, slot, is);
+    places_tidy(&b->places, from);
 }
 
 void presence_depart(struct broker *b, uint32_t agent)
@@ -70,7 +83,9 @@ void presence_depart(struct broker *b, uint32_t agent)
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    if (b->places.at[place].lost && a->claim == MU_NONE) {
+    if (b->places.at[place].is_broker) {
+        a->awaited = true; /* it is only out of sight: what it is to be told waits */
+    } else if (b->places.at[place].lost && a->claim == MU_NONE) {
         journal_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
@@ -82,14 +97,20 @@ void presence_depart(struct broker *b, uint32_t agent)
         claims_drop(&b->claims, a->claim);
         a->claim = MU_NONE;
         b->places.at[heir.process].claims--;
-        seat(b, agent, heir.process, heir.slot, &heir.presence);
+        presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
     }
     places_tidy(&b->places, place);
+    liaison_review(b, agent);
 }
 
 /* --- claims ----------------------------------------------------------------------------------- */
 
-static const char held_by_another[] = "held by another participant";
+/* @return who holds a name, as the reason of a refusal */
+static const char *holder_of(struct broker *b, uint32_t agent)
+{
+    const char *home = b->registry.agents[agent].is.home;
+    return home[0] ? liaison_holder(b, home) : "held by another participant";
+}
 
 static void claim_end(struct broker *b, uint32_t index)
 {
@@ -118,7 +139,7 @@ static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_
         b->claims.pool[a->claim].slot = slot;
         b->claims.pool[a->claim].presence = *is;
     } else {
-        places_refuse(&b->places, place, a->name, held_by_another);
+        places_refuse(&b->places, place, a->name, holder_of(b, agent));
     }
 }
 
@@ -145,7 +166,7 @@ void presence_tick(struct broker *b)
         uint32_t index = b->claims.first;
         const struct claim *claim = &b->claims.pool[index];
         places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name,
-                      held_by_another);
+                      holder_of(b, claim->agent));
         claim_end(b, index);
     }
 }
@@ -177,7 +198,7 @@ static void presence_leave(struct broker *b, uint32_t agent)
 }
 
 /* A registration from the process that has the name already. */
-static void reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
+void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
 {
     struct agent *a = &b->registry.agents[agent];
     a->gone = false;
@@ -230,9 +251,13 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE) {
-        seat(b, agent, place, slot, is);
+        presence_seat(b, agent, place, slot, is);
+        liaison_review(b, agent);
     } else if (a->process == place) {
-        reregister(b, agent, slot, is);
+        presence_reregister(b, agent, slot, is);
+    } else if (b->places.at[a->process].is_broker &&
+               a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
+        presence_move(b, agent, place, slot, is);
     } else {
         claim_make(b, agent, place, slot, is);
     }
@@ -335,7 +360,6 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
         pages_forget_told(at);
     }
     at->incarnation = r->incarnation;
-    at->is_broker = r->is_broker;
     if (at->lost) {
         at->lost = false;
         at->roll_call_due = r->part > 0 || at->parts_top > 1;
@@ -348,6 +372,10 @@ void presence_register(struct broker *b, const muster_Registration *r)
 {
     if (!border_registration(r)) {
         b->counters.malformed++;
+        return;
+    }
+    if (r->is_broker || liaison_is_broker(r->process)) {
+        liaison_hear(b, r);
         return;
     }
     if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
@@ -364,7 +392,7 @@ void presence_register(struct broker *b, const muster_Registration *r)
     part_displace(b, place, r);
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
-        if (!border_entry(e, r->is_broker)) {
+        if (!border_entry(e, false)) {
             b->counters.malformed++;
         } else if (e->name[0] != '\0' || e->state != muster_STATE_ABSENT) {
             entry_take(b, place, r, i);
@@ -376,7 +404,9 @@ void presence_register(struct broker *b, const muster_Registration *r)
 
 void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
 {
-    if (crashed) {
+    if (b->places.at[place].is_broker) {
+        liaison_lose(b, place);
+    } else if (crashed) {
         b->places.at[place].lost = true;
         place_leave(b, place);
     } else if (part < PLACES_PARTS) {
@@ -391,6 +421,8 @@ void presence_settle(struct broker *b, uint32_t place)
         next = tenants_next(&b->registry, &b->places, agent);
         if (b->registry.agents[agent].gone) {
             presence_depart(b, agent);
+        } else {
+            liaison_review(b, agent);
         }
     }
 }

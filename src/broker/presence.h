@@ -7,6 +7,7 @@
 #define MUSTER_BROKER_PRESENCE_H
 
 #include "broker/broker.h"
+#include "broker/registry.h"
 
 /** @return nanoseconds since 1970 */
 uint64_t presence_wall_ns(const struct broker *b);
@@ -22,6 +23,17 @@ void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed
 
 /** The agent is absent from now on; who waits for its name gets it. */
 void presence_depart(struct broker *b, uint32_t agent);
+
+/** An agent that is nowhere moves into a slot of a place. */
+void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                   const struct presence *is);
+
+/** It goes from one place to another: what it has not acknowledged goes there again. */
+void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                   const struct presence *is);
+
+/** Its own place says something new of it. */
+void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is);
 
 /** An agent's state changes, and with it perhaps what it may be handed. */
 void presence_set_state(struct broker *b, uint32_t agent, muster_State state);

@@ -36,13 +36,14 @@ static uint32_t receipt_take(struct receipts *r)
     return index;
 }
 
-void receipts_add(struct receipts *r, uint32_t agent, uint64_t seq, muster_Outcome result)
+void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
+                  muster_Outcome result)
 {
     struct receipt_queue *q = queue_of(r, agent);
     if (q->tail != MU_NONE) {
         struct receipt *last = &r->pool[q->tail];
-        if (last->result == result && last->last_seq + 1 == seq) {
-            last->last_seq = seq;
+        if (last->result == result && last->last_seq + 1 == first_seq) {
+            last->last_seq = last_seq;
             return;
         }
     }
@@ -53,8 +54,8 @@ void receipts_add(struct receipts *r, uint32_t agent, uint64_t seq, muster_Outco
     if (index == MU_NONE) {
         return;
     }
-    r->pool[index] =
-        (struct receipt){.first_seq = seq, .last_seq = seq, .result = result, .next = MU_NONE};
+    r->pool[index] = (struct receipt){
+        .first_seq = first_seq, .last_seq = last_seq, .result = result, .next = MU_NONE};
     if (q->tail == MU_NONE) {
         q->head = index;
     } else {

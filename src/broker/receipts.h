@@ -37,7 +37,8 @@ struct receipts {
 void receipts_init(struct receipts *r, uint32_t agents);
 
 /** Adds an outcome; it joins the sender's last one if that is its neighbour and the same. */
-void receipts_add(struct receipts *r, uint32_t agent, uint64_t seq, muster_Outcome result);
+void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
+                  muster_Outcome result);
 
 /** @return the agent's queue */
 const struct receipt_queue *receipts_of(struct receipts *r, uint32_t agent);

@@ -86,6 +86,7 @@ uint64_t registry_last_seq(const struct agent *a)
 {
     uint64_t earlier = a->seen_seq ? 0 : a->earlier_seq;
     uint64_t last = a->seen_seq > a->durable_seq ? a->seen_seq : a->durable_seq;
+    last = last > a->elsewhere_seq ? last : a->elsewhere_seq;
     return last > earlier ? last : earlier;
 }
 

@@ -57,12 +57,13 @@ struct agent {
     struct tenant tenant;           /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
-    uint64_t seen_seq;     /* the last mail that it has sent in this life of the broker */
-    uint64_t came_seq;     /* the last one that has come in this life, taken or not */
-    uint64_t durable_seq;  /* the last one that went to the store, in any life */
-    uint64_t earlier_seq;  /* no mail of an earlier life of the broker has a higher one */
-    uint64_t reserved_seq; /* on disk: later lives count from here */
-    uint64_t mark;         /* the last list of receivers that it was put on */
+    uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
+    uint64_t came_seq;      /* the last one that has come in this life, taken or not */
+    uint64_t durable_seq;   /* the last one that went to the store, in any life */
+    uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved_seq;  /* on disk: later lives count from here */
+    uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
+    uint64_t mark;          /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone;    /* its process went in lock step: counts when that ends */
     bool unsaved; /* the journal has to write its line */

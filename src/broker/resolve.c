@@ -66,6 +66,9 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
     const struct resolve *r = &b->resolve;
     const struct resolve_queue *queue = &r->queues[m->sender];
+    if (m->only != MU_NONE) { /* the broker that it came from has asked */
+        return RESOLVE_NOTHING;
+    }
     bool is_address = address_kind(m->letter.dst) == ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;

@@ -22,6 +22,14 @@ struct audience {
     uint32_t refused; /* those whom the sender may not direct: not among the agents */
 };
 
+/* @return whether the agent lives beyond another broker */
+static bool place_is_broker(const struct broker *b, uint32_t agent)
+{
+    uint32_t place = b->registry.agents[agent].process;
+    return place != MU_NONE && b->places.at[place].is_broker;
+}
+
+/* Mail for an agent beyond another broker waits there. */
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -31,8 +39,8 @@ enum mailbox_gate router_gate(const struct broker *b, uint32_t agent)
     switch (a->is.state) {
     case muster_STATE_STANDBY:
     case muster_STATE_RUNNING: return GATE_OPEN;
-    case muster_STATE_SUSPENDED: return GATE_URGENT;
-    case muster_STATE_MOVING:
+    case muster_STATE_SUSPENDED: return place_is_broker(b, agent) ? GATE_OPEN : GATE_URGENT;
+    case muster_STATE_MOVING: return place_is_broker(b, agent) ? GATE_OPEN : GATE_SHUT;
     case muster_STATE_ABSENT: break;
     }
     return GATE_SHUT;
@@ -108,6 +116,13 @@ static void audience_of_group(struct broker *b, const char *group, uint32_t send
     }
 }
 
+/* A broadcast from inside the lock step does not go beyond the broker: who is there is known by
+ * the wall clock. */
+static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
+{
+    return place_is_broker(b, agent) && presence_in_lockstep(b, sender);
+}
+
 /* A directive to all finds those, too, that want no broadcasts. */
 static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t sender,
                         struct audience *to)
@@ -131,19 +146,31 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
         const struct agent *a = &b->registry.agents[agent];
         if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
             kind_is_addressed(kind, a->is.kind) &&
-            !(kind == ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0)) {
+            !(kind == ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
+            !is_too_far(b, agent, sender)) {
             to->agents[to->count++] = agent;
         }
     }
 }
 
+static void audience_of_mail(struct broker *b, const struct mail *m, struct audience *to)
+{
+    if (m->only == MU_NONE) {
+        audience_of(b, &m->letter, m->sender, to);
+        return;
+    }
+    to->unknown = to->refused = 0;
+    to->count = 1;
+    to->agents[0] = m->only;
+}
+
 bool router_meets_lockstep(struct broker *b, const struct mail *m)
 {
     struct audience to;
-    if (address_kind(m->letter.dst) == ADDRESS_SCHEME) {
+    if (m->only == MU_NONE && address_kind(m->letter.dst) == ADDRESS_SCHEME) {
         return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
     }
-    audience_of(b, &m->letter, m->sender, &to);
+    audience_of_mail(b, m, &to);
     bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
@@ -163,16 +190,22 @@ static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome resu
            pacer_holds(&b->pacer, sender, b->clock.now_ns);
 }
 
-static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
+void router_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
+                 muster_Outcome result)
 {
     const struct agent *a = &b->registry.agents[sender];
     if (a->process == MU_NONE && !a->awaited) { /* the absent are told nothing, nor is the broker */
         return;
     }
-    receipts_add(&b->receipts, sender, seq, result);
+    receipts_add(&b->receipts, sender, first_seq, last_seq, result);
     if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
         tenants_wake(&b->registry, &b->places, sender);
     }
+}
+
+static void tell_sender(struct broker *b, uint32_t sender, uint64_t seq, muster_Outcome result)
+{
+    router_tell(b, sender, seq, seq, result);
 }
 
 void router_tick(struct broker *b)
@@ -192,6 +225,29 @@ static void answer(struct broker *b, struct mail *m, muster_Outcome result)
     }
 }
 
+static void tell_stored(struct broker *b, struct mail *m)
+{
+    if (!m->answered && !m->stored_told) {
+        m->stored_told = true;
+        tell_sender(b, m->sender, m->letter.seq, muster_OUTCOME_STORED);
+    }
+}
+
+/* The last word on a mail that all receivers are through with, as far as it is known here: what
+ * becomes of what another broker has taken over, that broker tells. */
+static void answer_settled(struct broker *b, struct mail *m)
+{
+    if (m->dropped) {
+        answer(b, m, muster_OUTCOME_DROPPED);
+    } else if (m->expired) {
+        answer(b, m, muster_OUTCOME_EXPIRED);
+    } else if (m->passed_on) {
+        tell_stored(b, m);
+    } else {
+        answer(b, m, muster_OUTCOME_DELIVERED);
+    }
+}
+
 /* One receiver is through with it. */
 static void settle(struct broker *b, struct mail *m)
 {
@@ -204,10 +260,7 @@ static void settle(struct broker *b, struct mail *m)
         schedule_remove(&b->due, m);
         schedule_remove(&b->expiry, m);
         ages_remove(&b->ages, m);
-        answer(b, m,
-               m->dropped   ? muster_OUTCOME_DROPPED
-               : m->expired ? muster_OUTCOME_EXPIRED
-                            : muster_OUTCOME_DELIVERED);
+        answer_settled(b, m);
         store_release(&b->store, m);
     }
 }
@@ -222,9 +275,11 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     if (number <= box->acked) {
         return;
     }
+    bool beyond = place_is_broker(b, agent);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
-        b->counters.delivered++;
+        m->passed_on = m->passed_on || beyond;
+        *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
         settle(b, m);
     }
     if (!presence_in_lockstep(b, agent)) {
@@ -350,8 +405,8 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
         answer(b, m, muster_OUTCOME_DELIVERED);
     } else if (stored && m->letter.level != muster_LEVEL_RAM) {
         m->tell_stored = true; /* when it is */
-    } else if (stored && !m->answered) {
-        tell_sender(b, m->sender, m->letter.seq, muster_OUTCOME_STORED);
+    } else if (stored) {
+        tell_stored(b, m);
     }
     if (m->unsettled == 0) {
         store_release(&b->store, m);
@@ -374,8 +429,8 @@ static bool mail_book(struct broker *b, struct mail *m, const struct audience *t
 
 void router_stored(struct broker *b, struct mail *m)
 {
-    if (m->tell_stored && !m->answered) {
-        tell_sender(b, m->sender, m->letter.seq, muster_OUTCOME_STORED);
+    if (m->tell_stored) {
+        tell_stored(b, m);
     }
     m->tell_stored = false;
 }
@@ -450,8 +505,9 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
     if (names) {
         audience_of_answer(b, names, m->sender, &to);
     } else {
-        audience_of(b, &m->letter, m->sender, &to);
-        to.unknown = address_kind(m->letter.dst) == ADDRESS_SCHEME ? 1 : to.unknown;
+        audience_of_mail(b, m, &to);
+        bool unresolved = m->only == MU_NONE && address_kind(m->letter.dst) == ADDRESS_SCHEME;
+        to.unknown = unresolved ? 1 : to.unknown;
     }
     m->order = ++b->orders;
     if (m->letter.layer == 0) {
@@ -472,7 +528,7 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
 void router_turn_away(struct broker *b, struct mail *m)
 {
     struct audience to;
-    audience_of(b, &m->letter, m->sender, &to);
+    audience_of_mail(b, m, &to);
     b->counters.sent += to.count + to.unknown;
     b->counters.unknown_name += to.unknown;
     booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);

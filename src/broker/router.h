@@ -49,6 +49,10 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
 /** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 
+/** Tells an agent what became of its mails, by way of another broker if it lives beyond one. */
+void router_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
+                 muster_Outcome result);
+
 /** @return whether the mail is for an agent in the lock step */
 bool router_meets_lockstep(struct broker *b, const struct mail *m);
 

@@ -158,6 +158,7 @@ struct mail *store_put(struct store *s, const muster_Mail *letter)
     }
     *m = (struct mail){.letter = copy,
                        .place = {MU_NONE, MU_NONE},
+                       .only = MU_NONE,
                        .posts = MU_NONE,
                        .uses = 1,
                        .bytes = (uint32_t)bytes,

@@ -39,8 +39,9 @@ struct mail {
     uint32_t place[SCHEDULE_KINDS]; /* in the schedule's heap; MU_NONE: not there */
     uint64_t order;                 /* in which mails were routed */
     uint32_t sender;                /* an index of the registry */
-    uint32_t payer;                 /* whose share it takes: the sender's, or who asked for it */
-    uint32_t posts;                 /* the first of its places in boxes; MU_NONE: none */
+    uint32_t only;      /* its one receiver, by another broker's word; MU_NONE: as dst says */
+    uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
+    uint32_t posts;     /* the first of its places in boxes; MU_NONE: none */
     uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */
     uint32_t uses;      /* freed at 0 */
     uint32_t bytes;
@@ -52,6 +53,8 @@ struct mail {
     bool journal_listed;        /* in the journal's list */
     bool journal_written;       /* its row is on disk */
     bool tell_stored;           /* when it is: the sender is told */
+    bool stored_told;           /* the sender has been told that it waits */
+    bool passed_on;             /* another broker has taken it over for one receiver at least */
     bool expired;               /* for one receiver at least */
     bool dropped;               /* likewise */
 };

@@ -83,15 +83,16 @@ static bool acks_ok(const muster_Ack *acks, uint32_t count)
  * with the other agents of the process. */
 static bool entry_ok(const muster_Entry *e)
 {
-    return e->name && text_fits(e->home, MU_FIELD_MAX);
+    return e->name && text_fits(e->home, MU_FIELD_MAX) &&
+           (!e->via || text_fits(e->via, MU_FIELD_MAX)) &&
+           (!e->host || text_fits(e->host, MU_FIELD_MAX)) && e->last_seq <= INT64_MAX;
 }
 
 bool check_registration(const void *sample)
 {
     const muster_Registration *r = sample;
-    if (!is_process(r->process) || r->part >= MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS ||
-        !text_fits(r->broker, MU_FIELD_MAX) || !text_fits(r->host, MU_FIELD_MAX) ||
-        r->agents._length > MU_PART_AGENTS) {
+    if (!is_process(r->process) || r->part >= MU_PARTS_MAX || !text_fits(r->broker, MU_FIELD_MAX) ||
+        !text_fits(r->host, MU_FIELD_MAX) || r->agents._length > MU_PART_AGENTS) {
         return false;
     }
     for (uint32_t i = 0; i < r->agents._length; i++) {

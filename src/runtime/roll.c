@@ -41,7 +41,11 @@ void roll_beat(mu_process *p)
 static muster_Entry entry_of(struct mu_agent *a)
 {
     if (a->refused) {
-        return (muster_Entry){.name = nothing, .state = muster_STATE_ABSENT, .home = nothing};
+        return (muster_Entry){.name = nothing,
+                              .state = muster_STATE_ABSENT,
+                              .home = nothing,
+                              .via = nothing,
+                              .host = nothing};
     }
     return (muster_Entry){.name = a->name,
                           .kind = (muster_Kind)a->kind,
@@ -51,6 +55,8 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .box_mails = a->box_mails,
                           .box_bytes = a->box_bytes,
                           .home = nothing,
+                          .via = nothing,
+                          .host = nothing,
                           .since_wall_ns = a->since_wall_ns};
 }
 

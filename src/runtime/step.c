@@ -45,7 +45,10 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
         }
         return false;
     }
-    if (m->again && taken_has(a->taken, m)) {
+    /* What has passed another broker may have come by two ways; brokers number their own words each
+     * for itself. */
+    bool may_repeat = m->again || (m->hops > 0 && strcmp(m->src, "broker") != 0);
+    if (may_repeat && taken_has(a->taken, m)) {
         a->repeats++;
         return false;
     }

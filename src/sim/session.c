@@ -201,7 +201,8 @@ static void registrations_take(struct session *s)
     enum bus_life life;
     const muster_Registration *r;
     while ((r = bus_next(&s->registrations, &life))) {
-        if (s->step < 0 || s->options.free) {
+        bool is_broker = life == BUS_DATA && r->is_broker;
+        if (!is_broker && (s->step < 0 || s->options.free)) {
             registration_take(s, r, life);
         }
     }

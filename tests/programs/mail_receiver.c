@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Takes mails and writes a line for each: "NUMBER SENDER CONTENT", with one write.
- *   mail_receiver DOMAIN NAME RECORD
+ *   mail_receiver DOMAIN NAME RECORD [BROKER [INTERFACE PEERS]]
  * The record is its memory: a later life goes on after the last whole line.
  */
 #include <muster/muster.h>
@@ -51,7 +51,10 @@ int main(int argc, char **argv)
     int record = open(argv[3], O_RDWR | O_CREAT | O_APPEND, 0600);
     mu_process *p;
     mu_agent *a;
-    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
+    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
+                                         .broker = argc > 4 ? argv[4] : NULL,
+                                         .interface = argc > 6 ? argv[5] : NULL,
+                                         .peer = argc > 6 ? argv[6] : NULL};
     struct mu_handlers handlers = {.self = &record, .on_mail = on_mail};
     if (record < 0 || mu_process_open(&p, &options) != MU_OK ||
         mu_agent_join(p, &a, argv[2], MU_KIND_AGENT, last_number(record), &handlers) != MU_OK) {

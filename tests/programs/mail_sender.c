@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Sends numbered mails and waits until each has been delivered.
- *   mail_sender DOMAIN NAME RECEIVER COUNT [SECONDS [logged]]
+ *   mail_sender DOMAIN NAME RECEIVER COUNT [SECONDS [logged|ram [BROKER [INTERFACE PEERS]]]]
  * Prints "delivered N" and ends with 0 when that is all of them.
  */
 #include <muster/muster.h>
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 static uint64_t delivered, other;
@@ -35,7 +36,11 @@ int main(int argc, char **argv)
     time_t until = time(NULL) + (argc > 5 ? atol(argv[5]) : 60);
     mu_process *p;
     mu_agent *a;
-    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
+    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
+                                         .broker = argc > 7 ? argv[7] : NULL,
+                                         .interface = argc > 9 ? argv[8] : NULL,
+                                         .peer = argc > 9 ? argv[9] : NULL};
+    bool logged = argc > 6 && strcmp(argv[6], "logged") == 0;
     struct mu_handlers handlers = {.on_receipt = on_receipt};
     if (mu_process_open(&p, &options) != MU_OK ||
         mu_agent_join(p, &a, argv[2], MU_KIND_AGENT, 0, &handlers) != MU_OK ||
@@ -47,7 +52,7 @@ int main(int argc, char **argv)
         char content[64];
         struct mu_mail mail = {.dst = argv[3],
                                .layer = MU_LAYER_SPEECH,
-                               .level = argc > 6 ? MU_LEVEL_LOGGED : MU_LEVEL_RAM,
+                               .level = logged ? MU_LEVEL_LOGGED : MU_LEVEL_RAM,
                                .content = content};
         for (mu_result r = MU_OK; sent < count && r == MU_OK; sent += r == MU_OK) {
             snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);

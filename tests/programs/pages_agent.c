@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A member of the group `scouts` that looks out for mappers and writes a line for all that it
- * hears. pages_agent DOMAIN NAME RECORD [ATTRIBUTES] With ATTRIBUTES it is a mapper itself.  What
- * it is told, it tells the group; when it is told "create", it tries to make the group once more.
+ * hears. pages_agent DOMAIN NAME RECORD [ATTRIBUTES|- [BROKER]] With ATTRIBUTES it is a mapper
+ * itself.  What it is told, it tells the group; when it is told "create", it tries to make the
+ * group once more.
  */
 #include <muster/muster.h>
 
@@ -89,7 +90,8 @@ int main(int argc, char **argv)
     mu_process *p;
     mu_agent *a;
     record = open(argv[3], O_WRONLY | O_CREAT | O_APPEND, 0600);
-    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
+    struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
+                                         .broker = argc > 5 ? argv[5] : NULL};
     struct mu_handlers handlers = {
         .self = &p, .on_mail = on_mail, .on_refusal = on_refusal, .on_service = on_service};
     if (record < 0 || mu_process_open(&p, &options) != MU_OK ||
@@ -97,7 +99,7 @@ int main(int argc, char **argv)
         return 4;
     }
     check(mu_agent_group_join(a, "scouts"));
-    if (argc > 4) {
+    if (argc > 4 && strcmp(argv[4], "-") != 0) {
         check(mu_agent_advertise(a, "mapper", argv[4], 0));
     } else {
         check(mu_agent_watch_service(a, "mapper role=scout near=0,0,5"));

@@ -65,3 +65,14 @@ class Hosts:
 
     def mend(self):
         self._do("-n", self.names[0], "link", "set", self.links[0], "up")
+
+    def part(self):
+        """Lets all packets between the hosts get lost, and leaves their interfaces as they are."""
+        for host in (0, 1):
+            self._do("-n", self.names[host], "neigh", "replace", self.addresses[1 - host], "lladdr",
+                     "02:00:00:00:00:99", "dev", self.links[host], "nud", "permanent")
+
+    def rejoin(self):
+        for host in (0, 1):
+            self._do("-n", self.names[host], "neigh", "del", self.addresses[1 - host], "dev",
+                     self.links[host])

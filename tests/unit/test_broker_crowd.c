@@ -277,10 +277,11 @@ static void test_agents_that_live_elsewhere(void)
 {
     muster_Member m;
     story_begin();
-    muster_Registration r = part_of("p", 0, 1);
+    muster_Registration r = part_of("broker.gamma", 0, 1);
     r.is_broker = true;
     entries[0].home = words("beta");
-    entries[0].hops = 2;
+    entries[0].via = entries[0].host = words("");
+    entries[0].hops = 1;
     part_say(&r);
     CU_ASSERT_TRUE(broker_member(story.b, 0, &m));
     CU_ASSERT_STRING_EQUAL(m.name, "a0");
@@ -288,7 +289,7 @@ static void test_agents_that_live_elsewhere(void)
     const struct presence *is =
         &story.b->registry.agents[registry_find(&story.b->registry, "a0")].is;
     CU_ASSERT_EQUAL(is->hops, 2);
-    CU_ASSERT_TRUE(story.b->places.at[places_find(&story.b->places, "p")].is_broker);
+    CU_ASSERT_TRUE(story.b->places.at[places_find(&story.b->places, "broker.gamma")].is_broker);
     entries[0].home = words("no name");
     part_say(&r);
     CU_ASSERT_EQUAL(story_status().malformed, 1);

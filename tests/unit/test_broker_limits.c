@@ -168,16 +168,16 @@ static void test_limit_receipts_of_one_sender(void)
     struct receipts *r = &kept;
     receipts_init(r, 2);
     for (uint64_t i = 1; i <= RECEIPTS_EACH_MAX + 5; i++) {
-        receipts_add(r, 1, 2 * i, muster_OUTCOME_DUPLICATE);
+        receipts_add(r, 1, 2 * i, 2 * i, muster_OUTCOME_DUPLICATE);
     }
     const struct receipt_queue *q = receipts_of(r, 1);
     CU_ASSERT_EQUAL(q->count, RECEIPTS_EACH_MAX);
     CU_ASSERT_EQUAL(r->pool[q->head].first_seq, 12); /* the five oldest are gone */
     CU_ASSERT_EQUAL(receipts_of(r, 0)->count, 0);
     receipts_drop(r, 1, q->count);
-    receipts_add(r, 1, 7, muster_OUTCOME_STORED);
-    receipts_add(r, 1, 8, muster_OUTCOME_STORED);
-    receipts_add(r, 1, 9, muster_OUTCOME_DELIVERED);
+    receipts_add(r, 1, 7, 7, muster_OUTCOME_STORED);
+    receipts_add(r, 1, 8, 8, muster_OUTCOME_STORED);
+    receipts_add(r, 1, 9, 9, muster_OUTCOME_DELIVERED);
     CU_ASSERT_EQUAL(q->count, 2);
     CU_ASSERT_EQUAL(r->pool[q->head].last_seq, 8);
 }

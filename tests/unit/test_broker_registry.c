@@ -83,7 +83,7 @@ static void test_bad_registrations_are_counted(void)
     entry_of(&bad[6])->state = (muster_State)-1;
     entry_of(&bad[7])->full = (muster_BoxPolicy)3;
     entry_of(&bad[8])->home = words("beta"); /* only a broker speaks for others */
-    bad[9].part = MU_LOCAL_AGENTS_MAX / MU_PART_AGENTS;
+    bad[9].part = MU_PARTS_MAX;
     bad[10].agents._length = MU_PART_AGENTS + 1;
     for (uint32_t i = 0; i < 11; i++) {
         broker_registration(story.b, &bad[i], 0);
