@@ -46,8 +46,8 @@ static bool registered, done;
 static void registration_write(char *name, char *host, char *entry)
 {
     muster_Entry entries[] = {
-        {.name = me, .state = muster_STATE_RUNNING, .home = none},
-        {.name = entry, .state = muster_STATE_RUNNING, .home = none},
+        {.name = me, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
+        {.name = entry, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
     };
     muster_Registration r = {.process = name, .broker = none, .host = host, .incarnation = 1};
     r.agents._buffer = entries;
