@@ -414,6 +414,9 @@ static bool is_anything_to_say(const mu_process *p)
 void step_flush(mu_process *p)
 {
     directory_settle(&p->directory);
+    if (!step_retry(p)) {
+        return; /* what is pending is marked as sent when it has gone, so it must not move before */
+    }
     unanswered_again(p);
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {

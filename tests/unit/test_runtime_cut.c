@@ -96,11 +96,33 @@ static void test_what_has_no_answer_goes_out_again(void)
     CU_ASSERT(mails[2].seq == 3 && !mails[2].again);
 }
 
+/* What the network has not taken yet is the next that goes out, and is marked for it. */
+static void test_what_is_pending_does_not_move(void)
+{
+    struct mu_agent *red = join("red");
+    muster_Mail mails[4];
+    accept(0, NULL, 0);
+    for (int i = 0; i < 4; i++) {
+        CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
+    }
+    outbox_sent(&red->outbox, 2);
+    agent_progress(red);
+    red->progress_ns = 1; /* long ago */
+    capture_begin();
+    step_hello(&process); /* there is no network: the third and the fourth are pending */
+    step_flush(&process);
+    capture_end();
+    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&red->outbox, mails, 4), 2);
+    CU_ASSERT(mails[0].seq == 3 && !mails[0].again);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"numbers go on", test_numbers_go_on_where_another_one_left_off},
         {"what has no answer", test_what_has_no_answer_goes_out_again},
+        {"what is pending does not move", test_what_is_pending_does_not_move},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/cut", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
