@@ -232,6 +232,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     a->state = state;
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
+        directory_forget(&a->process->directory, a);
     } else {
         roll_mark(a);
     }

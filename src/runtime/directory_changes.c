@@ -101,6 +101,20 @@ mu_result mu_agent_withdraw(mu_agent *a, const char *service)
     return change_send(a, "withdraw", service, service);
 }
 
+/* @return a place for one more standing query, or NULL: all are taken */
+static struct directory_watch *watch_place(struct directory *d)
+{
+    uint32_t i = 0;
+    while (i < d->watches_count && d->watches[i].agent) {
+        i++;
+    }
+    if (i == MU_WATCHES_MAX) {
+        return NULL;
+    }
+    d->watches_count += i == d->watches_count;
+    return &d->watches[i];
+}
+
 mu_result mu_agent_watch_service(mu_agent *a, const char *query)
 {
     struct directory *d = &a->process->directory;
@@ -113,10 +127,13 @@ mu_result mu_agent_watch_service(mu_agent *a, const char *query)
             return MU_OK;
         }
     }
-    if (d->watches_count == MU_WATCHES_MAX) {
+    if (a->gone) {
+        return MU_REFUSED;
+    }
+    struct directory_watch *w = watch_place(d);
+    if (!w) {
         return MU_FULL;
     }
-    struct directory_watch *w = &d->watches[d->watches_count++];
     *w = (struct directory_watch){.agent = a, .query = read, .fresh = true};
     mu_text_copy(w->text, sizeof w->text, query);
     d->fresh = true;

@@ -32,8 +32,14 @@ mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve resolve, 
 
 void resolver_offer(mu_agent *a)
 {
-    mu_result sent = a->resolver.resolve ? scheme_advertise(a) : MU_OK;
-    (void)sent; /* the outbox has room: nobody but the agent itself fills it */
+    a->resolver.due = a->resolver.resolve && scheme_advertise(a) != MU_OK;
+}
+
+void resolver_retry(mu_agent *a)
+{
+    if (a->resolver.due && !a->gone) {
+        resolver_offer(a);
+    }
 }
 
 mu_result mu_resolution_add(mu_resolution *r, const char *name)

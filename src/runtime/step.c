@@ -128,6 +128,7 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
             continue;
         }
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
+        resolver_retry(a);
         agent_progress(a);
         /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
          * earlier process of that name has sent is no business of this one. */
