@@ -8,9 +8,6 @@
 
 #include <string.h>
 
-/* Acknowledgements in one Up; a process has one or a few for each of its agents. */
-enum { ACKS_MAX = 16 * MU_LOCAL_AGENTS_MAX };
-
 bool border_string(const char *s, size_t max)
 {
     return s && strnlen(s, max + 1) <= max;
@@ -89,7 +86,7 @@ bool border_up(const muster_Up *up)
 {
     if (!border_process(up->process) ||
         !border_sequence(up->acts._length, up->acts._buffer, MU_LOCAL_AGENTS_MAX) ||
-        !border_sequence(up->acks._length, up->acks._buffer, ACKS_MAX)) {
+        !border_sequence(up->acks._length, up->acks._buffer, MU_LOCAL_AGENTS_MAX)) {
         return false;
     }
     for (uint32_t i = 0; i < up->acts._length; i++) {
