@@ -137,7 +137,7 @@ static void test_limit_bytes_come_back(void)
         }
         CU_ASSERT_EQUAL(story.b->store.mails, 0);
         CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
-        CU_ASSERT_EQUAL(story.b->mailbox.pairs.live, 0);
+        CU_ASSERT_EQUAL(story.b->mailbox.shares.live, 0);
         CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].bytes, 0);
     }
     uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / STORE_RECORD_MAX;
