@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/border.h"
 
-#include "broker/address.h"
 #include "broker/places.h"
 #include "broker/registry.h"
+#include "core/address.h"
 #include "core/name.h"
 
 #include <string.h>
@@ -104,7 +104,7 @@ bool border_up(const muster_Up *up)
 
 bool border_mail(const muster_Mail *m)
 {
-    return border_string(m->dst, MU_DST_MAX) && address_valid(m->dst) &&
+    return border_string(m->dst, MU_DST_MAX) && mu_address_valid(m->dst) &&
            border_string(m->performative, MU_FIELD_MAX) &&
            border_string(m->language, MU_FIELD_MAX) && border_string(m->ontology, MU_FIELD_MAX) &&
            border_string(m->reply_with, MU_FIELD_MAX) &&

@@ -30,7 +30,7 @@ struct boxshare {
 
 struct boxshares {
     struct boxshare *pool; /* MU_POSTS_MAX of them */
-    uint32_t used;     /* high-water mark */
+    uint32_t used;         /* high-water mark */
     uint32_t free;
     uint32_t live;
     uint32_t *heads; /* of the lists of each hash: an index and one, or 0 */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/lockstep.h"
 
-#include "broker/address.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/address.h"
 #include "core/sort.h"
 #include "muster/memory.h"
 
@@ -74,7 +74,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         share_add(&turn->outside_use, &want);
         share_add(&l->outside_use, &want);
         l->outside_waiting++;
-        turn->addresses += address_kind(m->letter.dst) == ADDRESS_SCHEME;
+        turn->addresses += mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -191,7 +191,7 @@ static void outside_apply(struct broker *b)
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
-            turn->addresses -= address_kind(m->letter.dst) == ADDRESS_SCHEME;
+            turn->addresses -= mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
             struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
             share_subtract(&turn->outside_use, &less);
             share_subtract(&l->outside_use, &less);

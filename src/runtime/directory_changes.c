@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes of groups and services: mails to the broker, and its refusals. */
+#include "core/fields.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -85,12 +86,9 @@ mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attri
         return MU_MALFORMED;
     }
     mu_text_init(&t, content, sizeof content);
-    mu_text_format(&t, "%s \"", service);
-    for (const char *c = attributes; *c; c++) {
-        mu_text_add(&t, *c == '"' || *c == '\\' ? "\\" : "");
-        mu_text_add_bytes(&t, c, 1);
-    }
-    mu_text_format(&t, "\" %llu.%09llu", (unsigned long long)(lease_ns / 1000000000u),
+    mu_text_add(&t, service);
+    mu_fields_add_string(&t, attributes);
+    mu_text_format(&t, " %llu.%09llu", (unsigned long long)(lease_ns / 1000000000u),
                    (unsigned long long)(lease_ns % 1000000000u));
     MU_ASSERT(!t.cut);
     return change_send(a, "advertise", service, content);

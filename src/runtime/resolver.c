@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/resolver.h"
 
+#include "core/fields.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/directory.h"
@@ -63,19 +64,15 @@ struct question {
 /* @return false: it is none of the broker's */
 static bool question_read(const char *content, struct question *q)
 {
-    static const char begin[] = "resolve \"";
+    static const char begin[] = "resolve ";
     if (strncmp(content, begin, sizeof begin - 1) != 0) {
         return false;
     }
     struct mu_text t;
     const char *c = content + sizeof begin - 1;
     mu_text_init(&t, q->address, sizeof q->address);
-    for (; *c && *c != '"'; c++) {
-        c += *c == '\\' && c[1];
-        mu_text_add_bytes(&t, c, 1);
-    }
-    bool whole = c[0] == '"' && c[1] == ' ' && !t.cut;
-    q->sender = whole ? c + 2 : "";
+    bool whole = *c == '"' && mu_fields_next(&c, &t) && *c == ' ';
+    q->sender = whole ? c + 1 : "";
     return whole && mu_name_valid(q->sender);
 }
 
