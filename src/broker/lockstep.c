@@ -353,7 +353,6 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
     l->roster_count = kept;
 }
 
-/* Takes in the processes that a new roster names. */
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
@@ -364,6 +363,7 @@ static void lines_tell(struct broker *b, uint32_t place)
     }
 }
 
+/* Takes in the processes that a new roster names. */
 static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_mid_run)
 {
     struct lockstep *l = &b->lockstep;
