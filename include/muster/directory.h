@@ -66,7 +66,10 @@ MU_MUST_USE mu_result mu_agent_withdraw(mu_agent *a, const char *service);
  *
  * @param query  a service, then constraints: "mapper role=scout battery>=0.5"; "*" is any service;
  *               near=X,Y,R: at most R metres from there, by the attributes x and y
- * @return as all changes; MU_MALFORMED: no query; MU_FULL: MU_WATCHES_MAX are kept in this process
+ * It ends when the agent leaves.
+ *
+ * @return as all changes; MU_MALFORMED: no query; MU_FULL: MU_WATCHES_MAX are kept in this process;
+ *         MU_REFUSED: the agent has left
  */
 MU_MUST_USE mu_result mu_agent_watch_service(mu_agent *a, const char *query);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "agent/clips_text.h"
 
+#include "core/fields.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -338,14 +340,7 @@ void clips_text_unescape(char *to, const char *from, size_t len)
 
 void clips_text_add_quoted(struct mu_text *out, const char *s)
 {
-    mu_text_add(out, "\"");
-    for (; *s; s++) {
-        if (*s == '"' || *s == '\\') {
-            mu_text_add(out, "\\");
-        }
-        mu_text_add_bytes(out, s, 1);
-    }
-    mu_text_add(out, "\"");
+    mu_fields_quote(out, s);
 }
 
 void clips_text_add_float(struct mu_text *out, double x)

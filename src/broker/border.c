@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/border.h"
 
-#include "broker/address.h"
 #include "broker/places.h"
 #include "broker/registry.h"
+#include "core/address.h"
 #include "core/name.h"
 
 #include <string.h>
-
-/* Acknowledgements in one Up; a process has one or a few for each of its agents. */
-enum { ACKS_MAX = 16 * MU_LOCAL_AGENTS_MAX };
 
 bool border_string(const char *s, size_t max)
 {
@@ -89,7 +86,7 @@ bool border_up(const muster_Up *up)
 {
     if (!border_process(up->process) ||
         !border_sequence(up->acts._length, up->acts._buffer, MU_LOCAL_AGENTS_MAX) ||
-        !border_sequence(up->acks._length, up->acks._buffer, ACKS_MAX)) {
+        !border_sequence(up->acks._length, up->acks._buffer, MU_LOCAL_AGENTS_MAX)) {
         return false;
     }
     for (uint32_t i = 0; i < up->acts._length; i++) {
@@ -107,7 +104,7 @@ bool border_up(const muster_Up *up)
 
 bool border_mail(const muster_Mail *m)
 {
-    return border_string(m->dst, MU_DST_MAX) && address_valid(m->dst) &&
+    return border_string(m->dst, MU_DST_MAX) && mu_address_valid(m->dst) &&
            border_string(m->performative, MU_FIELD_MAX) &&
            border_string(m->language, MU_FIELD_MAX) && border_string(m->ontology, MU_FIELD_MAX) &&
            border_string(m->reply_with, MU_FIELD_MAX) &&

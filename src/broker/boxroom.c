@@ -8,7 +8,7 @@ enum { FLOOR_PART = 8 };
 /* A box and one sender, as the mail finds them. */
 struct asked {
     struct share_use own, all, want, most, floor;
-    const struct post_queue *own_waiting; /* PAIR_QUEUES of them, or NULL */
+    const struct post_queue *own_waiting; /* BOXSHARE_QUEUES of them, or NULL */
     const struct post_queue *all_waiting; /* likewise */
     uint32_t queues; /* the mail may drop others from so many, beginning with the lowest */
 };
@@ -30,14 +30,14 @@ static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct ma
                   .bytes = least(floor_most.bytes, limits.bytes / FLOOR_PART)},
         .all_waiting = &box->lists[POST_LOW],
     };
-    uint32_t pair = pairs_find(&m->pairs, agent, mail->payer);
+    uint32_t pair = boxshare_find(&m->shares, agent, mail->payer);
     if (pair != MU_NONE) {
-        ask.own = m->pairs.pool[pair].use;
-        ask.own_waiting = m->pairs.pool[pair].waiting;
+        ask.own = m->shares.pool[pair].use;
+        ask.own_waiting = m->shares.pool[pair].waiting;
     }
     switch (limits.policy) {
     case muster_BOX_REFUSE_NEW: break;
-    case muster_BOX_DROP_OLDEST: ask.queues = PAIR_QUEUES; break;
+    case muster_BOX_DROP_OLDEST: ask.queues = BOXSHARE_QUEUES; break;
     case muster_BOX_DROP_LOWEST: ask.queues = (uint32_t)(mailbox_queue(mail) - POST_LOW) + 1; break;
     }
     return ask;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/lockstep.h"
 
-#include "broker/address.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/address.h"
 #include "core/sort.h"
 #include "muster/memory.h"
 
@@ -74,7 +74,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         share_add(&turn->outside_use, &want);
         share_add(&l->outside_use, &want);
         l->outside_waiting++;
-        turn->addresses += address_kind(m->letter.dst) == ADDRESS_SCHEME;
+        turn->addresses += mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -191,7 +191,7 @@ static void outside_apply(struct broker *b)
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
-            turn->addresses -= address_kind(m->letter.dst) == ADDRESS_SCHEME;
+            turn->addresses -= mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
             struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
             share_subtract(&turn->outside_use, &less);
             share_subtract(&l->outside_use, &less);
@@ -353,7 +353,6 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
     l->roster_count = kept;
 }
 
-/* Takes in the processes that a new roster names. */
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
@@ -364,6 +363,7 @@ static void lines_tell(struct broker *b, uint32_t place)
     }
 }
 
+/* Takes in the processes that a new roster names. */
 static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_mid_run)
 {
     struct lockstep *l = &b->lockstep;

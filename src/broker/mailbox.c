@@ -8,7 +8,7 @@ void mailbox_init(struct mailbox *m, uint32_t agents)
     *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
     m->posts = mu_startup_array(MU_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
-    pairs_init(&m->pairs);
+    boxshare_init(&m->shares);
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
@@ -114,7 +114,7 @@ static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
 {
     const struct post *p = &m->posts[post];
     bool may_be_dropped = p->list >= POST_LOW && p->list <= POST_HIGH;
-    return may_be_dropped ? &m->pairs.pool[p->pair].waiting[p->list - POST_LOW] : NULL;
+    return may_be_dropped ? &m->shares.pool[p->pair].waiting[p->list - POST_LOW] : NULL;
 }
 
 static void list_append(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
@@ -172,9 +172,9 @@ static void post_give(struct mailbox *m, uint32_t post)
     struct post *p = &m->posts[post];
     struct share_use less = {.mails = 1, .bytes = p->mail->bytes};
     share_subtract(&m->boxes[p->agent].use, &less);
-    share_subtract(&m->pairs.pool[p->pair].use, &less);
-    if (m->pairs.pool[p->pair].use.mails == 0) {
-        pairs_drop(&m->pairs, p->pair);
+    share_subtract(&m->shares.pool[p->pair].use, &less);
+    if (m->shares.pool[p->pair].use.mails == 0) {
+        boxshare_drop(&m->shares, p->pair);
     }
     if (p->sibling_prev == MU_NONE) {
         p->mail->posts = p->sibling_next;
@@ -207,14 +207,14 @@ mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool
                                    .sibling_next = mail->posts,
                                    .sibling_prev = MU_NONE,
                                    .agent = agent,
-                                   .pair = pairs_get(&m->pairs, agent, mail->payer)};
+                                   .pair = boxshare_get(&m->shares, agent, mail->payer)};
     if (mail->posts != MU_NONE) {
         m->posts[mail->posts].sibling_prev = post;
     }
     mail->posts = post;
     struct share_use more = {.mails = 1, .bytes = mail->bytes};
     share_add(&box->use, &more);
-    share_add(&m->pairs.pool[m->posts[post].pair].use, &more);
+    share_add(&m->shares.pool[m->posts[post].pair].use, &more);
     list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
     return MU_OK;
 }

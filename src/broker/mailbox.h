@@ -12,7 +12,7 @@
 #ifndef MUSTER_BROKER_MAILBOX_H
 #define MUSTER_BROKER_MAILBOX_H
 
-#include "broker/pairs.h"
+#include "broker/boxshare.h"
 #include "broker/store.h"
 #include "muster/result.h"
 
@@ -69,7 +69,7 @@ struct mailbox {
     uint64_t base;                   /* every box counts from here */
     struct box *boxes;               /* one for each agent of the registry */
     uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
-    struct pairs pairs;
+    struct boxshares shares;
     struct box_limits limits; /* of boxes that have none of their own */
 };
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/pages.h"
 
-#include "broker/fields.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/query.h"
+#include "core/fields.h"
 #include "muster/memory.h"
 
 #include <string.h>
@@ -80,10 +80,10 @@ static void subscriber_send(struct broker *b, uint32_t receiver, const struct su
     struct mu_text t;
     mu_text_init(&t, b->text, sizeof b->text);
     mu_text_add(&t, came ? "came" : "went");
-    fields_add(&t, mu_pairs_first(pairs, line));
-    fields_add(&t, mu_pairs_second(pairs, line));
+    mu_fields_add(&t, mu_pairs_first(pairs, line));
+    mu_fields_add(&t, mu_pairs_second(pairs, line));
     if (came) {
-        fields_add_string(&t, b->pages.services.lines[line].attributes);
+        mu_fields_add_string(&t, b->pages.services.lines[line].attributes);
     }
     query_inform(b, receiver, s->in_reply_to, s->conversation);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/query.h"
 
-#include "broker/fields.h"
 #include "broker/guard.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "core/fields.h"
 #include "core/name.h"
 
 #include <string.h>
@@ -83,14 +83,14 @@ void query_ask(struct broker *b, uint32_t receiver, const char *performative,
 
 bool query_field(const char *content, struct mu_text *out)
 {
-    return fields_next(&content, out) && out->len > 0 && fields_end(content);
+    return mu_fields_next(&content, out) && out->len > 0 && mu_fields_end(content);
 }
 
 bool query_field_optional(const char **content, char *to, size_t size)
 {
     struct mu_text read;
     mu_text_init(&read, to, size);
-    return fields_end(*content) || fields_next(content, &read);
+    return mu_fields_end(*content) || mu_fields_next(content, &read);
 }
 
 void query_not_understood(struct broker *b, const struct mail *question)
@@ -110,7 +110,7 @@ void query_changed(struct broker *b, const struct mail *question, const char *re
         return;
     }
     query_begin(b, &t, refusal ? refusal : question->letter.performative);
-    fields_add(&t, name);
+    mu_fields_add(&t, name);
     query_send(b, question, refusal ? "failure" : "inform");
 }
 
@@ -162,18 +162,18 @@ static void query_lookup(struct broker *b, const struct mail *question)
     uint32_t agent = registry_find(&b->registry, name);
     if (agent == MU_NONE || !is_shown(b, question, agent)) {
         query_begin(b, &t, "unknown-name");
-        fields_add(&t, name);
+        mu_fields_add(&t, name);
         query_send(b, question, "failure");
         return;
     }
     const struct agent *a = &b->registry.agents[agent];
     query_begin(b, &t, "member");
-    fields_add(&t, a->name);
-    fields_add(&t, registry_kind_word(a->is.kind));
-    fields_add(&t, registry_state_word(a->is.state));
-    fields_add(&t, b->name);
+    mu_fields_add(&t, a->name);
+    mu_fields_add(&t, registry_kind_word(a->is.kind));
+    mu_fields_add(&t, registry_state_word(a->is.state));
+    mu_fields_add(&t, b->name);
     bool inside = presence_in_lockstep(b, question->sender);
-    fields_add(&t, inside ? "nil" : a->is.host);
+    mu_fields_add(&t, inside ? "nil" : a->is.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
     query_send(b, question, "inform");
 }
@@ -191,7 +191,7 @@ static void query_listing(struct broker *b, const struct mail *question)
             query_send(b, question, "inform");
             query_begin(b, &t, "members");
         }
-        fields_add(&t, name);
+        mu_fields_add(&t, name);
     }
     query_send(b, question, "inform");
 }
@@ -200,7 +200,7 @@ void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
     query_begin(b, &t, "performative");
-    fields_add(&t, question->letter.performative);
+    mu_fields_add(&t, question->letter.performative);
     query_reply(b, own, question, "not-understood", b->text);
 }
 

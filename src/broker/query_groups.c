@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions to the groups, and changes of them. */
-#include "broker/fields.h"
 #include "broker/parts.h"
 #include "broker/query.h"
+#include "core/fields.h"
 
 #include <string.h>
 
@@ -43,7 +43,7 @@ static void member_change(struct broker *b, const struct mail *question, group_c
     name_read group, named;
     const char *content = question->letter.content;
     if (!query_field_optional(&content, group, sizeof group) || group[0] == '\0' ||
-        !query_field_optional(&content, named, sizeof named) || !fields_end(content)) {
+        !query_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
         b->counters.malformed++;
         query_not_understood(b, question);
         return;
@@ -80,7 +80,7 @@ void query_groups(struct broker *b, const struct mail *question)
             query_send(b, question, "inform");
             query_begin(b, &t, "groups");
         }
-        fields_add(&t, name);
+        mu_fields_add(&t, name);
     }
     query_send(b, question, "inform");
 }
@@ -88,7 +88,7 @@ void query_groups(struct broker *b, const struct mail *question)
 static void members_begin(struct broker *b, struct mu_text *t, const char *group)
 {
     query_begin(b, t, "members-of");
-    fields_add(t, group);
+    mu_fields_add(t, group);
 }
 
 void query_members(struct broker *b, const struct mail *question)
@@ -101,7 +101,7 @@ void query_members(struct broker *b, const struct mail *question)
     }
     if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
         query_begin(b, &t, "unknown-group");
-        fields_add(&t, group);
+        mu_fields_add(&t, group);
         query_send(b, question, "failure");
         return;
     }
@@ -112,7 +112,7 @@ void query_members(struct broker *b, const struct mail *question)
             query_send(b, question, "inform");
             members_begin(b, &t, group);
         }
-        fields_add(&t, name);
+        mu_fields_add(&t, name);
     }
     query_send(b, question, "inform");
 }

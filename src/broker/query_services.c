@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions to the yellow pages, and changes of them. */
-#include "broker/fields.h"
 #include "broker/parts.h"
 #include "broker/query.h"
+#include "core/fields.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,7 @@ static bool advert_read(const char *content, struct advert *a)
     return query_field_optional(&content, a->service, sizeof a->service) && a->service[0] != '\0' &&
            query_field_optional(&content, a->attributes, sizeof a->attributes) &&
            query_field_optional(&content, a->seconds, sizeof a->seconds) &&
-           query_field_optional(&content, a->agent, sizeof a->agent) && fields_end(content);
+           query_field_optional(&content, a->agent, sizeof a->agent) && mu_fields_end(content);
 }
 
 /* @return whether it is a time from 0 to a hundred years, or nothing, which is 0 */
@@ -60,7 +60,7 @@ void query_withdraw(struct broker *b, const struct mail *question)
     char service[MU_FIELD_MAX + 1], named[MU_FIELD_MAX + 1];
     const char *content = question->letter.content;
     if (!query_field_optional(&content, service, sizeof service) || service[0] == '\0' ||
-        !query_field_optional(&content, named, sizeof named) || !fields_end(content)) {
+        !query_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
         b->counters.malformed++;
         query_not_understood(b, question);
         return;
@@ -117,9 +117,9 @@ void query_find_service(struct broker *b, const struct mail *question)
             query_send(b, question, "inform");
             query_begin(b, &t, "services");
         }
-        fields_add(&t, service);
-        fields_add(&t, mu_pairs_second(&s->pairs, line));
-        fields_add_string(&t, s->lines[line].attributes);
+        mu_fields_add(&t, service);
+        mu_fields_add(&t, mu_pairs_second(&s->pairs, line));
+        mu_fields_add_string(&t, s->lines[line].attributes);
     }
     query_send(b, question, "inform");
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/resolve.h"
 
-#include "broker/address.h"
 #include "broker/booking.h"
-#include "broker/fields.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/query.h"
 #include "broker/router.h"
+#include "core/address.h"
 #include "core/attributes.h"
+#include "core/fields.h"
 #include "muster/memory.h"
 
 #include <inttypes.h>
@@ -69,7 +69,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     if (m->only != MU_NONE) { /* the broker that it came from has asked */
         return RESOLVE_NOTHING;
     }
-    bool is_address = address_kind(m->letter.dst) == ADDRESS_SCHEME;
+    bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;
     if (!follows && !(is_address && resolve_is_possible(b, m->letter.dst))) {
@@ -132,8 +132,8 @@ static void resolver_ask(struct broker *b, uint32_t index)
     r->asked++;
     asked_append(r, index);
     query_begin(b, &t, "resolve");
-    fields_add_string(&t, w->mail->letter.dst);
-    fields_add(&t, w->mail->letter.src);
+    mu_fields_add_string(&t, w->mail->letter.dst);
+    mu_fields_add(&t, w->mail->letter.src);
     snprintf(ticket, sizeof ticket, "%s%" PRIu64, TICKET, w->ticket);
     query_ask(b, w->resolver, "resolve", ticket);
 }
@@ -152,7 +152,7 @@ void resolve_wait(struct broker *b, struct mail *m)
         queue->first = index;
     }
     queue->last = index;
-    if (address_kind(m->letter.dst) == ADDRESS_SCHEME) {
+    if (mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME) {
         w->resolver = resolver_of(b, m->letter.dst);
     }
     if (w->resolver != MU_NONE) {
@@ -230,9 +230,9 @@ static bool answer_is_fields(const char *content)
     char field[MU_NAME_MAX + 1];
     struct mu_text read;
     mu_text_init(&read, field, sizeof field);
-    while (!fields_end(content)) {
+    while (!mu_fields_end(content)) {
         const char *before = content;
-        (void)fields_next(&content, &read); /* what is too long is a field all the same */
+        (void)mu_fields_next(&content, &read); /* what is too long is a field all the same */
         if (content == before) {
             return false;
         }

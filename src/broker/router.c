@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/router.h"
 
-#include "broker/address.h"
 #include "broker/booking.h"
 #include "broker/border.h"
 #include "broker/boxroom.h"
 #include "broker/desk.h"
-#include "broker/fields.h"
 #include "broker/guard.h"
 #include "broker/journal.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "core/address.h"
+#include "core/fields.h"
 
 #include <string.h>
 
@@ -59,7 +59,7 @@ static void audience_of_names(struct broker *b, const char *names, uint32_t send
 {
     char name[MU_NAME_MAX + 1];
     uint64_t mark = ++b->registry.mark;
-    while (*names && address_next(&names, name)) {
+    while (*names && mu_address_next(&names, name)) {
         uint32_t agent = registry_find(&b->registry, name);
         if (agent == MU_NONE || is_hidden(b, agent, sender)) {
             to->unknown++;
@@ -81,7 +81,7 @@ static void audience_of_answer(struct broker *b, const char *names, uint32_t sen
     bool open = !b->lockstep.on || b->lockstep.applying;
     mu_text_init(&read, name, sizeof name);
     to->count = to->unknown = to->refused = 0;
-    while (fields_next(&names, &read) || read.cut) {
+    while (mu_fields_next(&names, &read) || read.cut) {
         uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
             b->registry.agents[agent].mark != mark && (open || !presence_in_lockstep(b, agent))) {
@@ -91,10 +91,10 @@ static void audience_of_answer(struct broker *b, const char *names, uint32_t sen
     }
 }
 
-static bool kind_is_addressed(enum address_kind kind, muster_Kind of)
+static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
 {
-    return kind == ADDRESS_ALL || (kind == ADDRESS_ROBOTS && of == muster_KIND_ROBOT) ||
-           (kind == ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
+    return kind == MU_ADDRESS_ALL || (kind == MU_ADDRESS_ROBOTS && of == muster_KIND_ROBOT) ||
+           (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
 /* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
@@ -128,16 +128,16 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
                         struct audience *to)
 {
     to->count = to->unknown = to->refused = 0;
-    enum address_kind kind = address_kind(letter->dst);
-    if (kind == ADDRESS_NAMES) {
+    enum mu_address_kind kind = mu_address_kind(letter->dst);
+    if (kind == MU_ADDRESS_NAMES) {
         audience_of_names(b, letter->dst, sender, to);
         return;
     }
-    if (kind == ADDRESS_GROUP) {
-        audience_of_group(b, address_rest(letter->dst), sender, to);
+    if (kind == MU_ADDRESS_GROUP) {
+        audience_of_group(b, mu_address_rest(letter->dst), sender, to);
         return;
     }
-    if (kind == ADDRESS_SCHEME) {
+    if (kind == MU_ADDRESS_SCHEME) {
         to->unknown += !resolve_is_possible(b, letter->dst);
         return;
     }
@@ -146,7 +146,7 @@ static void audience_of(struct broker *b, const muster_Mail *letter, uint32_t se
         const struct agent *a = &b->registry.agents[agent];
         if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
             kind_is_addressed(kind, a->is.kind) &&
-            !(kind == ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
+            !(kind == MU_ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
             !is_too_far(b, agent, sender)) {
             to->agents[to->count++] = agent;
         }
@@ -167,7 +167,7 @@ static void audience_of_mail(struct broker *b, const struct mail *m, struct audi
 bool router_meets_lockstep(struct broker *b, const struct mail *m)
 {
     struct audience to;
-    if (m->only == MU_NONE && address_kind(m->letter.dst) == ADDRESS_SCHEME) {
+    if (m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME) {
         return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
     }
     audience_of_mail(b, m, &to);
@@ -506,7 +506,7 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
         audience_of_answer(b, names, m->sender, &to);
     } else {
         audience_of_mail(b, m, &to);
-        bool unresolved = m->only == MU_NONE && address_kind(m->letter.dst) == ADDRESS_SCHEME;
+        bool unresolved = m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
         to.unknown = unresolved ? 1 : to.unknown;
     }
     m->order = ++b->orders;

@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/fields.h"
 #include "core/name.h"
 #include "ctl/words.h"
 
@@ -16,12 +17,9 @@ static const int64_t ROUND_NS = 20000000;
 void change_add_offer(struct mu_text *t, const char *service, const char *attributes,
                       double lease_s)
 {
-    mu_text_format(t, "%s \"", service);
-    for (const char *c = attributes; *c; c++) {
-        mu_text_add(t, *c == '"' || *c == '\\' ? "\\" : "");
-        mu_text_add_bytes(t, c, 1);
-    }
-    mu_text_format(t, "\" %.9f", lease_s);
+    mu_text_add(t, service);
+    mu_fields_add_string(t, attributes);
+    mu_text_format(t, " %.9f", lease_s);
 }
 
 bool change_name_check(const char *program, const char *as)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster send, broadcast, do, start, suspend, resume, step: mail and directives. */
+#include "core/address.h"
 #include "core/exits.h"
 #include "ctl/envelope.h"
 #include "ctl/operator.h"
@@ -118,7 +119,7 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
     if (v->to && strcmp(v->to, "group:") == 0) {
         return words_name_check(program, "a group", o->words[0]);
     }
-    if (!v->to && !receivers_valid(o->words[0])) {
+    if (!v->to && !mu_address_valid(o->words[0])) {
         fprintf(stderr, "%s: '%s': expected " RECEIVERS_EXPECTED "\n", program,
                 words_show(shown, o->words[0]));
         return false;

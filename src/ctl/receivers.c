@@ -1,76 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "ctl/receivers.h"
 
-#include "core/name.h"
+#include "core/address.h"
 #include "muster/directory.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const char *const wide[] = {"all", "robots", "special"};
-
 static bool is_wide(const char *to)
 {
-    for (size_t i = 0; i < sizeof wide / sizeof wide[0]; i++) {
-        if (strcmp(to, wide[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
+    enum mu_address_kind kind = mu_address_kind(to);
+    return kind == MU_ADDRESS_ALL || kind == MU_ADDRESS_ROBOTS || kind == MU_ADDRESS_SPECIAL;
 }
 
 static const char *group_of(const char *to)
 {
-    return strncmp(to, "group:", 6) == 0 ? to + 6 : NULL;
+    return mu_address_kind(to) == MU_ADDRESS_GROUP ? mu_address_rest(to) : NULL;
 }
 
 bool receivers_are_many(const char *to)
 {
-    return is_wide(to) || strchr(to, ':') != NULL;
-}
-
-/* group:G, or another address that somebody resolves. */
-static bool scheme_valid(const char *to)
-{
-    char scheme[MU_NAME_MAX + 2];
-    const char *rest = strchr(to, ':') + 1;
-    snprintf(scheme, sizeof scheme, "%.*s", (int)strcspn(to, ":"), to);
-    if (!mu_name_valid(scheme) || *rest == '\0') {
-        return false;
-    }
-    for (const char *c = rest; *c; c++) {
-        if ((unsigned char)*c <= ' ' || *c == 127) {
-            return false;
-        }
-    }
-    return !group_of(to) || mu_name_valid(rest);
-}
-
-/* Takes the next name of a list.  @return its length; 0: that is no name */
-static size_t name_next(const char *list, char name[MU_NAME_MAX + 2])
-{
-    size_t len = strcspn(list, ",");
-    snprintf(name, MU_NAME_MAX + 2, "%.*s", (int)(len < MU_NAME_MAX + 2 ? len : MU_NAME_MAX + 1),
-             list);
-    return mu_name_valid(name) ? len : 0;
-}
-
-bool receivers_valid(const char *to)
-{
-    char name[MU_NAME_MAX + 2];
-    if (strchr(to, ':')) {
-        return scheme_valid(to);
-    }
-    bool list = strchr(to, ',') != NULL;
-    for (size_t len; (len = name_next(to, name)) > 0; to += len + 1) {
-        if (list && is_wide(name)) {
-            return false;
-        }
-        if (to[len] == '\0') {
-            return true;
-        }
-    }
-    return false;
+    return mu_address_kind(to) != MU_ADDRESS_NAMES;
 }
 
 /* Each name once: that is how the broker reads them. */

@@ -12,9 +12,6 @@
 #define RECEIVERS_EXPECTED \
     "a name, names joined by commas, all, robots, special, group:G or SCHEME:REST"
 
-/** @return whether the broker will read them so */
-bool receivers_valid(const char *to);
-
 /** @return whether nobody in particular is meant, so that nobody in particular has to answer */
 bool receivers_are_many(const char *to);
 

@@ -116,9 +116,11 @@ void agent_progress(struct mu_agent *a)
 }
 
 /* What went out and has no answer may be lost, or may have reached its receiver. */
-static void meet_other_broker(struct mu_agent *a)
+static void meet_other_broker(struct mu_agent *a, uint64_t incarnation)
 {
-    a->last_number = a->acked_number = 0;
+    taken_leave(a->taken, a->broker_incarnation, a->last_number);
+    a->last_number = taken_last_number(a->taken, incarnation);
+    a->acked_number = 0; /* what was owed when it left there was never said */
     a->in_order = false; /* its boxes count from anywhere */
     outbox_again(&a->outbox);
     a->earlier_end = a->outbox.next_seq;
@@ -135,7 +137,7 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
 {
     bool is_new = a->broker_incarnation != v->broker_incarnation;
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
-        meet_other_broker(a);
+        meet_other_broker(a, v->broker_incarnation);
     } else if (a->registered) {
         meet_broker_again(a);
     }
@@ -232,6 +234,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     a->state = state;
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
+        directory_forget(&a->process->directory, a);
     } else {
         roll_mark(a);
     }

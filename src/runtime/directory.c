@@ -92,13 +92,16 @@ static bool watch_knows(const struct directory_watch *w, uint32_t line)
 static void watch_tell(struct directory_watch *w, uint32_t line, const struct mu_service *service,
                        bool there)
 {
+    if (!w->agent) {
+        return;
+    }
     bool found = there && mu_attributes_match(&w->query, service->service, service->attributes);
     if (found == watch_knows(w, line)) {
         return;
     }
     w->told[line / 64] ^= 1ull << (line % 64);
     const struct mu_handlers *h = &w->agent->handlers;
-    if (!w->agent->gone && h->on_service) {
+    if (h->on_service) {
         h->on_service(h->self, w->agent, service, found);
     }
 }
@@ -114,18 +117,29 @@ static void watches_tell(struct directory *d, uint32_t line, bool there)
     }
 }
 
+void directory_forget(struct directory *d, const mu_agent *a)
+{
+    for (uint32_t i = 0; i < d->watches_count; i++) {
+        if (d->watches[i].agent == a) {
+            d->watches[i].agent = NULL;
+            d->watches[i].fresh = false;
+        }
+    }
+}
+
 void directory_settle(struct directory *d)
 {
     while (d->fresh) {
         d->fresh = false;
         for (uint32_t i = 0; i < d->watches_count; i++) {
             struct directory_watch *w = &d->watches[i];
-            for (uint32_t place = 0; w->fresh && place < d->offers.count; place++) {
+            bool fresh = w->fresh;
+            w->fresh = false; /* until a handler ends it, and another begins in its place */
+            for (uint32_t place = 0; fresh && place < d->offers.count; place++) {
                 uint32_t line = d->offers.order[place];
                 struct mu_service service = d->lines[line];
                 watch_tell(w, line, &service, true);
             }
-            w->fresh = false;
         }
     }
 }

@@ -17,7 +17,7 @@
 
 /* A standing query. */
 struct directory_watch {
-    mu_agent *agent;
+    mu_agent *agent; /* NULL: free */
     char text[MU_QUERY_MAX + 1];
     struct mu_query query;
     bool fresh;                                 /* has not been told who is there already */
@@ -60,6 +60,9 @@ void directory_clear(struct directory *d, bool silently);
 /** Takes in a change; a line too many is left out. */
 void directory_set_membership(struct directory *d, const muster_Membership *line);
 void directory_set_offer(struct directory *d, const muster_Offer *line);
+
+/** The standing queries of an agent that leaves end. */
+void directory_forget(struct directory *d, const mu_agent *a);
 
 /** Tells standing queries that are new who is there already. */
 void directory_settle(struct directory *d);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes of groups and services: mails to the broker, and its refusals. */
+#include "core/fields.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -85,12 +86,9 @@ mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attri
         return MU_MALFORMED;
     }
     mu_text_init(&t, content, sizeof content);
-    mu_text_format(&t, "%s \"", service);
-    for (const char *c = attributes; *c; c++) {
-        mu_text_add(&t, *c == '"' || *c == '\\' ? "\\" : "");
-        mu_text_add_bytes(&t, c, 1);
-    }
-    mu_text_format(&t, "\" %llu.%09llu", (unsigned long long)(lease_ns / 1000000000u),
+    mu_text_add(&t, service);
+    mu_fields_add_string(&t, attributes);
+    mu_text_format(&t, " %llu.%09llu", (unsigned long long)(lease_ns / 1000000000u),
                    (unsigned long long)(lease_ns % 1000000000u));
     MU_ASSERT(!t.cut);
     return change_send(a, "advertise", service, content);
@@ -99,6 +97,20 @@ mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attri
 mu_result mu_agent_withdraw(mu_agent *a, const char *service)
 {
     return change_send(a, "withdraw", service, service);
+}
+
+/* @return a place for one more standing query, or NULL: all are taken */
+static struct directory_watch *watch_place(struct directory *d)
+{
+    uint32_t i = 0;
+    while (i < d->watches_count && d->watches[i].agent) {
+        i++;
+    }
+    if (i == MU_WATCHES_MAX) {
+        return NULL;
+    }
+    d->watches_count += i == d->watches_count;
+    return &d->watches[i];
 }
 
 mu_result mu_agent_watch_service(mu_agent *a, const char *query)
@@ -113,10 +125,13 @@ mu_result mu_agent_watch_service(mu_agent *a, const char *query)
             return MU_OK;
         }
     }
-    if (d->watches_count == MU_WATCHES_MAX) {
+    if (a->gone) {
+        return MU_REFUSED;
+    }
+    struct directory_watch *w = watch_place(d);
+    if (!w) {
         return MU_FULL;
     }
-    struct directory_watch *w = &d->watches[d->watches_count++];
     *w = (struct directory_watch){.agent = a, .query = read, .fresh = true};
     mu_text_copy(w->text, sizeof w->text, query);
     d->fresh = true;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/resolver.h"
 
+#include "core/fields.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/directory.h"
@@ -32,8 +33,14 @@ mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve resolve, 
 
 void resolver_offer(mu_agent *a)
 {
-    mu_result sent = a->resolver.resolve ? scheme_advertise(a) : MU_OK;
-    (void)sent; /* the outbox has room: nobody but the agent itself fills it */
+    a->resolver.due = a->resolver.resolve && scheme_advertise(a) != MU_OK;
+}
+
+void resolver_retry(mu_agent *a)
+{
+    if (a->resolver.due && !a->gone) {
+        resolver_offer(a);
+    }
 }
 
 mu_result mu_resolution_add(mu_resolution *r, const char *name)
@@ -57,19 +64,15 @@ struct question {
 /* @return false: it is none of the broker's */
 static bool question_read(const char *content, struct question *q)
 {
-    static const char begin[] = "resolve \"";
+    static const char begin[] = "resolve ";
     if (strncmp(content, begin, sizeof begin - 1) != 0) {
         return false;
     }
     struct mu_text t;
     const char *c = content + sizeof begin - 1;
     mu_text_init(&t, q->address, sizeof q->address);
-    for (; *c && *c != '"'; c++) {
-        c += *c == '\\' && c[1];
-        mu_text_add_bytes(&t, c, 1);
-    }
-    bool whole = c[0] == '"' && c[1] == ' ' && !t.cut;
-    q->sender = whole ? c + 2 : "";
+    bool whole = *c == '"' && mu_fields_next(&c, &t) && *c == ' ';
+    q->sender = whole ? c + 1 : "";
     return whole && mu_name_valid(q->sender);
 }
 

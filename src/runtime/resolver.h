@@ -14,10 +14,14 @@ struct resolver {
     char scheme[MU_NAME_MAX + 1];
     mu_resolve resolve;
     void *self;
+    bool due; /* the broker is still to be told */
 };
 
 /** A broker has accepted the agent that did not know it: it is to know what the agent resolves. */
 void resolver_offer(mu_agent *a);
+
+/** The outbox has room again: what did not go in before does now. */
+void resolver_retry(mu_agent *a);
 
 /** Takes the broker's question, a handler of every kind. */
 enum mu_take resolver_take(void *self, mu_agent *a, const struct mu_mail *mail);

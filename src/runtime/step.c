@@ -128,6 +128,7 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
             continue;
         }
         outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
+        resolver_retry(a);
         agent_progress(a);
         /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
          * earlier process of that name has sent is no business of this one. */
@@ -414,6 +415,9 @@ static bool is_anything_to_say(const mu_process *p)
 void step_flush(mu_process *p)
 {
     directory_settle(&p->directory);
+    if (!step_retry(p)) {
+        return; /* what is pending is marked as sent when it has gone, so it must not move before */
+    }
     unanswered_again(p);
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {

@@ -21,6 +21,9 @@ void taken_clear(struct taken *t)
             memset(&t->queues[i], 0, sizeof t->queues[i]);
         }
     }
+    if (t->brokers[0].incarnation != 0) {
+        memset(t->brokers, 0, sizeof t->brokers);
+    }
 }
 
 void taken_add(struct taken *t, const muster_Mail *m)
@@ -41,4 +44,25 @@ bool taken_has(const struct taken *t, const muster_Mail *m)
         }
     }
     return false;
+}
+
+void taken_leave(struct taken *t, uint64_t incarnation, uint64_t last_number)
+{
+    uint32_t i = 0;
+    while (i < TAKEN_BROKERS - 1 && t->brokers[i].incarnation != incarnation) {
+        i++;
+    }
+    memmove(&t->brokers[1], &t->brokers[0], i * sizeof t->brokers[0]);
+    t->brokers[0].incarnation = incarnation;
+    t->brokers[0].last_number = last_number;
+}
+
+uint64_t taken_last_number(const struct taken *t, uint64_t incarnation)
+{
+    for (uint32_t i = 0; i < TAKEN_BROKERS; i++) {
+        if (t->brokers[i].incarnation == incarnation) {
+            return t->brokers[i].last_number;
+        }
+    }
+    return 0;
 }

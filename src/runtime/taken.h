@@ -8,6 +8,9 @@
  * looked up here.  A broker hands out at most a window of mails ahead of what has been
  * acknowledged, and begins each priority again with the first of them: so a few more than a window
  * are enough, of each priority, however many of a higher one come in between.
+ *
+ * Who goes back to a broker in the same life of it goes on in the box where it was: what it took
+ * elsewhere meanwhile may be more than is remembered here.
  */
 #ifndef MUSTER_RUNTIME_TAKEN_H
 #define MUSTER_RUNTIME_TAKEN_H
@@ -17,7 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { TAKEN_MAX = 256, TAKEN_QUEUES = 4 };
+enum { TAKEN_MAX = 256, TAKEN_QUEUES = 4, TAKEN_BROKERS = 4 };
 
 struct taken {
     struct {
@@ -27,6 +30,10 @@ struct taken {
         } mails[TAKEN_MAX];
         uint32_t next;
     } queues[TAKEN_QUEUES]; /* directives, and by priority */
+    struct {
+        uint64_t incarnation; /* 0: free */
+        uint64_t last_number; /* taken from the box there */
+    } brokers[TAKEN_BROKERS]; /* the agent was there last, the last one first */
 };
 
 /** Forgets all; what was never used stays untouched. */
@@ -37,5 +44,11 @@ void taken_add(struct taken *t, const muster_Mail *m);
 
 /** @return whether the mail is among the last TAKEN_MAX of its priority */
 bool taken_has(const struct taken *t, const muster_Mail *m);
+
+/** The agent leaves this life of a broker; the one that it left first is forgotten. */
+void taken_leave(struct taken *t, uint64_t incarnation, uint64_t last_number);
+
+/** @return the last number that was taken in this life of a broker; 0: none that is known */
+uint64_t taken_last_number(const struct taken *t, uint64_t incarnation);
 
 #endif

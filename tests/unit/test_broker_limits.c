@@ -137,13 +137,30 @@ static void test_limit_bytes_come_back(void)
         }
         CU_ASSERT_EQUAL(story.b->store.mails, 0);
         CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
-        CU_ASSERT_EQUAL(story.b->mailbox.pairs.live, 0);
+        CU_ASSERT_EQUAL(story.b->mailbox.shares.live, 0);
         CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].bytes, 0);
     }
     uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / STORE_RECORD_MAX;
     CU_ASSERT_EQUAL(fit[0], most);
     CU_ASSERT_EQUAL(fit[2], most);
     CU_ASSERT_TRUE(fit[1] > 8 * most);
+}
+
+static void test_limit_acknowledgements(void)
+{
+    static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1];
+    story_begin();
+    story_register("red", "p1");
+    for (uint32_t i = 0; i <= MU_LOCAL_AGENTS_MAX; i++) {
+        acks[i].box = words("red");
+    }
+    muster_Up up = {.process = words("p1"), .step = muster_STEP_NOW};
+    up.acks = (dds_sequence_muster_Ack){._length = MU_LOCAL_AGENTS_MAX, ._buffer = acks};
+    broker_up(story.b, &up, 0);
+    CU_ASSERT_EQUAL(story.b->counters.malformed, 0);
+    up.acks._length++;
+    broker_up(story.b, &up, 0);
+    CU_ASSERT_EQUAL(story.b->counters.malformed, 1);
 }
 
 static void test_limit_posts(void)
@@ -210,6 +227,7 @@ int main(void)
         {"limit: one box", test_limit_one_box},
         {"limit: mails", test_limit_mails},
         {"limit: bytes, which come back", test_limit_bytes_come_back},
+        {"limit: acknowledgements in an Up", test_limit_acknowledgements},
         {"limit: places in boxes", test_limit_posts},
         {"limit: receipts of one sender", test_limit_receipts_of_one_sender},
         {"limit: bytes of one delivery", test_limit_bytes_of_one_delivery},

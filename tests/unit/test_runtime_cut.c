@@ -37,13 +37,14 @@ static struct mu_agent *join(const char *name)
     return a;
 }
 
-/* The broker accepts red and hands it the mails of these numbers. */
-static void accept(uint64_t last_seq, const uint64_t *numbers, uint32_t count)
+/* This life of a broker accepts red and hands it the mails of these numbers. */
+static void accept_at(uint64_t incarnation, uint64_t last_seq, const uint64_t *numbers,
+                      uint32_t count)
 {
     muster_Verdict v = {.agent = words("red"),
                         .accepted = true,
                         .last_seq = last_seq,
-                        .broker_incarnation = 5,
+                        .broker_incarnation = incarnation,
                         .reason = words("")};
     muster_Parcel parcels[4];
     muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW, .broker = words("b")};
@@ -68,6 +69,11 @@ static void accept(uint64_t last_seq, const uint64_t *numbers, uint32_t count)
     d.parcels._length = count;
     mu_text_clear(&heard);
     step_take_delivery(&process, &d, NULL);
+}
+
+static void accept(uint64_t last_seq, const uint64_t *numbers, uint32_t count)
+{
+    accept_at(5, last_seq, numbers, count);
 }
 
 /* Another one has had its name meanwhile, and some of its mail. */
@@ -96,11 +102,54 @@ static void test_what_has_no_answer_goes_out_again(void)
     CU_ASSERT(mails[2].seq == 3 && !mails[2].again);
 }
 
+/* What it owed an acknowledgement for comes again, and is known however much came in between. */
+static void test_going_back_to_a_broker(void)
+{
+    struct mu_agent *red = join("red");
+    accept(0, (const uint64_t[]){1, 2, 3}, 3);
+    for (uint64_t number = 1001; number <= 1001 + 2 * TAKEN_MAX; number++) {
+        accept_at(6, 0, &number, 1);
+    }
+    accept(0, (const uint64_t[]){2, 3, 4}, 3);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#4; ");
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_EQUAL_FATAL(process.out.acks._length, 1);
+    CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, 4);
+    CU_ASSERT_EQUAL(red->handed, 4 + 2 * TAKEN_MAX + 1);
+    accept_at(7, 0, (const uint64_t[]){2}, 1); /* a later life counts for itself */
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#2; ");
+}
+
+/* What the network has not taken yet is the next that goes out, and is marked for it. */
+static void test_what_is_pending_does_not_move(void)
+{
+    struct mu_agent *red = join("red");
+    muster_Mail mails[4];
+    accept(0, NULL, 0);
+    for (int i = 0; i < 4; i++) {
+        CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
+    }
+    outbox_sent(&red->outbox, 2);
+    agent_progress(red);
+    red->progress_ns = 1; /* long ago */
+    capture_begin();
+    step_hello(&process); /* there is no network: the third and the fourth are pending */
+    step_flush(&process);
+    capture_end();
+    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&red->outbox, mails, 4), 2);
+    CU_ASSERT(mails[0].seq == 3 && !mails[0].again);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"numbers go on", test_numbers_go_on_where_another_one_left_off},
         {"what has no answer", test_what_has_no_answer_goes_out_again},
+        {"going back to a broker", test_going_back_to_a_broker},
+        {"what is pending does not move", test_what_is_pending_does_not_move},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/cut", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};

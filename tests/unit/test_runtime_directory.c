@@ -241,7 +241,7 @@ static void test_watching(void)
     HEARD("red: -mapper@green[x=0]; ");
     offer("mapper", "green", "x=0");
     HEARD("red: +mapper@green[x=0]; ");
-    red->gone = true;
+    mu_agent_set_state(red, MU_GONE);
     offer("mapper", "green", NULL);
     HEARD("");
 }
@@ -339,6 +339,53 @@ static void test_limit_watches(void)
     CU_ASSERT_EQUAL(mu_agent_watch_service(red, "mapper x<3"), MU_OK);
 }
 
+/* The place of who is gone is given to others, who have asked for nothing. */
+static void test_who_leaves_watches_no_more(void)
+{
+    char query[64];
+    mu_agent *blue = join("blue", false);
+    CU_ASSERT_EQUAL(mu_agent_watch_service(blue, "cook"), MU_OK);
+    for (int i = 1; i < MU_WATCHES_MAX; i++) {
+        snprintf(query, sizeof query, "mapper x<%d", i);
+        CU_ASSERT_EQUAL(mu_agent_watch_service(red, query), MU_OK);
+    }
+    mu_agent_set_state(red, MU_GONE);
+    CU_ASSERT_EQUAL(mu_agent_watch_service(red, "cook"), MU_REFUSED);
+    mu_agent *green = join("green", false);
+    CU_ASSERT_PTR_EQUAL(green, red);
+    offer("mapper", "yellow", "x=0");
+    HEARD("");
+    for (int i = 1; i < MU_WATCHES_MAX; i++) {
+        snprintf(query, sizeof query, "cook x<%d", i);
+        CU_ASSERT_EQUAL(mu_agent_watch_service(green, query), MU_OK);
+    }
+    CU_ASSERT_EQUAL(mu_agent_watch_service(green, "baker"), MU_FULL);
+    offer("cook", "yellow", "");
+    HEARD("blue: +cook@yellow[]; ");
+}
+
+/* Leaves at the first news, and another agent goes on in its place. */
+static void on_service_leave(void *self, mu_agent *a, const struct mu_service *service, bool came)
+{
+    on_service(self, a, service, came);
+    mu_agent_set_state(a, MU_GONE);
+    red = join("green", false);
+    CU_ASSERT_EQUAL(mu_agent_watch_service(red, "*"), MU_OK);
+}
+
+static void test_who_leaves_while_it_is_told(void)
+{
+    (void)join("blue", false);
+    offer("cook", "yellow", "");
+    offer("mapper", "yellow", "");
+    red->handlers.on_service = on_service_leave;
+    CU_ASSERT_EQUAL(mu_agent_watch_service(red, "*"), MU_OK);
+    directory_settle(&process.directory);
+    HEARD("red: +cook@yellow[]; green: +mapper@yellow[]; green: +cook@yellow[]; ");
+    offer("cook", "yellow", NULL);
+    HEARD("green: -cook@yellow[]; ");
+}
+
 static void test_limit_lines(void)
 {
     char name[MU_NAME_MAX + 1];
@@ -373,6 +420,8 @@ int main(void)
         {"a lock step begins with new pages", test_a_lock_step_begins_with_new_pages},
         {"changes are mails to the broker", test_changes_are_mails_to_the_broker},
         {"answers do not reach on_mail", test_answers_do_not_reach_on_mail},
+        {"who leaves watches no more", test_who_leaves_watches_no_more},
+        {"who leaves while it is told", test_who_leaves_while_it_is_told},
         {"limit: watches", test_limit_watches},
         {"limit: lines", test_limit_lines},
         CU_TEST_INFO_NULL,

@@ -104,6 +104,27 @@ static void test_the_broker_is_told(void)
     CU_ASSERT_STRING_EQUAL(m->content, "resolver \"scheme=far\" 0.000000000");
 }
 
+/* What the agent has said before there was a broker leaves no room. */
+static void test_a_full_outbox_is_waited_for(void)
+{
+    set_up();
+    CU_ASSERT_EQUAL(mu_agent_resolve(rita, "near", resolve, NULL), MU_OK);
+    while (mu_agent_broadcast(rita, "hello") == MU_OK) {
+    }
+    uint64_t end = rita->outbox.next_seq;
+    accept(5);
+    CU_ASSERT_EQUAL(rita->outbox.next_seq, end);
+    muster_Receipt r = {.agent = words("rita"), .first_seq = 1, .last_seq = 2};
+    muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW};
+    d.receipts._buffer = &r;
+    d.receipts._length = 1;
+    outbox_sent(&rita->outbox, 2);
+    for (int i = 0; i < 2; i++) { /* said twice, the offer goes once */
+        step_take_delivery(&process, &d, NULL);
+        CU_ASSERT_EQUAL(rita->outbox.next_seq, end + 1);
+    }
+}
+
 /* What is answered, "PERFORMATIVE IN-REPLY-TO CONTENT"; "": nothing. */
 static const char *ask(const char *src, const char *content)
 {
@@ -237,6 +258,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"the broker is told", test_the_broker_is_told},
+        {"a full outbox is waited for", test_a_full_outbox_is_waited_for},
         {"questions are answered", test_questions_are_answered},
         {"garbage is no question", test_garbage_is_no_question},
         {"an answer is one mail", test_an_answer_is_one_mail},

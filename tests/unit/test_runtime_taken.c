@@ -64,6 +64,25 @@ static void test_each_priority_has_its_own(void)
     }
 }
 
+static void test_limit_brokers(void)
+{
+    static struct taken t;
+    for (uint64_t i = 1; i <= TAKEN_BROKERS; i++) {
+        taken_leave(&t, i, 10 * i);
+    }
+    CU_ASSERT_EQUAL(taken_last_number(&t, 1), 10);
+    taken_leave(&t, 2, 21); /* it was there again */
+    CU_ASSERT_EQUAL(taken_last_number(&t, 2), 21);
+    CU_ASSERT_EQUAL(taken_last_number(&t, 1), 10);
+    taken_leave(&t, 5, 50);
+    CU_ASSERT_EQUAL(taken_last_number(&t, 1), 0); /* the one that it left first made room */
+    for (uint64_t i = 3; i <= 5; i++) {
+        CU_ASSERT_EQUAL(taken_last_number(&t, i), 10 * i);
+    }
+    taken_clear(&t);
+    CU_ASSERT_EQUAL(taken_last_number(&t, 5), 0);
+}
+
 static void test_hashes_are_the_published_ones(void)
 {
     CU_ASSERT_EQUAL(mu_hash_string(""), 0xcbf29ce484222325ull);
@@ -78,6 +97,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"the last ones are known", test_the_last_ones_are_known},
         {"each priority has its own", test_each_priority_has_its_own},
+        {"limit: brokers", test_limit_brokers},
         {"hashes are the published ones", test_hashes_are_the_published_ones},
         CU_TEST_INFO_NULL,
     };

@@ -141,7 +141,7 @@ void life_check_empty(void)
     HOLD(b->counters.waiting == 0);
     HOLD(b->store.mails == 0);
     HOLD(b->mailbox.posts_live == 0);
-    HOLD(b->mailbox.pairs.live == 0);
+    HOLD(b->mailbox.shares.live == 0);
     HOLD(receipts_kept(&b->receipts) == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
     HOLD(b->ages.oldest == NULL);

@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/address.h"
+#include "core/address.h"
 
 #include "core/name.h"
 
 #include <stddef.h>
 #include <string.h>
 
-enum address_kind address_kind(const char *dst)
+enum mu_address_kind mu_address_kind(const char *dst)
 {
     static const char *const words[] = {
-        [ADDRESS_ALL] = "all", [ADDRESS_ROBOTS] = "robots", [ADDRESS_SPECIAL] = "special"};
-    for (enum address_kind kind = ADDRESS_ALL; kind <= ADDRESS_SPECIAL; kind++) {
+        [MU_ADDRESS_ALL] = "all", [MU_ADDRESS_ROBOTS] = "robots", [MU_ADDRESS_SPECIAL] = "special"};
+    for (enum mu_address_kind kind = MU_ADDRESS_ALL; kind <= MU_ADDRESS_SPECIAL; kind++) {
         if (strcmp(dst, words[kind]) == 0) {
             return kind;
         }
     }
     const char *colon = strchr(dst, ':');
     if (!colon) {
-        return ADDRESS_NAMES;
+        return MU_ADDRESS_NAMES;
     }
-    return strncmp(dst, "group:", 6) == 0 ? ADDRESS_GROUP : ADDRESS_SCHEME;
+    return strncmp(dst, "group:", 6) == 0 ? MU_ADDRESS_GROUP : MU_ADDRESS_SCHEME;
 }
 
-const char *address_rest(const char *dst)
+const char *mu_address_rest(const char *dst)
 {
     return strchr(dst, ':') + 1;
 }
@@ -37,15 +37,15 @@ static bool scheme_valid(const char *dst)
     }
     memcpy(name, dst, len);
     name[len] = '\0';
-    for (const char *c = address_rest(dst); *c; c++) {
+    for (const char *c = mu_address_rest(dst); *c; c++) {
         if ((unsigned char)*c <= ' ' || *c == 127) {
             return false;
         }
     }
-    return mu_name_valid(name) && address_rest(dst)[0] != '\0';
+    return mu_name_valid(name) && mu_address_rest(dst)[0] != '\0';
 }
 
-bool address_next(const char **list, char name[MU_NAME_MAX + 1])
+bool mu_address_next(const char **list, char name[MU_NAME_MAX + 1])
 {
     size_t len = strcspn(*list, ",");
     if (len > MU_NAME_MAX) {
@@ -63,20 +63,20 @@ bool address_next(const char **list, char name[MU_NAME_MAX + 1])
     return true;
 }
 
-bool address_valid(const char *dst)
+bool mu_address_valid(const char *dst)
 {
     char name[MU_NAME_MAX + 1];
-    switch (address_kind(dst)) {
-    case ADDRESS_ALL:
-    case ADDRESS_ROBOTS:
-    case ADDRESS_SPECIAL: return true;
-    case ADDRESS_GROUP: return mu_name_valid(address_rest(dst));
-    case ADDRESS_SCHEME: return scheme_valid(dst);
-    case ADDRESS_NAMES: break;
+    switch (mu_address_kind(dst)) {
+    case MU_ADDRESS_ALL:
+    case MU_ADDRESS_ROBOTS:
+    case MU_ADDRESS_SPECIAL: return true;
+    case MU_ADDRESS_GROUP: return mu_name_valid(mu_address_rest(dst));
+    case MU_ADDRESS_SCHEME: return scheme_valid(dst);
+    case MU_ADDRESS_NAMES: break;
     }
     bool list = strchr(dst, ',') != NULL;
-    while (address_next(&dst, name)) {
-        if (list && address_kind(name) != ADDRESS_NAMES) {
+    while (mu_address_next(&dst, name)) {
+        if (list && mu_address_kind(name) != MU_ADDRESS_NAMES) {
             return false;
         }
         if (*dst == '\0') {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/fields.h"
+#include "core/fields.h"
 
 #include <string.h>
 
@@ -19,9 +19,9 @@ static bool is_symbol(const char *s)
     return true;
 }
 
-void fields_add_string(struct mu_text *t, const char *s)
+void mu_fields_quote(struct mu_text *t, const char *s)
 {
-    mu_text_add(t, " \"");
+    mu_text_add(t, "\"");
     for (const char *c = s; *c; c++) {
         if (*c == '"' || *c == '\\') {
             mu_text_add(t, "\\");
@@ -31,17 +31,23 @@ void fields_add_string(struct mu_text *t, const char *s)
     mu_text_add(t, "\"");
 }
 
-void fields_add(struct mu_text *t, const char *s)
+void mu_fields_add_string(struct mu_text *t, const char *s)
+{
+    mu_text_add(t, " ");
+    mu_fields_quote(t, s);
+}
+
+void mu_fields_add(struct mu_text *t, const char *s)
 {
     if (!is_symbol(s)) {
-        fields_add_string(t, s);
+        mu_fields_add_string(t, s);
         return;
     }
     mu_text_add(t, " ");
     mu_text_add(t, s);
 }
 
-bool fields_next(const char **content, struct mu_text *out)
+bool mu_fields_next(const char **content, struct mu_text *out)
 {
     const char *c = *content + strspn(*content, blanks);
     mu_text_clear(out);
@@ -65,7 +71,7 @@ bool fields_next(const char **content, struct mu_text *out)
     return !out->cut;
 }
 
-bool fields_end(const char *content)
+bool mu_fields_end(const char *content)
 {
     return content[strspn(content, blanks)] == '\0';
 }

@@ -1,32 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/pairs.h"
+#include "broker/boxshare.h"
 
 #include "muster/limits.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 
-void pairs_init(struct pairs *p)
+void boxshare_init(struct boxshares *p)
 {
     uint32_t slots = 1;
     while (slots < MU_POSTS_MAX) {
         slots *= 2;
     }
-    *p = (struct pairs){.free = MU_NONE, .mask = slots - 1};
+    *p = (struct boxshares){.free = MU_NONE, .mask = slots - 1};
     p->pool = mu_startup_array(MU_POSTS_MAX, sizeof *p->pool);
     p->heads = mu_startup_array(slots, sizeof *p->heads);
 }
 
 /* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
-static uint32_t *head_of(const struct pairs *p, uint32_t box, uint32_t sender)
+static uint32_t *head_of(const struct boxshares *p, uint32_t box, uint32_t sender)
 {
     return &p->heads[(box * 2654435769u ^ sender) & p->mask];
 }
 
-uint32_t pairs_find(const struct pairs *p, uint32_t box, uint32_t sender)
+uint32_t boxshare_find(const struct boxshares *p, uint32_t box, uint32_t sender)
 {
     uint32_t next = *head_of(p, box, sender);
     while (next != 0) {
-        const struct pair *pair = &p->pool[next - 1];
+        const struct boxshare *pair = &p->pool[next - 1];
         if (pair->box == box && pair->sender == sender) {
             return next - 1;
         }
@@ -35,9 +35,9 @@ uint32_t pairs_find(const struct pairs *p, uint32_t box, uint32_t sender)
     return MU_NONE;
 }
 
-uint32_t pairs_get(struct pairs *p, uint32_t box, uint32_t sender)
+uint32_t boxshare_get(struct boxshares *p, uint32_t box, uint32_t sender)
 {
-    uint32_t pair = pairs_find(p, box, sender);
+    uint32_t pair = boxshare_find(p, box, sender);
     if (pair != MU_NONE) {
         return pair;
     }
@@ -49,8 +49,8 @@ uint32_t pairs_get(struct pairs *p, uint32_t box, uint32_t sender)
         pair = p->used++;
     }
     uint32_t *head = head_of(p, box, sender);
-    p->pool[pair] = (struct pair){.box = box, .sender = sender, .next = *head};
-    for (int i = 0; i < PAIR_QUEUES; i++) {
+    p->pool[pair] = (struct boxshare){.box = box, .sender = sender, .next = *head};
+    for (int i = 0; i < BOXSHARE_QUEUES; i++) {
         p->pool[pair].waiting[i] = (struct post_queue){.head = MU_NONE, .tail = MU_NONE};
     }
     *head = pair + 1;
@@ -58,9 +58,9 @@ uint32_t pairs_get(struct pairs *p, uint32_t box, uint32_t sender)
     return pair;
 }
 
-void pairs_drop(struct pairs *p, uint32_t pair)
+void boxshare_drop(struct boxshares *p, uint32_t pair)
 {
-    struct pair *gone = &p->pool[pair];
+    struct boxshare *gone = &p->pool[pair];
     MU_ASSERT(gone->use.mails == 0 && gone->use.bytes == 0);
     uint32_t *link = head_of(p, gone->box, gone->sender);
     while (*link != pair + 1) {

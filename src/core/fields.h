@@ -3,21 +3,24 @@
  * @file fields.h
  * The fields of a mail's content, as CLIPS prints them.
  */
-#ifndef MUSTER_BROKER_FIELDS_H
-#define MUSTER_BROKER_FIELDS_H
+#ifndef MUSTER_CORE_FIELDS_H
+#define MUSTER_CORE_FIELDS_H
 
 #include "core/text.h"
 
 /** Adds a space and a field; what is no symbol becomes a string. */
-void fields_add(struct mu_text *t, const char *s);
+void mu_fields_add(struct mu_text *t, const char *s);
+
+/** Adds a string, quoted. */
+void mu_fields_quote(struct mu_text *t, const char *s);
 
 /** Adds a space and a string. */
-void fields_add_string(struct mu_text *t, const char *s);
+void mu_fields_add_string(struct mu_text *t, const char *s);
 
 /** Reads one field, a symbol or a string, and moves on.  @return false: none, or no field */
-bool fields_next(const char **content, struct mu_text *out);
+bool mu_fields_next(const char **content, struct mu_text *out);
 
 /** @return whether nothing but space is left */
-bool fields_end(const char *content);
+bool mu_fields_end(const char *content);
 
 #endif
