@@ -251,6 +251,12 @@ bool groups_exists(const struct groups *g, const char *group, bool inside)
            group_has_members(g, group, inside);
 }
 
+bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside)
+{
+    uint32_t line = mu_pairs_find(&g->pairs, group, agent);
+    return line != MU_NONE && line_holds(&g->lines[line], inside);
+}
+
 const char *groups_member(const struct groups *g, const char *group, bool inside, uint32_t *place)
 {
     uint32_t line;

@@ -75,6 +75,9 @@ void groups_enter(struct groups *g, const char *agent);
 /** @return whether there is such a group */
 bool groups_exists(const struct groups *g, const char *group, bool inside);
 
+/** @return whether the agent is a member of the group */
+bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside);
+
 /**
  * Goes through the members of a group in order of name.
  *

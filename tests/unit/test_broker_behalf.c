@@ -105,6 +105,38 @@ static void test_the_policy_decides_and_the_audit_says_so(void)
     CU_ASSERT_STRING_EQUAL(audited(), "none");
 }
 
+/* A directive of the operator to red.  @return whether red got it */
+static bool directs(void)
+{
+    muster_Mail m = letter("operator", ++pages_seq, "red", "go");
+    m.layer = 0;
+    m.performative = words("start");
+    story_mail(m);
+    return strstr(hear(true), "red: operator go") != NULL;
+}
+
+static void test_a_policy_knows_groups_and_roles(void)
+{
+    struct mu_fault fault;
+    team();
+    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b,
+                                        "allow operator direct all\n"
+                                        "deny operator direct group:scouts\n"
+                                        "allow role:boss direct group:scouts\n",
+                                        "p", &fault),
+                          MU_OK);
+    CU_ASSERT_TRUE(directs());
+    (void)say("red", "group-join", "scouts");
+    CU_ASSERT_FALSE(directs());
+    CU_ASSERT_EQUAL(story_status().refused, 1);
+    (void)say("operator", "advertise", "chief \"x=1 role=boss\"");
+    CU_ASSERT_TRUE(directs());
+    (void)say("operator", "advertise", "chief \"role=bosses\"");
+    CU_ASSERT_FALSE(directs());
+    (void)say("red", "group-leave", "scouts");
+    CU_ASSERT_TRUE(directs());
+}
+
 static void test_inside_the_lock_step_outsiders_have_no_name(void)
 {
     struct mu_fault fault;
@@ -127,6 +159,7 @@ int main(void)
         {"who lives in one process needs no trust", test_who_lives_in_one_process_needs_no_trust},
         {"the policy decides, and the audit says so",
          test_the_policy_decides_and_the_audit_says_so},
+        {"a policy knows groups and roles", test_a_policy_knows_groups_and_roles},
         {"inside the lock step outsiders have no name",
          test_inside_the_lock_step_outsiders_have_no_name},
         CU_TEST_INFO_NULL,
