@@ -11,6 +11,7 @@
 #include "broker/journal.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "broker/query.h"
 
 #include <string.h>
 
@@ -97,23 +98,33 @@ static bool kind_is_addressed(enum address_kind kind, muster_Kind of)
            (kind == ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
+/* Members of a group who are in the lock step, or who are not.  Who is one of the former is for
+ * those inside to say, whatever another broker has said meanwhile. */
+static void audience_of_members(struct broker *b, const char *group, bool inside, uint32_t sender,
+                                struct audience *to)
+{
+    uint32_t place = 0;
+    for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
+        uint32_t agent = registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender && pages_inside(b, agent) == inside) {
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
 /* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
  * those that are seen inside. */
 static void audience_of_group(struct broker *b, const char *group, uint32_t sender,
                               struct audience *to)
 {
-    const struct groups *g = &b->pages.groups;
-    uint32_t place = 0;
-    if (!groups_exists(g, group, pages_inside(b, sender))) {
+    if (!groups_exists(&b->pages.groups, group, pages_inside(b, sender))) {
         to->unknown++;
         return;
     }
-    for (const char *name; (name = groups_member(g, group, false, &place));) {
-        uint32_t agent = registry_find(&b->registry, name);
-        if (agent != MU_NONE && agent != sender) {
-            to->agents[to->count++] = agent;
-        }
+    if (b->lockstep.on) {
+        audience_of_members(b, group, true, sender, to);
     }
+    audience_of_members(b, group, false, sender, to);
 }
 
 /* A broadcast from inside the lock step does not go beyond the broker: who is there is known by
@@ -174,8 +185,9 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
     bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
-        meets = presence_in_lockstep(b, to.agents[i]) ||
-                (m->letter.layer == 0 && registry_is_own(to.agents[i]));
+        meets =
+            presence_in_lockstep(b, to.agents[i]) ||
+            (registry_is_own(to.agents[i]) && (m->letter.layer == 0 || query_changes_member(b, m)));
     }
     return meets;
 }

@@ -150,6 +150,59 @@ static void test_inside_the_lock_step_outsiders_have_no_name(void)
     HEARD("red: failure unknown-name green", hear(false));
 }
 
+/* red and green in lock step, green in the group scouts. */
+static void run_begin(void)
+{
+    team();
+    pages_seq = 0;
+    (void)say("green", "group-join", "scouts");
+    story_match("sim");
+    pages_roster(true, 0, "p-red", "p-green");
+    (void)hear(false);
+}
+
+static void step(int64_t number, muster_Mail *red)
+{
+    answer_step("green", number, NULL);
+    answer_step("red", number, red);
+}
+
+static void test_a_change_for_a_member_waits_for_the_step(void)
+{
+    run_begin();
+    story_mail(to_broker("operator", "group-join", "scouts red"));
+    story_mail(to_broker("operator", "group-leave", "scouts green"));
+    story_mail(to_broker("operator", "advertise", "mapper \"\" 0 green"));
+    HEARD("", hear(false));
+    CU_ASSERT_TRUE(groups_has(&story.b->pages.groups, "scouts", "green", false));
+    CU_ASSERT_EQUAL(story.b->pages.services.pairs.count, 0);
+    muster_Mail m = to_broker("red", "find-service", "mapper");
+    step(0, &m); /* what is from inside takes effect first */
+    HEARD("red: inform services; operator: inform group-join scouts; operator: inform group-leave "
+          "scouts; operator: inform advertise mapper",
+          hear(false));
+    SHOWN("+scouts/red -scouts/green +mapper@green[]");
+    story_mail(to_broker("operator", "withdraw", "mapper green"));
+    m = to_broker("red", "members", "scouts");
+    step(1, &m);
+    HEARD("red: inform members-of scouts red; operator: inform withdraw mapper", hear(false));
+    SHOWN("-mapper@green");
+}
+
+/* What another broker says of a member meanwhile is not seen inside. */
+static void test_mail_to_a_group_of_members(void)
+{
+    run_begin();
+    muster_Membership red = {words("scouts"), words("red"), true, UINT64_MAX / 2, words("beta")};
+    muster_Membership green = {words("scouts"), words("green"), false, UINT64_MAX / 2,
+                               words("beta")};
+    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &red, false), MU_OK);
+    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &green, false), MU_OK);
+    muster_Mail gold = letter("red", ++pages_seq, "group:scouts", "gold");
+    step(0, &gold);
+    HEARD("green: red gold", hear(false));
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -162,6 +215,8 @@ int main(void)
         {"a policy knows groups and roles", test_a_policy_knows_groups_and_roles},
         {"inside the lock step outsiders have no name",
          test_inside_the_lock_step_outsiders_have_no_name},
+        {"a change for a member waits for the step", test_a_change_for_a_member_waits_for_the_step},
+        {"mail to a group of members", test_mail_to_a_group_of_members},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/behalf", tests);
