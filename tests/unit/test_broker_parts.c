@@ -282,6 +282,26 @@ static void test_directives_and_verdicts_go_at_once(void)
     EXPECT("green #3 red/2 two");
 }
 
+/* green acknowledges nothing, and its window is full of directives; blue is in the same process. */
+static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
+{
+    uint64_t seq = 0;
+    team(60000 * MS);
+    story_register("blue", "p-green");
+    (void)story_collect();
+    while (seq < MU_WINDOW_MAX + MAILBOX_RESERVE) {
+        story_mail(directive(++seq, "green", "(wander)"));
+        (void)story_collect();
+    }
+    story_send("red", 1, "blue", "hello");
+    story_mail(directive(++seq, "green", "(wander)"));
+    EXPECT("");
+    CU_ASSERT_EQUAL(courier_deadline_ns(story.b), story.b->courier.wake_ns);
+    story.now_ns = story.b->courier.wake_ns - 1;
+    story_tick(1);
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "blue #1 red/1 hello"));
+}
+
 static void test_the_network_refuses_meanwhile(void)
 {
     const char *process;
@@ -386,6 +406,8 @@ int main(void)
         {"at most once an interval", test_at_most_once_an_interval},
         {"more than one delivery can hold", test_more_than_one_delivery_can_hold},
         {"directives and verdicts go at once", test_directives_and_verdicts_go_at_once},
+        {"who shares a process with a full window is not forgotten",
+         test_who_shares_a_process_with_a_full_window_is_not_forgotten},
         {"the network refuses meanwhile", test_the_network_refuses_meanwhile},
         {"the interval is tuned by directive", test_the_interval_is_tuned_by_directive},
         {"in lock step the interval is whole steps", test_in_lock_step_the_interval_is_whole_steps},
