@@ -115,6 +115,8 @@ static uint32_t line_get(struct groups *g, const char *group, const char *agent)
 static void line_say(struct groups *g, uint32_t line, bool joined, const struct said *said)
 {
     struct group_line *l = &g->lines[line];
+    bool is_group = mu_pairs_second(&g->pairs, line)[0] == '\0';
+    *(is_group ? &g->groups_now : &g->members_now) += (uint32_t)joined - (uint32_t)l->joined;
     l->joined = joined;
     l->joined_inside = said->inside ? joined : l->joined_inside;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;

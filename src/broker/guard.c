@@ -61,7 +61,7 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
         audit_receiver(r, receiver);
     }
     b->counters.directed += allowed;
-    b->counters.refused += !allowed;
+    b->counters.unspoken += !allowed;
     return allowed;
 }
 

@@ -67,6 +67,7 @@ static uint32_t line_get(struct services *s, const char *service, const char *ag
 static void line_say(struct services *s, uint32_t line, bool offered, const struct said *said)
 {
     struct service_line *l = &s->lines[line];
+    s->offers_now += (uint32_t)offered - (uint32_t)l->offered;
     l->offered = offered;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;
     mu_text_copy(l->origin, sizeof l->origin, said->origin);
@@ -164,6 +165,7 @@ void services_expire(struct services *s, uint64_t mail_ns)
             continue;
         }
         if (l->until_ns <= mail_ns) {
+            s->offers_now--;
             l->offered = false; /* its stamp stays: every broker ends it by itself */
             changes_touch(&s->changes, line);
         } else if (l->until_ns < s->soonest_ns) {

@@ -27,6 +27,7 @@ struct services {
     struct mu_pairs by_agent; /* (agent, service) */
     uint32_t *line_of;        /* by index of by_agent */
     struct changes changes;
+    uint32_t offers_now; /* for the counters */
     uint64_t soonest_ns; /* no lease ends before this */
     uint64_t told;       /* as in groups.h */
 };
