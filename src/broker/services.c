@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/services.h"
 
+#include "broker/subscriptions.h"
 #include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"
@@ -22,6 +23,9 @@ void services_init(struct services *s)
 
 static void line_forget(struct services *s, uint32_t line)
 {
+    if (s->told_to) {
+        subscriptions_forget(s->told_to, line);
+    }
     const char *service = mu_pairs_first(&s->pairs, line);
     const char *agent = mu_pairs_second(&s->pairs, line);
     mu_pairs_remove(&s->by_agent, mu_pairs_find(&s->by_agent, agent, service));
