@@ -19,32 +19,53 @@ void booking_refused(struct broker *b, const struct mail *m, uint32_t agent, enu
     booking_event(b, over ? EVENT_OVER_SHARE : EVENT_BOX_FULL, agent, m->sender);
 }
 
-bool booking_take(struct broker *b, struct mail *m, uint32_t posts)
+static bool account_take(struct broker *b, struct mail *m, enum share_side side, uint32_t posts,
+                         struct share_use *booked)
 {
     struct share_use want = {.mails = 1, .bytes = store_bytes(m), .posts = posts};
-    m->side = presence_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
-    enum share_answer why = share_book(&b->shares, (enum share_side)m->side, m->payer, &want,
-                                       b->lockstep.on, m->letter.layer == 0);
+    enum share_answer why =
+        share_book(&b->shares, side, m->payer, &want, b->lockstep.on, m->letter.layer == 0);
     if (why != SHARE_FITS) {
         booking_refused(b, m, REGISTRY_BROKER, why, posts);
+        return false;
     }
-    return why == SHARE_FITS;
+    *booked = want;
+    return true;
+}
+
+bool booking_take(struct broker *b, struct mail *m, uint32_t posts)
+{
+    m->side = presence_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    return account_take(b, m, (enum share_side)m->side, posts, &m->booked);
+}
+
+bool booking_take_veiled(struct broker *b, struct mail *m, uint32_t posts)
+{
+    return account_take(b, m, SHARE_OUTSIDE, posts, &m->booked_veiled);
 }
 
 void booking_restore(struct broker *b, struct mail *m, uint32_t posts)
 {
-    struct share_use use = {.mails = 1, .bytes = store_bytes(m), .posts = posts};
+    m->booked = (struct share_use){.mails = 1, .bytes = store_bytes(m), .posts = posts};
     m->side = SHARE_OUTSIDE;
-    share_add(&b->shares.senders[SHARE_OUTSIDE][m->payer], &use);
-    share_add(&b->shares.all[SHARE_OUTSIDE], &use);
+    share_add(&b->shares.senders[SHARE_OUTSIDE][m->payer], &m->booked);
+    share_add(&b->shares.all[SHARE_OUTSIDE], &m->booked);
 }
 
-void booking_give_back(struct broker *b, const struct mail *m, uint32_t posts)
+/* left: posts that stay; the mail stays with them */
+static void account_give_back(struct broker *b, const struct mail *m, enum share_side side,
+                              uint32_t left, struct share_use *booked)
 {
-    struct share_use less = {.posts = posts};
-    if (m->unsettled == 0) {
-        less.mails = 1;
-        less.bytes = store_bytes(m);
+    struct share_use less = *booked;
+    if (left > 0) {
+        less = (struct share_use){.posts = booked->posts - left};
     }
-    share_unbook(&b->shares, (enum share_side)m->side, m->payer, &less);
+    share_subtract(booked, &less);
+    share_unbook(&b->shares, side, m->payer, &less);
+}
+
+void booking_give_back(struct broker *b, struct mail *m)
+{
+    account_give_back(b, m, (enum share_side)m->side, m->unsettled - m->veiled, &m->booked);
+    account_give_back(b, m, SHARE_OUTSIDE, m->veiled, &m->booked_veiled);
 }

@@ -19,8 +19,16 @@ bool booking_take(struct broker *b, struct mail *m, uint32_t posts);
 /** Books a mail of an earlier life of the broker, whatever the limits. */
 void booking_restore(struct broker *b, struct mail *m, uint32_t posts);
 
-/** Takes places off its account, and with the last of its posts the mail. */
-void booking_give_back(struct broker *b, const struct mail *m, uint32_t posts);
+/**
+ * Books places in boxes outside the lock step that the sender is in.  They are not on its account
+ * inside, where its room must not depend on who acknowledges by the wall clock.
+ *
+ * @return false: refused and counted; nobody inside may be told
+ */
+bool booking_take_veiled(struct broker *b, struct mail *m, uint32_t posts);
+
+/** Takes off its accounts what it has no more of: places, and with the last of them the mail. */
+void booking_give_back(struct broker *b, struct mail *m);
 
 /** Counts receivers that a mail does not reach; agent is whose box, or the broker itself. */
 void booking_refused(struct broker *b, const struct mail *m, uint32_t agent, enum share_answer why,

@@ -61,6 +61,7 @@ struct broker *broker_open(const struct broker_options *options)
     pages_init(&b->pages);
     resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
+    pages_trust_attach(b);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
     liaison_init(&b->liaison);

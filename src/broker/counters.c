@@ -27,6 +27,11 @@ static uint64_t oldest_ns(const struct broker *b)
     return ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock));
 }
 
+static uint64_t refused(const struct broker *b)
+{
+    return b->counters.refused + b->counters.unspoken;
+}
+
 #define AT(member) \
     .offset = offsetof(struct broker, member), .size = sizeof((struct broker *)0)->member
 
@@ -46,10 +51,14 @@ static const struct counter counters[] = {
     {PART_POSTMASTER, "dropped", "of them, taken out of a full box for others",
      AT(counters.dropped)},
     {PART_POSTMASTER, "box-full", "of them, refused for want of room", AT(counters.box_full)},
-    {PART_POSTMASTER, "over-share", "of those, refused for their sender's share",
+    {PART_POSTMASTER, "over-share", "of them, refused for their sender's share",
      AT(counters.over_share)},
     {PART_POSTMASTER, "unknown-name", "of them, to a name that nobody ever had",
      AT(counters.unknown_name)},
+    {PART_POSTMASTER, "refused", "of them, directives that the policy does not allow",
+     AT(counters.refused)},
+    {PART_POSTMASTER, "no-store", "of them, refused for want of a disk that can be written to",
+     AT(counters.no_store)},
     {PART_POSTMASTER, "resolving", "mails that wait for an address to be resolved, now",
      AT(resolve.waiting)},
     {PART_POSTMASTER, "resolve-asked", "addresses that a resolver was asked about",
@@ -80,19 +89,37 @@ static const struct counter counters[] = {
     {PART_COURIER, "delay-ns", "what the interval has added to all mails together, in nanoseconds",
      AT(courier.count.delay_ns)},
 
+    {PART_GROUPS, "groups", "groups that are there now", AT(pages.groups.groups_now)},
+    {PART_GROUPS, "members", "memberships that hold now", AT(pages.groups.members_now)},
+    {PART_GROUPS, "lines", "lines of the table in use now, those that hold no longer included",
+     AT(pages.groups.pairs.count)},
+    {PART_GROUPS, "changes", "changes of groups", AT(pages.groups.changes.version)},
+
+    {PART_SERVICES, "offers", "services offered now, those of absent agents included",
+     AT(pages.services.offers_now)},
+    {PART_SERVICES, "subscriptions", "standing queries now", AT(pages.subscriptions.count)},
+    {PART_SERVICES, "lines", "lines of the table in use now, those withdrawn included",
+     AT(pages.services.pairs.count)},
+    {PART_SERVICES, "changes", "changes of services", AT(pages.services.changes.version)},
+
     {PART_TRUST, "lines", "lines of the policy", AT(trust.lines_count)},
-    {PART_TRUST, "allowed", "directives let through, one a receiver", AT(counters.directed)},
-    {PART_TRUST, "refused", "directives refused, one a receiver", AT(counters.refused)},
+    {PART_TRUST, "allowed",
+     "directives let through, one a receiver, and changes in another agent's name",
+     AT(counters.directed)},
+    {PART_TRUST, "refused", "of both, refused", .read = refused},
     {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
     {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
     {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},
+
+    {PART_JOURNAL, "commits", "transactions that are on disk", AT(journal.commits)},
+    {PART_JOURNAL, "failures", "transactions that failed", AT(journal.failures)},
 
     {PART_LIAISON, "peers", "other brokers that are there now", AT(liaison.peers_there)},
     {PART_LIAISON, "announced", "parts of the white pages told to them",
      AT(liaison.count.announced)},
     {PART_LIAISON, "parcels-in", "mails taken from them", AT(liaison.count.parcels_in)},
     {PART_LIAISON, "repeated", "mails that came from them once more", AT(liaison.count.repeated)},
-    {PART_LIAISON, "passed-on", "mails that they have taken over, one a receiver",
+    {PART_LIAISON, "passed-on", "of the mails sent, those that they have taken over",
      AT(liaison.count.passed_on)},
     {PART_LIAISON, "receipts-in", "receipts that came from them", AT(liaison.count.receipts_in)},
     {PART_LIAISON, "clashes", "agents that had to give their name to one that had it before",

@@ -33,15 +33,22 @@ static bool is_awake(const struct broker *b, bool lockstep)
     return (uint64_t)b->lockstep.step % interval_steps(b) == 0;
 }
 
+/* @return whether there is a directive to hand out, or anything to go out once more */
+static bool box_is_urgent(struct broker *b, uint32_t agent)
+{
+    const struct box *box = mailbox_box(&b->mailbox, agent);
+    bool has_room = box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE;
+    return box->out != MU_NONE ||
+           (box->lists[POST_URGENT].count > 0 && has_room && router_gate(b, agent) != GATE_SHUT);
+}
+
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
 static bool place_is_urgent(struct broker *b, const struct place *at)
 {
     bool urgent = at->refusals_count > 0 || at->roll_call_due;
     for (uint32_t i = at->ready_first; i != TENANTS_NONE && !urgent;
          i = b->registry.agents[i].tenant.ready_next) {
-        const struct box *box = mailbox_box(&b->mailbox, i);
-        urgent = b->registry.agents[i].verdict_due || box->out != MU_NONE ||
-                 (box->lists[POST_URGENT].count > 0 && router_gate(b, i) != GATE_SHUT);
+        urgent = b->registry.agents[i].verdict_due || box_is_urgent(b, i);
     }
     return urgent;
 }
@@ -311,15 +318,24 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
     }
 }
 
+static void parts_return_passed_by(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        if (c->parts[i].passed_by) {
+            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        }
+    }
+}
+
 /* Those who had no room are first in the queue of the next Delivery; who had something may have
  * more. */
 static void parts_return(struct broker *b, bool taken)
 {
     struct courier *c = &b->courier;
-    for (uint32_t i = 0; i < c->parts_count; i++) {
-        if (!taken || c->parts[i].passed_by) {
-            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
-        }
+    parts_return_passed_by(b);
+    for (uint32_t i = 0; !taken && i < c->parts_count; i++) {
+        tenants_wake(&b->registry, &b->places, c->parts[i].agent);
     }
     for (uint32_t i = 0; taken && i < c->parts_count; i++) {
         if (c->parts[i].parcels > 0) {
@@ -374,6 +390,8 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
             *process = at->name;
             return true;
         }
+        parts_return_passed_by(b); /* behind whoever is urgent, or until the courier wakes */
+        b->courier.parts_count = 0;
         b->courier.open = MU_NONE;
     }
     courier_sleep(b);

@@ -115,6 +115,8 @@ static uint32_t line_get(struct groups *g, const char *group, const char *agent)
 static void line_say(struct groups *g, uint32_t line, bool joined, const struct said *said)
 {
     struct group_line *l = &g->lines[line];
+    bool is_group = mu_pairs_second(&g->pairs, line)[0] == '\0';
+    *(is_group ? &g->groups_now : &g->members_now) += (uint32_t)joined - (uint32_t)l->joined;
     l->joined = joined;
     l->joined_inside = said->inside ? joined : l->joined_inside;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;
@@ -249,6 +251,12 @@ bool groups_exists(const struct groups *g, const char *group, bool inside)
     uint32_t own = mu_pairs_find(&g->pairs, group, "");
     return (own != MU_NONE && line_holds(&g->lines[own], inside)) ||
            group_has_members(g, group, inside);
+}
+
+bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside)
+{
+    uint32_t line = mu_pairs_find(&g->pairs, group, agent);
+    return line != MU_NONE && line_holds(&g->lines[line], inside);
 }
 
 const char *groups_member(const struct groups *g, const char *group, bool inside, uint32_t *place)

@@ -41,8 +41,9 @@ struct groups {
     struct mu_pairs pairs; /* (group, agent); the group's own line has no agent */
     struct group_line *lines;
     struct changes changes;
-    uint32_t count; /* groups that have lines */
-    uint64_t told;  /* everybody has had the changes up to this version: see groups_full */
+    uint32_t count;                   /* groups that have lines */
+    uint32_t groups_now, members_now; /* of whom it holds, outside; for the counters */
+    uint64_t told; /* everybody has had the changes up to this version: see groups_full */
 };
 
 void groups_init(struct groups *g);
@@ -74,6 +75,9 @@ void groups_enter(struct groups *g, const char *agent);
 
 /** @return whether there is such a group */
 bool groups_exists(const struct groups *g, const char *group, bool inside);
+
+/** @return whether the agent is a member of the group */
+bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside);
 
 /**
  * Goes through the members of a group in order of name.

@@ -20,6 +20,13 @@ static struct audit_record *record_begin(struct broker *b, const struct mail *m,
     return r;
 }
 
+/* The sender, and what of the pages is asked in its matter. */
+static struct trust_agent who_asks(struct broker *b, const struct mail *m)
+{
+    b->pages.asked_inside = pages_inside(b, m->sender);
+    return (struct trust_agent){m->letter.src, b->registry.agents[m->sender].is.kind};
+}
+
 /* It is for nobody who is there; who may direct nobody is not told so. */
 static uint32_t sift_nobody(struct broker *b, const struct mail *m, const struct trust_agent *who)
 {
@@ -39,7 +46,7 @@ static bool is_housemate(const struct broker *b, uint32_t agent, uint32_t other)
 
 bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
 {
-    struct trust_agent who = {m->letter.src, b->registry.agents[m->sender].is.kind};
+    struct trust_agent who = who_asks(b, m);
     bool allowed = false;
     if (agent == MU_NONE) {
         allowed = trust_allows_some(&b->trust, &who);
@@ -54,13 +61,13 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
         audit_receiver(r, receiver);
     }
     b->counters.directed += allowed;
-    b->counters.refused += !allowed;
+    b->counters.unspoken += !allowed;
     return allowed;
 }
 
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
 {
-    struct trust_agent who = {m->letter.src, b->registry.agents[m->sender].is.kind};
+    struct trust_agent who = who_asks(b, m);
     struct audit_record *records[2] = {NULL, NULL};
     uint32_t numbers[2] = {0, 0};
     if (*count == 0) {

@@ -171,6 +171,7 @@ static void post_give(struct mailbox *m, uint32_t post)
 {
     struct post *p = &m->posts[post];
     struct share_use less = {.mails = 1, .bytes = p->mail->bytes};
+    p->mail->veiled -= p->veiled;
     share_subtract(&m->boxes[p->agent].use, &less);
     share_subtract(&m->shares.pool[p->pair].use, &less);
     if (m->shares.pool[p->pair].use.mails == 0) {
@@ -217,6 +218,12 @@ mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool
     share_add(&m->shares.pool[m->posts[post].pair].use, &more);
     list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
     return MU_OK;
+}
+
+void mailbox_veil(struct mailbox *m, struct mail *mail)
+{
+    m->posts[mail->posts].veiled = true;
+    mail->veiled++;
 }
 
 void mailbox_admit(struct mailbox *m, uint32_t post)

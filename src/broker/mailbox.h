@@ -40,6 +40,7 @@ struct post {
     uint32_t pair; /* of box and sender */
     uint8_t list;  /* enum post_list */
     bool sent;     /* has gone out on the network */
+    bool veiled;   /* see struct mail */
 };
 
 /* What a box may hold, and what happens when it is full. */
@@ -115,6 +116,9 @@ uint32_t mailbox_next(const struct mailbox *m, uint32_t post);
  * @return MU_OK, or MU_FULL: there are no more posts
  */
 mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held);
+
+/** The post that a mail was given last is for one outside the lock step that its sender is in. */
+void mailbox_veil(struct mailbox *m, struct mail *mail);
 
 /** A held post may be handed out from now on. */
 void mailbox_admit(struct mailbox *m, uint32_t post);

@@ -15,6 +15,7 @@ void pages_init(struct pages *p)
     groups_init(&p->groups);
     services_init(&p->services);
     subscriptions_init(&p->subscriptions);
+    p->services.told_to = &p->subscriptions;
     /* In lock step one Delivery holds everything. */
     p->memberships = mu_startup_array(MU_MEMBERSHIPS_MAX, sizeof *p->memberships);
     p->offers = mu_startup_array(MU_SERVICES_MAX, sizeof *p->offers);

@@ -28,6 +28,7 @@ struct pages {
     uint64_t groups_open, services_open; /* the versions that the open Delivery leads to */
     muster_Membership *memberships;      /* of the open Delivery */
     muster_Offer *offers;
+    bool asked_inside; /* a policy asks because of a directive from inside the lock step */
 };
 
 void pages_init(struct pages *p);
@@ -69,6 +70,9 @@ void pages_fill(struct broker *b, const struct place *at, muster_Delivery *d);
 
 /** Before anything is restored: the journal keeps the lines. */
 void pages_journal_attach(struct broker *b);
+
+/** Policies may ask for groups and roles from now on. */
+void pages_trust_attach(struct broker *b);
 
 /** Lines that have changed since these versions are to be on disk. */
 void pages_journal_mark(struct broker *b, uint64_t groups_since, uint64_t services_since);

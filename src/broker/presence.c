@@ -213,6 +213,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
     }
     box_follow(b, agent, is);
     if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
+        journal_agent(b, agent);
         presence_changed(b);
         tenants_wake(&b->registry, &b->places, agent);
     }

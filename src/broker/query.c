@@ -204,31 +204,60 @@ void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
     query_reply(b, own, question, "not-understood", b->text);
 }
 
-void query_answer(struct broker *b, const struct mail *question)
+static const struct query {
+    const char *performative;
+    void (*answer)(struct broker *b, const struct mail *question);
+    unsigned names; /* which of its fields, from 1, names an agent whom it changes; 0: none */
+} queries[] = {
+    {"lookup", query_lookup, 0},
+    {"listing", query_listing, 0},
+    {"groups", query_groups, 0},
+    {"members", query_members, 0},
+    {"group-create", query_group_create, 0},
+    {"group-join", query_group_join, 2},
+    {"group-leave", query_group_leave, 2},
+    {"advertise", query_advertise, 4},
+    {"withdraw", query_withdraw, 2},
+    {"find-service", query_find_service, 0},
+    {"subscribe", query_subscribe, 0},
+    {"unsubscribe", query_unsubscribe, 0},
+};
+
+static const struct query *query_of(const struct mail *question)
 {
-    static const struct {
-        const char *performative;
-        void (*answer)(struct broker *b, const struct mail *question);
-    } queries[] = {
-        {"lookup", query_lookup},
-        {"listing", query_listing},
-        {"groups", query_groups},
-        {"members", query_members},
-        {"group-create", query_group_create},
-        {"group-join", query_group_join},
-        {"group-leave", query_group_leave},
-        {"advertise", query_advertise},
-        {"withdraw", query_withdraw},
-        {"find-service", query_find_service},
-        {"subscribe", query_subscribe},
-        {"unsubscribe", query_unsubscribe},
-    };
     for (size_t i = 0; i < sizeof queries / sizeof queries[0]; i++) {
         if (question->letter.layer == 2 &&
             strcmp(question->letter.performative, queries[i].performative) == 0) {
-            queries[i].answer(b, question);
-            return;
+            return &queries[i];
         }
     }
-    query_refuse(b, REGISTRY_BROKER, question);
+    return NULL;
+}
+
+void query_answer(struct broker *b, const struct mail *question)
+{
+    const struct query *q = query_of(question);
+    if (q) {
+        q->answer(b, question);
+    } else {
+        query_refuse(b, REGISTRY_BROKER, question);
+    }
+}
+
+bool query_changes_member(const struct broker *b, const struct mail *question)
+{
+    const struct query *q = query_of(question);
+    const char *content = question->letter.content;
+    char name[MU_NAME_MAX + 1];
+    struct mu_text read;
+    bool whole = false;
+    mu_text_init(&read, name, sizeof name);
+    for (unsigned i = 0; q && i < q->names; i++) {
+        whole = fields_next(&content, &read);
+        if (!whole && !read.cut) {
+            return false;
+        }
+    }
+    uint32_t agent = whole ? registry_find(&b->registry, name) : MU_NONE;
+    return agent != MU_NONE && pages_inside(b, agent);
 }

@@ -58,6 +58,9 @@ void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
 void query_ask(struct broker *b, uint32_t receiver, const char *performative,
                const char *reply_with);
 
+/** @return whether it is a change that names a member of the lock step */
+bool query_changes_member(const struct broker *b, const struct mail *question);
+
 /** Reads content that is one field.  @return false if it is not */
 bool query_field(const char *content, struct mu_text *out);
 

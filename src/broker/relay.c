@@ -39,6 +39,7 @@ static muster_Outcome objection_to(struct broker *b, const muster_Mail *m)
         return muster_OUTCOME_REFUSED;
     }
     if (m->level != muster_LEVEL_RAM && !journal_takes(b)) {
+        b->counters.sent++;
         b->counters.no_store++;
         return muster_OUTCOME_NO_STORE;
     }
@@ -57,6 +58,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     }
     struct mail *m = store_put(&b->store, &letter);
     if (!m) {
+        b->counters.sent++;
         b->counters.box_full++;
         booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
         router_tell(b, sender, letter.seq, letter.seq, muster_OUTCOME_BOX_FULL);

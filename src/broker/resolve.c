@@ -172,7 +172,7 @@ static void wait_end(struct broker *b, struct resolve_queue *queue)
     r->free = index;
     r->side_count[w.mail->side]--;
     r->waiting--;
-    booking_give_back(b, w.mail, 1);
+    booking_give_back(b, w.mail);
     uint64_t waited_ns = runclock_mail_ns(&b->clock) - w.since_ns;
     if (w.mail->letter.ttl_ns > 0) { /* 0 would be for ever */
         uint64_t ttl_ns = w.mail->letter.ttl_ns;

@@ -9,6 +9,7 @@
 #include "broker/journal.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "broker/query.h"
 #include "core/address.h"
 #include "core/fields.h"
 
@@ -20,6 +21,7 @@ struct audience {
     uint32_t count;
     uint32_t unknown; /* names that nobody ever had */
     uint32_t refused; /* those whom the sender may not direct: not among the agents */
+    uint32_t veiled;  /* those outside the lock step that the sender is in; set by mail_book */
 };
 
 /* @return whether the agent lives beyond another broker */
@@ -97,23 +99,33 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
            (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
+/* Members of a group who are in the lock step, or who are not.  Who is one of the former is for
+ * those inside to say, whatever another broker has said meanwhile. */
+static void audience_of_members(struct broker *b, const char *group, bool inside, uint32_t sender,
+                                struct audience *to)
+{
+    uint32_t place = 0;
+    for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
+        uint32_t agent = registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender && pages_inside(b, agent) == inside) {
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
 /* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
  * those that are seen inside. */
 static void audience_of_group(struct broker *b, const char *group, uint32_t sender,
                               struct audience *to)
 {
-    const struct groups *g = &b->pages.groups;
-    uint32_t place = 0;
-    if (!groups_exists(g, group, pages_inside(b, sender))) {
+    if (!groups_exists(&b->pages.groups, group, pages_inside(b, sender))) {
         to->unknown++;
         return;
     }
-    for (const char *name; (name = groups_member(g, group, false, &place));) {
-        uint32_t agent = registry_find(&b->registry, name);
-        if (agent != MU_NONE && agent != sender) {
-            to->agents[to->count++] = agent;
-        }
+    if (b->lockstep.on) {
+        audience_of_members(b, group, true, sender, to);
     }
+    audience_of_members(b, group, false, sender, to);
 }
 
 /* A broadcast from inside the lock step does not go beyond the broker: who is there is known by
@@ -174,8 +186,9 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
     bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
-        meets = presence_in_lockstep(b, to.agents[i]) ||
-                (m->letter.layer == 0 && registry_is_own(to.agents[i]));
+        meets =
+            presence_in_lockstep(b, to.agents[i]) ||
+            (registry_is_own(to.agents[i]) && (m->letter.layer == 0 || query_changes_member(b, m)));
     }
     return meets;
 }
@@ -254,7 +267,7 @@ static void settle(struct broker *b, struct mail *m)
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
     m->unsettled--;
-    booking_give_back(b, m, 1);
+    booking_give_back(b, m);
     journal_settled(b, m);
     if (m->unsettled == 0) {
         schedule_remove(&b->due, m);
@@ -340,6 +353,13 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
     settle(b, m);
 }
 
+/* What becomes of it outside the lock step, and when, is no business of those inside. */
+static bool is_veiled(const struct broker *b, const struct mail *m, uint32_t agent)
+{
+    return !registry_is_own(agent) && presence_in_lockstep(b, m->sender) &&
+           !presence_in_lockstep(b, agent);
+}
+
 /* Puts it into one box.  @return false when that has no room for it */
 static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
 {
@@ -354,6 +374,9 @@ static bool post(struct broker *b, struct mail *m, uint32_t agent, bool held)
     }
     b->counters.waiting++;
     m->unsettled++;
+    if (is_veiled(b, m, agent)) {
+        mailbox_veil(&b->mailbox, m);
+    }
     tenants_wake(&b->registry, &b->places, agent);
     return true;
 }
@@ -375,24 +398,20 @@ static void put_on_schedules(struct broker *b, struct mail *m, bool held, uint64
 /* Puts it into every box.  @return whether all is well; the sender is told if not */
 static void post_to_all(struct broker *b, struct mail *m, const struct audience *to)
 {
-    bool held = mail_must_wait(b, m), all_fit = true, stored = held, veiled = false;
+    bool held = mail_must_wait(b, m), all_fit = true, stored = held, veiled = to->veiled > 0;
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
-        /* What becomes of it outside the lock step, and when, is no business of those inside. */
-        bool unseen = !registry_is_own(agent) && presence_in_lockstep(b, m->sender) &&
-                      !presence_in_lockstep(b, agent);
-        veiled = veiled || unseen;
         if (registry_is_own(agent)) {
             b->counters.delivered++;
             desk_take(b, agent, m);
         } else if (!post(b, m, agent, held)) {
-            all_fit = all_fit && unseen;
+            all_fit = all_fit && is_veiled(b, m, agent);
         } else {
             stored = stored || router_gate(b, agent) < needs;
         }
     }
-    booking_give_back(b, m, to->count - m->unsettled);
+    booking_give_back(b, m);
     if (to->refused > 0) {
         answer(b, m, muster_OUTCOME_REFUSED);
     } else if (to->unknown > 0) {
@@ -416,12 +435,32 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
     }
 }
 
-/* Books it on its sender's account with the store.  @return false: refused, counted, told */
-static bool mail_book(struct broker *b, struct mail *m, const struct audience *to)
+/* Those outside are not reached. */
+static void audience_unveil(const struct broker *b, const struct mail *m, struct audience *to)
 {
-    if (booking_take(b, m, to->count)) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        if (!is_veiled(b, m, to->agents[i])) {
+            to->agents[kept++] = to->agents[i];
+        }
+    }
+    to->count = kept;
+}
+
+/* Books it on its sender's account with the store.  @return false: refused, counted, told */
+static bool mail_book(struct broker *b, struct mail *m, struct audience *to)
+{
+    to->veiled = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        to->veiled += is_veiled(b, m, to->agents[i]);
+    }
+    if (booking_take(b, m, to->count - to->veiled)) {
+        if (to->veiled > 0 && !booking_take_veiled(b, m, to->veiled)) {
+            audience_unveil(b, m, to);
+        }
         return true;
     }
+    b->counters.box_full += to->veiled; /* the others have been counted */
     answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
     store_release(&b->store, m);
     return false;
@@ -444,7 +483,7 @@ void router_undo(struct broker *b, struct mail *m)
         b->counters.waiting--;
         b->counters.no_store++;
         m->unsettled--;
-        booking_give_back(b, m, 1);
+        booking_give_back(b, m);
     }
     MU_ASSERT(m->unsettled == 0);
     schedule_remove(&b->due, m);
@@ -470,9 +509,7 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
             b->counters.box_full++;
         }
     }
-    if (m->unsettled < to.count) {
-        booking_give_back(b, m, to.count - m->unsettled);
-    }
+    booking_give_back(b, m);
     if (m->unsettled == 0) {
         store_release(&b->store, m);
         return false;
@@ -540,7 +577,7 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
 {
     struct audience to; /* too large to be cleared for every answer */
     to.count = 1;
-    to.unknown = 0;
+    to.unknown = to.refused = 0;
     to.agents[0] = receiver;
     struct mail *m = store_put(&b->store, letter);
     b->counters.sent++;

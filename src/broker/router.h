@@ -53,7 +53,7 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
 void router_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
                  muster_Outcome result);
 
-/** @return whether the mail is for an agent in the lock step */
+/** @return whether the mail is for an agent in the lock step, or changes what is said of one */
 bool router_meets_lockstep(struct broker *b, const struct mail *m);
 
 /** The agent has taken everything up to that number. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/services.h"
 
+#include "broker/subscriptions.h"
 #include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"
@@ -22,6 +23,9 @@ void services_init(struct services *s)
 
 static void line_forget(struct services *s, uint32_t line)
 {
+    if (s->told_to) {
+        subscriptions_forget(s->told_to, line);
+    }
     const char *service = mu_pairs_first(&s->pairs, line);
     const char *agent = mu_pairs_second(&s->pairs, line);
     mu_pairs_remove(&s->by_agent, mu_pairs_find(&s->by_agent, agent, service));
@@ -67,6 +71,7 @@ static uint32_t line_get(struct services *s, const char *service, const char *ag
 static void line_say(struct services *s, uint32_t line, bool offered, const struct said *said)
 {
     struct service_line *l = &s->lines[line];
+    s->offers_now += (uint32_t)offered - (uint32_t)l->offered;
     l->offered = offered;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;
     mu_text_copy(l->origin, sizeof l->origin, said->origin);
@@ -164,6 +169,7 @@ void services_expire(struct services *s, uint64_t mail_ns)
             continue;
         }
         if (l->until_ns <= mail_ns) {
+            s->offers_now--;
             l->offered = false; /* its stamp stays: every broker ends it by itself */
             changes_touch(&s->changes, line);
         } else if (l->until_ns < s->soonest_ns) {

@@ -21,14 +21,18 @@ struct service_line {
     char attributes[MU_ATTRIBUTES_MAX + 1];
 };
 
+struct subscriptions;
+
 struct services {
     struct mu_pairs pairs; /* (service, agent) */
     struct service_line *lines;
     struct mu_pairs by_agent; /* (agent, service) */
     uint32_t *line_of;        /* by index of by_agent */
     struct changes changes;
-    uint64_t soonest_ns; /* no lease ends before this */
-    uint64_t told;       /* as in groups.h */
+    struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
+    uint32_t offers_now;           /* for the counters */
+    uint64_t soonest_ns;           /* no lease ends before this */
+    uint64_t told;                 /* as in groups.h */
 };
 
 /* What is offered. */

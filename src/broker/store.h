@@ -11,6 +11,7 @@
 #ifndef MUSTER_BROKER_STORE_H
 #define MUSTER_BROKER_STORE_H
 
+#include "broker/share.h"
 #include "core/table.h"
 #include "muster/limits.h"
 #include "wire.h"
@@ -43,20 +44,23 @@ struct mail {
     uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
     uint32_t posts;     /* the first of its places in boxes; MU_NONE: none */
     uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */
+    uint32_t veiled;    /* of them, outside a lock step that the sender is in */
     uint32_t uses;      /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
-    struct mail *older, *newer; /* of those that wait in boxes; see ages.h */
-    uint64_t came_ns;           /* on the mail clock */
-    uint8_t side;               /* enum share_side: the account on which it is booked */
-    bool answered;              /* the last receipt for it is out */
-    bool journal_listed;        /* in the journal's list */
-    bool journal_written;       /* its row is on disk */
-    bool tell_stored;           /* when it is: the sender is told */
-    bool stored_told;           /* the sender has been told that it waits */
-    bool passed_on;             /* another broker has taken it over for one receiver at least */
-    bool expired;               /* for one receiver at least */
-    bool dropped;               /* likewise */
+    struct mail *older, *newer;     /* of those that wait in boxes; see ages.h */
+    uint64_t came_ns;               /* on the mail clock */
+    struct share_use booked;        /* on its sender's account */
+    struct share_use booked_veiled; /* for those outside, on its sender's account there */
+    uint8_t side;                   /* enum share_side: the account on which it is booked */
+    bool answered;                  /* the last receipt for it is out */
+    bool journal_listed;            /* in the journal's list */
+    bool journal_written;           /* its row is on disk */
+    bool tell_stored;               /* when it is: the sender is told */
+    bool stored_told;               /* the sender has been told that it waits */
+    bool passed_on;                 /* another broker has taken it over for one receiver at least */
+    bool expired;                   /* for one receiver at least */
+    bool dropped;                   /* likewise */
 };
 
 struct store_slab {

@@ -64,3 +64,10 @@ bool subscriptions_note(struct subscription *s, uint32_t line, bool found)
     *told = found ? *told | bit : *told & ~bit;
     return had != found;
 }
+
+void subscriptions_forget(struct subscriptions *s, uint32_t line)
+{
+    for (uint32_t i = 0; i < s->count; i++) {
+        (void)subscriptions_note(subscriptions_at(s, i), line, false);
+    }
+}

@@ -44,4 +44,7 @@ void subscriptions_remove(struct subscriptions *s, uint32_t index);
 /** Notes whether a line is found now.  @return whether that is news */
 bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
 
+/** A line of the services is no more; another one will have its index. */
+void subscriptions_forget(struct subscriptions *s, uint32_t line);
+
 #endif

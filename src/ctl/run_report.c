@@ -18,7 +18,8 @@ static struct report_mail mail_of(const struct run *r)
         m.delivered += b->delivered;
         m.waiting += b->waiting;
         m.expired += b->expired;
-        m.refused += b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped;
+        m.refused +=
+            b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
     }
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;

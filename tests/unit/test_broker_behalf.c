@@ -53,11 +53,12 @@ static void test_who_is_not_trusted_does_not(void)
     HEARD("red: failure refused green", say("red", "advertise", "mapper \"\" 0 green"));
     HEARD("red: failure refused green", say("red", "withdraw", "mapper green"));
     HEARD("red: failure refused nobody", say("red", "group-join", "scouts nobody"));
-    CU_ASSERT_EQUAL(story_status().refused, 5);
+    CU_ASSERT_EQUAL(story.b->counters.unspoken, 5);
+    CU_ASSERT_EQUAL(story_status().refused, 0); /* no mail of theirs was */
     CU_ASSERT_EQUAL(story_status().malformed, 0);
     CU_ASSERT_EQUAL(story.b->pages.groups.pairs.count, 0);
     HEARD("red: inform group-join scouts", say("red", "group-join", "scouts red"));
-    CU_ASSERT_EQUAL(story_status().refused, 5);
+    CU_ASSERT_EQUAL(story.b->counters.unspoken, 5);
 }
 
 static void test_names_that_nobody_bears(void)
@@ -105,6 +106,38 @@ static void test_the_policy_decides_and_the_audit_says_so(void)
     CU_ASSERT_STRING_EQUAL(audited(), "none");
 }
 
+/* A directive of the operator to red.  @return whether red got it */
+static bool directs(void)
+{
+    muster_Mail m = letter("operator", ++pages_seq, "red", "go");
+    m.layer = 0;
+    m.performative = words("start");
+    story_mail(m);
+    return strstr(hear(true), "red: operator go") != NULL;
+}
+
+static void test_a_policy_knows_groups_and_roles(void)
+{
+    struct mu_fault fault;
+    team();
+    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b,
+                                        "allow operator direct all\n"
+                                        "deny operator direct group:scouts\n"
+                                        "allow role:boss direct group:scouts\n",
+                                        "p", &fault),
+                          MU_OK);
+    CU_ASSERT_TRUE(directs());
+    (void)say("red", "group-join", "scouts");
+    CU_ASSERT_FALSE(directs());
+    CU_ASSERT_EQUAL(story_status().refused, 1);
+    (void)say("operator", "advertise", "chief \"x=1 role=boss\"");
+    CU_ASSERT_TRUE(directs());
+    (void)say("operator", "advertise", "chief \"role=bosses\"");
+    CU_ASSERT_FALSE(directs());
+    (void)say("red", "group-leave", "scouts");
+    CU_ASSERT_TRUE(directs());
+}
+
 static void test_inside_the_lock_step_outsiders_have_no_name(void)
 {
     struct mu_fault fault;
@@ -118,6 +151,59 @@ static void test_inside_the_lock_step_outsiders_have_no_name(void)
     HEARD("red: failure unknown-name green", hear(false));
 }
 
+/* red and green in lock step, green in the group scouts. */
+static void run_begin(void)
+{
+    team();
+    pages_seq = 0;
+    (void)say("green", "group-join", "scouts");
+    story_match("sim");
+    pages_roster(true, 0, "p-red", "p-green");
+    (void)hear(false);
+}
+
+static void step(int64_t number, muster_Mail *red)
+{
+    answer_step("green", number, NULL);
+    answer_step("red", number, red);
+}
+
+static void test_a_change_for_a_member_waits_for_the_step(void)
+{
+    run_begin();
+    story_mail(to_broker("operator", "group-join", "scouts red"));
+    story_mail(to_broker("operator", "group-leave", "scouts green"));
+    story_mail(to_broker("operator", "advertise", "mapper \"\" 0 green"));
+    HEARD("", hear(false));
+    CU_ASSERT_TRUE(groups_has(&story.b->pages.groups, "scouts", "green", false));
+    CU_ASSERT_EQUAL(story.b->pages.services.pairs.count, 0);
+    muster_Mail m = to_broker("red", "find-service", "mapper");
+    step(0, &m); /* what is from inside takes effect first */
+    HEARD("red: inform services; operator: inform group-join scouts; operator: inform group-leave "
+          "scouts; operator: inform advertise mapper",
+          hear(false));
+    SHOWN("+scouts/red -scouts/green +mapper@green[]");
+    story_mail(to_broker("operator", "withdraw", "mapper green"));
+    m = to_broker("red", "members", "scouts");
+    step(1, &m);
+    HEARD("red: inform members-of scouts red; operator: inform withdraw mapper", hear(false));
+    SHOWN("-mapper@green");
+}
+
+/* What another broker says of a member meanwhile is not seen inside. */
+static void test_mail_to_a_group_of_members(void)
+{
+    run_begin();
+    muster_Membership red = {words("scouts"), words("red"), true, UINT64_MAX / 2, words("beta")};
+    muster_Membership green = {words("scouts"), words("green"), false, UINT64_MAX / 2,
+                               words("beta")};
+    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &red, false), MU_OK);
+    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &green, false), MU_OK);
+    muster_Mail gold = letter("red", ++pages_seq, "group:scouts", "gold");
+    step(0, &gold);
+    HEARD("green: red gold", hear(false));
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -127,8 +213,11 @@ int main(void)
         {"who lives in one process needs no trust", test_who_lives_in_one_process_needs_no_trust},
         {"the policy decides, and the audit says so",
          test_the_policy_decides_and_the_audit_says_so},
+        {"a policy knows groups and roles", test_a_policy_knows_groups_and_roles},
         {"inside the lock step outsiders have no name",
          test_inside_the_lock_step_outsiders_have_no_name},
+        {"a change for a member waits for the step", test_a_change_for_a_member_waits_for_the_step},
+        {"mail to a group of members", test_mail_to_a_group_of_members},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/behalf", tests);

@@ -319,6 +319,22 @@ static void test_names_and_mail_come_back(void)
 }
 
 /* Mail to an address is kept when it is known for whom, and not before. */
+static void test_a_kind_that_changes_is_kept(void)
+{
+    team();
+    (void)commit(true);
+    CU_ASSERT_FALSE(commit(true));
+    muster_Registration r = registration("red", "p-red");
+    entry_of(&r)->kind = muster_KIND_HOST;
+    broker_registration(story.b, &r, story.now_ns);
+    CU_ASSERT_TRUE(commit(true));
+    broker_registration(story.b, &r, story.now_ns);
+    CU_ASSERT_FALSE(commit(true));
+    die_and_come_back(SECOND);
+    uint32_t red = registry_find(&story.b->registry, "red");
+    CU_ASSERT_EQUAL(story.b->registry.agents[red].is.kind, muster_KIND_HOST);
+}
+
 static void test_an_address_is_kept_when_it_is_resolved(void)
 {
     team();
@@ -703,6 +719,7 @@ int main(void)
         {"a receipt follows the commit", test_a_receipt_follows_the_commit},
         {"what comes and goes in one round", test_what_comes_and_goes_in_one_round_costs_no_row},
         {"names and mail come back", test_names_and_mail_come_back},
+        {"a kind that changes is kept", test_a_kind_that_changes_is_kept},
         {"an address is kept when it is resolved", test_an_address_is_kept_when_it_is_resolved},
         {"stored mail may have come before", test_stored_mail_says_that_it_may_have_come_before},
         {"who does not come back", test_receipts_of_who_does_not_come_back_are_dropped},

@@ -303,7 +303,7 @@ static void answer_with_two(const char *name, int64_t step)
     static uint64_t seq;
     muster_Mail mails[2];
     for (int i = 0; i < 2; i++) {
-        mails[i] = letter(name, ++seq, "blue", "m");
+        mails[i] = letter(name, ++seq, "green", "m");
     }
     story_up(name, step, muster_STATE_RUNNING, mails, 2, 0);
     seq = 0;
@@ -313,7 +313,6 @@ static void answer_with_two(const char *name, int64_t step)
 static const char *share_what_is_left(bool red_first)
 {
     run_begin();
-    story_join("blue");
     struct share_use *all = &story.b->shares.all[SHARE_LOCKSTEP];
     all->mails = MU_MAILS_MAX / 2 - MU_MAILS_MAX / 2 / 64 - 3;
     answer_with_two(red_first ? "red" : "green", 0);
@@ -327,8 +326,9 @@ static void test_a_full_store_refuses_in_the_order_of_names(void)
 {
     for (int red_first = 0; red_first < 2; red_first++) {
         const char *told = share_what_is_left(red_first);
-        CU_ASSERT_PTR_NOT_NULL(strstr(told, "green 1-2 stored"));
-        CU_ASSERT_PTR_NOT_NULL(strstr(told, "red 1-1 stored; red 2-2 box-full"));
+        CU_ASSERT_PTR_NOT_NULL(
+            strstr(told, "green #1 green/1 m; green #2 green/2 m; green #3 red/1 m; p-red@0; "
+                         "red 2-2 box-full; sim@0"));
     }
 }
 
@@ -346,6 +346,63 @@ static void test_what_waits_outside_takes_nothing_of_those_inside(void)
     answer_with(letter("red", 1, "green", "hello"), 0);
     answer("green", 0);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "green #1 red/1 hello; p-red@0; sim@0"));
+}
+
+/* Red writes to one outside who acknowledges nothing, or everything.  @return what red is told */
+static const char *write_outside(bool acknowledged)
+{
+    static char told[4096];
+    enum { STEPS = MU_MAILS_MAX / 200 + 8 };
+    static muster_Mail mails[100];
+    uint64_t seq = 0;
+    struct mu_text t;
+    mu_text_init(&t, told, sizeof told);
+    run_begin();
+    uint32_t operator= registry_find(&story.b->registry, "operator");
+    for (int64_t step = 0; step < STEPS; step++) {
+        for (int i = 0; i < 100; i++) {
+            mails[i] = letter("red", ++seq, i == 99 ? "green,operator" : "operator", "m");
+        }
+        story_up("red", step, muster_STATE_RUNNING, mails, 100, 0);
+        story_up("green", step, muster_STATE_RUNNING, NULL, 0, (uint64_t)step);
+        for (const char *c = story_collect(); (c = strstr(c, "; red ")); c++) {
+            mu_text_format(&t, "%.*s", (int)strcspn(c + 2, ";") + 2, c);
+        }
+        CU_ASSERT_TRUE(story.b->shares.all[SHARE_LOCKSTEP].mails <= 2);
+        if (acknowledged) {
+            story_ack("operator", mailbox_box(&story.b->mailbox, operator)->acked + 100);
+        }
+    }
+    return told;
+}
+
+static void test_whoever_acknowledges_outside_makes_no_room_inside(void)
+{
+    static char told[4096];
+    (void)mu_text_copy(told, sizeof told, write_outside(true));
+    CU_ASSERT_STRING_EQUAL(write_outside(false), told);
+    CU_ASSERT_TRUE(story_status().over_share + story_status().box_full > 0);
+    CU_ASSERT_PTR_NULL(strstr(told, "box-full"));
+    muster_BrokerStatus s = story_status();
+    CU_ASSERT_EQUAL(s.sent, s.delivered + s.waiting + s.box_full + s.over_share);
+}
+
+/* The store has no room for mail to those outside. */
+static void test_mail_that_is_refused_outside_arrives_inside(void)
+{
+    run_begin();
+    story.b->shares.all[SHARE_OUTSIDE].mails = MU_MAILS_MAX;
+    answer_with(letter("red", 1, "green,operator", "one"), 0);
+    answer_with(letter("green", 1, "operator", "two"), 0);
+    EXPECT("p-green@0; green #1 red/1 one; green 1-1 stored; p-red@0; red 1-1 stored; sim@0");
+    CU_ASSERT_EQUAL(story_status().box_full, 2);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_LOCKSTEP].mails, 1);
+    story_up("green", 1, muster_STATE_RUNNING, NULL, 0, 1);
+    answer("red", 1);
+    (void)story_collect();
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_LOCKSTEP].mails, 0);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, MU_MAILS_MAX);
+    CU_ASSERT_EQUAL(story_status().stored, 0);
 }
 
 /* Outside, boxes are emptied by the wall clock: inside, nobody is told how that went. */
@@ -539,6 +596,10 @@ int main(void)
          test_a_full_store_refuses_in_the_order_of_names},
         {"what waits outside takes nothing of those inside",
          test_what_waits_outside_takes_nothing_of_those_inside},
+        {"whoever acknowledges outside makes no room inside",
+         test_whoever_acknowledges_outside_makes_no_room_inside},
+        {"mail that is refused outside arrives inside",
+         test_mail_that_is_refused_outside_arrives_inside},
         {"boxes outside tell nothing inside", test_boxes_outside_tell_nothing_inside},
         {"limit: bytes of a step", test_limit_bytes_of_a_step},
         {"limit: bytes from outside", test_limit_bytes_from_outside},

@@ -227,6 +227,37 @@ static void test_time_to_live(void)
     EXPECT("red 2-2 delivered");
 }
 
+/* Time passes while a delivery is written, too. */
+static void test_what_falls_due_while_a_delivery_is_written(void)
+{
+    const char *process;
+    muster_Delivery d;
+    team();
+    muster_Roster roster = {.simulator = words("sim"), .step = 1, .step_ns = 100 * MS};
+    broker_roster(story.b, &roster, story.now_ns);
+    muster_Mail m = letter("red", 1, "green", "brief");
+    m.ttl_ns = 10 * MS;
+    story_mail(m);
+    m = letter("red", 2, "green", "later");
+    m.due_ns = (int64_t)(111 * MS);
+    story_mail(m);
+    CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+    broker_delivered(story.b, story.now_ns + 10 * MS + 1);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), story.now_ns + 10 * MS + 1);
+    (void)story_collect();
+    story.now_ns += 10 * MS + 1;
+    story_tick(0);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), story.now_ns + MS - 1);
+    while (broker_next(story.b, &process, &d)) {
+        broker_delivered(story.b, story.now_ns + MS);
+    }
+    broker_tick(story.b, story.now_ns);
+    story_send("red", 3, "blue", "on");
+    CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+    broker_delivered(story.b, story.now_ns + MS);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), story.now_ns + MS);
+}
+
 static void test_due_in_a_free_run(void)
 {
     team();
@@ -443,6 +474,8 @@ int main(void)
         {"duplicates are dropped", test_duplicates_are_dropped},
         {"mail after a lost one waits for it", test_mail_after_a_lost_one_waits_for_it},
         {"time to live", test_time_to_live},
+        {"what falls due while a delivery is written",
+         test_what_falls_due_while_a_delivery_is_written},
         {"due in a free run", test_due_in_a_free_run},
         {"window and resending", test_window_and_resending},
         {"the reader comes back", test_the_reader_comes_back},

@@ -114,7 +114,8 @@ static void test_a_part_answers_for_its_state(void)
     EXPECT("red #1 broker.trust/4611686018427387905 trust lines 2 allowed 0 refused 0 audited 0 "
            "audit-lost 0 audit-failed 0; red 2-2 delivered");
     story_mail(question("red", 3, "broker.groups"));
-    EXPECT("red #2 broker.groups/4611686018427387906 groups; red 3-3 delivered");
+    EXPECT("red #2 broker.groups/4611686018427387906 groups groups 0 members 0 lines 0 changes 0; "
+           "red 3-3 delivered");
     story_mail(question("red", 4, "broker"));
     const char *all = story_collect();
     CU_ASSERT_PTR_NOT_NULL(strstr(all, "red #3 broker/4611686018427387907 broker registrar.agents "
@@ -184,6 +185,113 @@ static void test_the_age_of_the_oldest_mail(void)
     story_ack("green", 1);
     CU_ASSERT_EQUAL(story_status().oldest_ns, 0);
     CU_ASSERT_EQUAL(story_status().stored, 0);
+}
+
+/* Each receiver of a mail is in one of these. */
+static const char *const fates[] = {"delivered",  "waiting",      "expired", "dropped", "box-full",
+                                    "over-share", "unknown-name", "refused", "no-store"};
+
+static void sum_check(void)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < sizeof fates / sizeof fates[0]; i++) {
+        sum += counter("broker.postmaster", fates[i]);
+    }
+    CU_ASSERT_EQUAL(counter("broker.postmaster", "sent"), sum);
+}
+
+static void commit(bool ok)
+{
+    muster_Level level;
+    struct journal_entry entry;
+    while (journal_wanted(story.b, &level)) {
+        while (journal_next(story.b, &entry)) {
+        }
+        journal_committed(story.b, ok, story.now_ns);
+    }
+}
+
+static void test_every_mail_is_accounted_for(void)
+{
+    static struct broker *kept; /* so that leak checkers see it */
+    struct broker_options options = {.name = "alpha",
+                                     .host = "h",
+                                     .has_store = true,
+                                     .box_mails = 8,
+                                     .box_policy = muster_BOX_DROP_OLDEST};
+    uint64_t seq = 0;
+    team(0);
+    story.b = kept = broker_open(&options);
+    story_join("red");
+    story_join("green");
+    story_join("operator");
+    story_state("green", muster_STATE_SUSPENDED);
+    (void)story_collect();
+    for (int i = 0; i < 20; i++) { /* the box of one who listens to nobody, and drops */
+        muster_Mail m = letter("red", ++seq, "green,nobody,operator", "m");
+        m.ttl_ns = i % 3 == 0 ? 10 * MS : 0;
+        story_mail(m);
+        (void)story_collect();
+        sum_check();
+    }
+    story_tick(20 * MS);
+    muster_Mail m = directive(1, "green", "(wander)");
+    m.src = words("red");
+    m.seq = ++seq;
+    story_mail(m); /* is refused */
+    m = letter("red", ++seq, "broker", "scouts green");
+    m.layer = 2;
+    m.performative = words("group-join");
+    story_mail(m); /* is delivered, and what it says refused */
+    CU_ASSERT_EQUAL(counter("broker.trust", "refused"), 2);
+    CU_ASSERT_EQUAL(counter("broker.postmaster", "refused"), 1);
+    m = letter("red", ++seq, "red", "m");
+    m.level = muster_LEVEL_LOGGED;
+    story_mail(m);
+    commit(false);
+    m.seq = ++seq;
+    story_mail(m); /* the disk is not there for a second */
+    sum_check();
+    CU_ASSERT_EQUAL(counter("broker.postmaster", "no-store"), 2);
+    CU_ASSERT_EQUAL(counter("broker.journal", "failures"), 1);
+    story_tick(2000 * MS);
+    m.seq = ++seq;
+    story_mail(m);
+    commit(true);
+    CU_ASSERT_TRUE(counter("broker.journal", "commits") > 0);
+    (void)story_collect();
+    sum_check();
+    for (size_t i = 0; i < 4; i++) {
+        CU_ASSERT_TRUE(counter("broker.postmaster", fates[i]) > 0 || i == 0);
+    }
+    CU_ASSERT_TRUE(counter("broker.postmaster", "unknown-name") > 0);
+}
+
+static void test_groups_and_services_are_counted(void)
+{
+    static const struct {
+        const char *performative, *content;
+        uint64_t groups, members, offers;
+    } says[] = {
+        {"group-create", "scouts", 1, 0, 0},      {"group-join", "scouts", 1, 1, 0},
+        {"group-join", "scouts", 1, 1, 0},        {"group-join", "cooks", 2, 2, 0},
+        {"group-leave", "scouts", 1, 1, 0},       {"advertise", "mapper", 1, 1, 1},
+        {"advertise", "mapper \"x=1\"", 1, 1, 1}, {"withdraw", "mapper", 1, 1, 0},
+        {"advertise", "mapper \"\" 1", 1, 1, 1},
+    };
+    team(0);
+    for (size_t i = 0; i < sizeof says / sizeof says[0]; i++) {
+        muster_Mail m = letter("red", i + 1, "broker", says[i].content);
+        m.layer = 2;
+        m.performative = words(says[i].performative);
+        story_mail(m);
+        CU_ASSERT_EQUAL(counter("broker.groups", "groups"), says[i].groups);
+        CU_ASSERT_EQUAL(counter("broker.groups", "members"), says[i].members);
+        CU_ASSERT_EQUAL(counter("broker.services", "offers"), says[i].offers);
+    }
+    story_tick(1000 * MS); /* the lease is over */
+    CU_ASSERT_EQUAL(counter("broker.services", "offers"), 0);
+    CU_ASSERT_EQUAL(counter("broker.services", "lines"), 1);
 }
 
 /* --- in lock step ----------------------------------------------------------------------------- */
@@ -280,6 +388,26 @@ static void test_directives_and_verdicts_go_at_once(void)
     story_register("operator", "p-blue");
     story_tick(50 * MS);
     EXPECT("green #3 red/2 two");
+}
+
+/* green acknowledges nothing, and its window is full of directives; blue is in the same process. */
+static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
+{
+    uint64_t seq = 0;
+    team(60000 * MS);
+    story_register("blue", "p-green");
+    (void)story_collect();
+    while (seq < MU_WINDOW_MAX + MAILBOX_RESERVE) {
+        story_mail(directive(++seq, "green", "(wander)"));
+        (void)story_collect();
+    }
+    story_send("red", 1, "blue", "hello");
+    story_mail(directive(++seq, "green", "(wander)"));
+    EXPECT("");
+    CU_ASSERT_EQUAL(courier_deadline_ns(story.b), story.b->courier.wake_ns);
+    story.now_ns = story.b->courier.wake_ns - 1;
+    story_tick(1);
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "blue #1 red/1 hello"));
 }
 
 static void test_the_network_refuses_meanwhile(void)
@@ -381,11 +509,15 @@ int main(void)
         {"every counter is in one part once", test_every_counter_is_in_one_part_once},
         {"PartStatus is the table", test_part_status_is_the_table},
         {"the age of the oldest mail", test_the_age_of_the_oldest_mail},
+        {"every mail is accounted for", test_every_mail_is_accounted_for},
+        {"groups and services are counted", test_groups_and_services_are_counted},
         {"members of a lock step see no parts", test_members_of_a_lock_step_see_no_parts},
         {"pages in lock step show no parts", test_pages_in_lock_step_show_no_parts},
         {"at most once an interval", test_at_most_once_an_interval},
         {"more than one delivery can hold", test_more_than_one_delivery_can_hold},
         {"directives and verdicts go at once", test_directives_and_verdicts_go_at_once},
+        {"who shares a process with a full window is not forgotten",
+         test_who_shares_a_process_with_a_full_window_is_not_forgotten},
         {"the network refuses meanwhile", test_the_network_refuses_meanwhile},
         {"the interval is tuned by directive", test_the_interval_is_tuned_by_directive},
         {"in lock step the interval is whole steps", test_in_lock_step_the_interval_is_whole_steps},

@@ -218,6 +218,31 @@ static void test_limit_lines(void)
     CU_ASSERT_NOT_EQUAL(mu_pairs_find(&s->by_agent, "red", "cook"), MU_NONE);
 }
 
+/* While a subscriber is away a line that he was told of makes room for another one. */
+static void test_a_line_that_makes_room_is_forgotten(void)
+{
+    struct services *s;
+    struct offer offer = {.attributes = ""};
+    char name[MU_NAME_MAX + 1];
+    team();
+    (void)say("red", "subscribe", "*");
+    (void)say("green", "advertise", "mapper");
+    s = &story.b->pages.services;
+    uint32_t line = mu_pairs_find(&s->pairs, "mapper", "green");
+    story_gone("p-red");
+    (void)say("green", "withdraw", "mapper");
+    for (int i = 0; i < MU_SERVICES_MAX - 1; i++) {
+        struct said said = pages_said(story.b);
+        snprintf(name, sizeof name, "s%d", i);
+        CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, name, "away", &offer, &said));
+    }
+    (void)hear(true);
+    HEARD("green: inform advertise cook", say("green", "advertise", "cook"));
+    CU_ASSERT_EQUAL(mu_pairs_find(&s->pairs, "cook", "green"), line);
+    story_register("red", "p-red");
+    HEARD("red: inform came cook green \"\"", hear(true));
+}
+
 /* More lines than one Delivery holds. */
 static void test_many_lines_come_in_several_deliveries(void)
 {
@@ -322,6 +347,7 @@ int main(void)
         {"long answers come in several mails", test_long_answers_come_in_several_mails},
         {"merge", test_merge},
         {"limit: lines", test_limit_lines},
+        {"a line that makes room is forgotten", test_a_line_that_makes_room_is_forgotten},
         {"many lines come in several deliveries", test_many_lines_come_in_several_deliveries},
         {"leases count simulated time", test_leases_count_simulated_time},
         {"outsiders are not seen inside", test_outsiders_are_not_seen_inside},
