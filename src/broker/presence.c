@@ -304,17 +304,44 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     presence_admit(b, agent, place, slot, &is);
 }
 
+/* @return whether the part says that the slot bears another name than this */
+static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
+{
+    uint32_t index = slot % MU_PART_AGENTS;
+    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
+        return false;
+    }
+    const char *now = r->agents._buffer[index].name;
+    return now[0] != '\0' && strcmp(now, name) != 0;
+}
+
+/* Ends the claims of slots that bear other names now: nobody would take what is given to them. */
+static void claims_displace(struct broker *b, uint32_t place, const muster_Registration *r)
+{
+    uint32_t next = MU_NONE;
+    uint32_t left = b->places.at[place].claims;
+    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.pool[i];
+        next = claim->next;
+        if (claim->process == place) {
+            left--;
+            if (slot_is_others(r, claim->slot, b->registry.agents[claim->agent].name)) {
+                claim_end(b, i);
+            }
+        }
+    }
+}
+
 /* Lets go of agents whose slots bear other names now. */
 static void part_displace(struct broker *b, uint32_t place, const muster_Registration *r)
 {
     uint32_t next = TENANTS_NONE;
+    claims_displace(b, place, r);
     for (uint32_t agent = tenants_first_of(&b->places, place, r->part); agent != TENANTS_NONE;
          agent = next) {
         next = tenants_next_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
-        uint32_t index = a->tenant.slot % MU_PART_AGENTS;
-        if (index < r->agents._length && r->agents._buffer[index].name[0] != '\0' &&
-            strcmp(r->agents._buffer[index].name, a->name) != 0) {
+        if (slot_is_others(r, a->tenant.slot, a->name)) {
             presence_leave(b, agent);
         }
     }
