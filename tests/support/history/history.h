@@ -212,6 +212,7 @@ struct history {
     bool has_store, loses; /* the network refuses deliveries now and then */
     uint32_t box_mails;
     muster_BoxPolicy box_policy;
+    uint32_t asked_most[NAMES]; /* mails in a box, of all its bearers */
     names drops; /* whose box has dropped mail when it was full, in some life of theirs */
     uint32_t lives, sender_lives; /* begun */
     bool is_quiet;
