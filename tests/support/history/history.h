@@ -83,6 +83,7 @@ struct entry {
     bool vague;          /* a later life said how it ended, which that life cannot know */
     /* at its sender */
     bool stored, told;
+    bool heard;                      /* either, in a life before the last one that took it as new */
     uint32_t told_life, stored_life; /* of the broker that said so */
     bool closed;                     /* nobody is to get it any more */
     uint64_t answer;                 /* hash of the right answer, 0: none is wanted */
