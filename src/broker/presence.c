@@ -47,6 +47,26 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
     }
 }
 
+/* A process is told that it has the name; another broker, where a box goes on that others have had
+ * something from. */
+static void verdict_owe(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
+}
+
+void presence_tell_again(struct broker *b, uint32_t place)
+{
+    pages_forget_told(&b->places.at[place]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        verdict_owe(b, agent);
+        mailbox_repeat(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    places_wake(&b->places, place);
+}
+
 /* What the agent has had in its box before is for its new process to have again. */
 void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                    const struct presence *is)
@@ -55,9 +75,7 @@ void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     places_accept(&b->places, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
-    if (b->places.at[place].is_broker) { /* there, it has been answered */
-        b->registry.agents[agent].verdict_due = false;
-    }
+    verdict_owe(b, agent);
     journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
