@@ -169,8 +169,9 @@ soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
 
 .PHONY: soak-model
-soak-model: $(O)/test/test_broker_history ## a minute of random histories of the broker, from other seeds each time
-	@MUSTER_SECONDS=60 $(O)/test/test_broker_history
+soak-model: $(O)/test/test_broker_history $(O)/test/test_broker_links ## a minute of random histories of the broker, from other seeds each time
+	@MUSTER_SECONDS=40 $(O)/test/test_broker_history
+	@MUSTER_SECONDS=20 $(O)/test/test_broker_links
 
 .PHONY: soak-store
 soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or change lost

@@ -101,17 +101,10 @@ static void place_matched(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->version_had = 0;
-    pages_forget_told(at);
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
-        b->registry.agents[agent].verdict_due = !at->is_broker;
-        mailbox_repeat(&b->mailbox, agent);
-        tenants_wake(&b->registry, &b->places, agent);
-    }
     if (at->rostered || at->simulator) {
         at->step_due = true;
     }
-    places_wake(&b->places, place);
+    presence_tell_again(b, place);
 }
 
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)

@@ -177,6 +177,15 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
     return count;
 }
 
+/* @return what a verdict says of numbers: the last mail of the agent, for its process; what has
+ * been had from its box, for another broker */
+static uint64_t verdict_number(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return b->places.at[b->courier.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
+                                                   : registry_last_seq(a);
+}
+
 static void welcome_add(struct broker *b, struct courier_part *part, muster_Delivery *d)
 {
     static char none[1];
@@ -186,7 +195,7 @@ static void welcome_add(struct broker *b, struct courier_part *part, muster_Deli
         d->verdicts._buffer[d->verdicts._length++] =
             (muster_Verdict){.agent = a->name,
                              .accepted = true,
-                             .last_seq = registry_last_seq(a),
+                             .last_seq = verdict_number(b, part->agent),
                              .broker_incarnation = b->incarnation,
                              .reason = none};
     }

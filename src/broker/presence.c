@@ -47,6 +47,26 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
     }
 }
 
+/* A process is told that it has the name; another broker, where a box goes on that others have had
+ * something from. */
+static void verdict_owe(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
+}
+
+void presence_tell_again(struct broker *b, uint32_t place)
+{
+    pages_forget_told(&b->places.at[place]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        verdict_owe(b, agent);
+        mailbox_repeat(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    places_wake(&b->places, place);
+}
+
 /* What the agent has had in its box before is for its new process to have again. */
 void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                    const struct presence *is)
@@ -55,9 +75,7 @@ void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     places_accept(&b->places, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->places.at[place].name, is, presence_wall_ns(b));
-    if (b->places.at[place].is_broker) { /* there, it has been answered */
-        b->registry.agents[agent].verdict_due = false;
-    }
+    verdict_owe(b, agent);
     journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     presence_changed(b);
@@ -305,17 +323,44 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     presence_admit(b, agent, place, slot, &is);
 }
 
+/* @return whether the part says that the slot bears another name than this */
+static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
+{
+    uint32_t index = slot % MU_PART_AGENTS;
+    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
+        return false;
+    }
+    const char *now = r->agents._buffer[index].name;
+    return now[0] != '\0' && strcmp(now, name) != 0;
+}
+
+/* Ends the claims of slots that bear other names now: nobody would take what is given to them. */
+static void claims_displace(struct broker *b, uint32_t place, const muster_Registration *r)
+{
+    uint32_t next = MU_NONE;
+    uint32_t left = b->places.at[place].claims;
+    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.pool[i];
+        next = claim->next;
+        if (claim->process == place) {
+            left--;
+            if (slot_is_others(r, claim->slot, b->registry.agents[claim->agent].name)) {
+                claim_end(b, i);
+            }
+        }
+    }
+}
+
 /* Lets go of agents whose slots bear other names now. */
 static void part_displace(struct broker *b, uint32_t place, const muster_Registration *r)
 {
     uint32_t next = TENANTS_NONE;
+    claims_displace(b, place, r);
     for (uint32_t agent = tenants_first_of(&b->places, place, r->part); agent != TENANTS_NONE;
          agent = next) {
         next = tenants_next_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
-        uint32_t index = a->tenant.slot % MU_PART_AGENTS;
-        if (index < r->agents._length && r->agents._buffer[index].name[0] != '\0' &&
-            strcmp(r->agents._buffer[index].name, a->name) != 0) {
+        if (slot_is_others(r, a->tenant.slot, a->name)) {
             presence_leave(b, agent);
         }
     }

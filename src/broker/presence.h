@@ -47,4 +47,7 @@ void presence_tick(struct broker *b);
 /** @return when presence_tick is needed next, or UINT64_MAX */
 uint64_t presence_deadline_ns(const struct broker *b);
 
+/** Whoever reads for a place may have missed what was written: all that stands is told again. */
+void presence_tell_again(struct broker *b, uint32_t place);
+
 #endif

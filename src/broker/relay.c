@@ -88,6 +88,14 @@ static void ack_owe(struct peer *p, uint32_t agent)
     }
 }
 
+/* @return whether a parcel is the next one of its box: where one is missing it was lost, and the
+ *         neighbour will begin there again */
+static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number)
+{
+    uint64_t taken = p->taken[agent];
+    return number == taken + 1 || (taken == 0 && number == p->incarnation + 1);
+}
+
 static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
 {
     uint32_t agent = MU_NONE, sender = MU_NONE;
@@ -99,14 +107,31 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
         b->counters.malformed++;
         return;
     }
-    ack_owe(p, agent);
     if (parcel->number <= p->taken[agent]) {
+        ack_owe(p, agent);
         b->liaison.count.repeated++;
         return;
     }
+    if (!number_follows(p, agent, parcel->number)) {
+        b->counters.gaps++;
+        return;
+    }
+    ack_owe(p, agent);
     p->taken[agent] = parcel->number;
     b->liaison.count.parcels_in++;
     mail_take(b, agent, sender, &parcel->letter);
+}
+
+/* What others have had from a box is not for us. */
+static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict *v)
+{
+    uint32_t agent =
+        border_string(v->agent, MU_NAME_MAX) ? registry_find(&b->registry, v->agent) : MU_NONE;
+    if (agent == MU_NONE || registry_is_own(agent)) {
+        b->counters.malformed++;
+    } else if (v->last_seq > p->taken[agent]) {
+        p->taken[agent] = v->last_seq;
+    }
 }
 
 /* --- receipts, groups, services --------------------------------------------------------------- */
@@ -158,8 +183,7 @@ static void roll_call_take(struct broker *b, const struct peer *p)
     uint32_t place = places_find(&b->places, p->place);
     announce_all(b);
     if (place != MU_NONE) {
-        pages_forget_told(&b->places.at[place]);
-        places_wake(&b->places, place);
+        presence_tell_again(b, place);
     }
 }
 
@@ -177,6 +201,9 @@ void relay_take(struct broker *b, const muster_Delivery *d)
     }
     if (d->roll_call) {
         roll_call_take(b, p);
+    }
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        verdict_take(b, p, &d->verdicts._buffer[i]);
     }
     for (uint32_t i = 0; i < d->parcels._length; i++) {
         parcel_take(b, p, &d->parcels._buffer[i]);

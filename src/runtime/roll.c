@@ -37,19 +37,21 @@ void roll_beat(mu_process *p)
     }
 }
 
-/* Of who was refused nothing is said any more. */
+static muster_State state_of(const struct mu_agent *a)
+{
+    /* Who was refused says that it does not want the name any more: it may have asked once more
+     * before it heard of that, and would be given what nobody takes. */
+    if (a->refused) {
+        return muster_STATE_ABSENT;
+    }
+    return (muster_State)(a->leaving ? a->last_state : a->state);
+}
+
 static muster_Entry entry_of(struct mu_agent *a)
 {
-    if (a->refused) {
-        return (muster_Entry){.name = nothing,
-                              .state = muster_STATE_ABSENT,
-                              .home = nothing,
-                              .via = nothing,
-                              .host = nothing};
-    }
     return (muster_Entry){.name = a->name,
                           .kind = (muster_Kind)a->kind,
-                          .state = (muster_State)(a->leaving ? a->last_state : a->state),
+                          .state = state_of(a),
                           .no_broadcasts = a->no_broadcasts,
                           .full = (muster_BoxPolicy)a->box_policy,
                           .box_mails = a->box_mails,

@@ -44,6 +44,7 @@ static struct net {
     bool link[NET_BROKERS][NET_BROKERS];
     bool deaf[NET_BROKERS];  /* what others acknowledge to it is lost */
     bool twice[NET_BROKERS]; /* what it delivers to others arrives twice */
+    bool mute[NET_BROKERS];  /* others do not hear it, and it does not know */
     uint64_t now_ns;
     struct net_agent agents[NET_AGENTS];
     uint32_t agents_count;
@@ -62,7 +63,7 @@ static inline void net_broker_open(int i)
 {
     static struct broker *all[256]; /* kept, so that leak checkers see them */
     static unsigned count;
-    net.incarnation[i] += 10;
+    net.incarnation[i] += 1000000; /* far beyond the numbers of boxes */
     struct broker_options options = {.name = net_names[i],
                                      .incarnation = net.incarnation[i],
                                      .host = "here",
@@ -107,6 +108,23 @@ static inline void net_link(int i, int j, bool there)
     if (there) { /* late joiners hear all that stands */
         announce_all(net.b[i]);
         announce_all(net.b[j]);
+    }
+}
+
+/* Others lose a broker that hears them still, or hear it again. */
+static inline void net_mute(int i, bool mute)
+{
+    char place[MU_PROCESS_MAX + 1];
+    snprintf(place, sizeof place, "broker.%s", net_names[i]);
+    net.mute[i] = mute;
+    for (int j = 0; mute && j < NET_BROKERS; j++) {
+        if (net.link[i][j]) {
+            broker_matched(net.b[j], place, false, net.now_ns);
+            broker_gone(net.b[j], place, 0, true, net.now_ns);
+        }
+    }
+    if (!mute) {
+        announce_all(net.b[i]);
     }
 }
 
@@ -310,7 +328,7 @@ static inline bool net_announce(int i)
         any = true;
         net.announcements++;
         for (int j = 0; j < NET_BROKERS; j++) {
-            if (net.link[i][j]) {
+            if (net.link[i][j] && !net.mute[i]) {
                 broker_registration(net.b[j], &r, net.now_ns);
             }
         }
@@ -327,7 +345,7 @@ static inline bool net_acknowledge(int i)
     while (broker_up_next(net.b[i], &peer, &up)) {
         any = true;
         int j = net_index(peer);
-        if (net.link[i][j] && !net.deaf[j]) {
+        if (net.link[i][j] && !net.deaf[j] && !net.mute[i]) {
             broker_up(net.b[j], &up, net.now_ns);
         }
         broker_up_sent(net.b[i]);
@@ -347,7 +365,8 @@ static inline bool net_deliver(int i)
             net_to_agent(i, &d);
             continue;
         }
-        for (int k = 0; net.link[i][j] && k < (net.twice[i] ? 2 : 1); k++) {
+        bool arrives = net.link[i][j] && !net.mute[i];
+        for (int k = 0; arrives && k < (net.twice[i] ? 2 : 1); k++) {
             broker_delivery(net.b[j], &d, net.now_ns);
         }
         broker_delivered(net.b[i], net.now_ns);
@@ -362,7 +381,7 @@ static inline void net_match(int i)
     for (int j = 0; j < NET_BROKERS; j++) {
         snprintf(place, sizeof place, "broker.%s", net_names[j]);
         uint32_t at = places_find(&net.b[i]->places, place);
-        if (at != MU_NONE && net.link[i][j] && !net.b[i]->places.at[at].matched) {
+        if (at != MU_NONE && net.link[i][j] && !net.mute[j] && !net.b[i]->places.at[at].matched) {
             broker_matched(net.b[i], place, true, net.now_ns);
         }
     }

@@ -95,6 +95,26 @@ static void test_what_is_lost_or_comes_twice(void)
     CU_ASSERT_EQUAL(net.b[B]->liaison.count.repeated, 4);
 }
 
+/* B loses A for a while and A does not know: what is missing comes again before what follows. */
+static void test_what_a_neighbour_did_not_hear(void)
+{
+    two();
+    net_send("red", "blue", "one");
+    net_settle();
+    net_mute(A, true);
+    net_send("red", "blue", "two");
+    net_settle();
+    net_mute(A, false);
+    net_send("red", "blue", "three");
+    HEARD("blue", "one");
+    net_settle();
+    net_tick(1000 * MS);
+    HEARD("blue", "two; three");
+    CU_ASSERT_EQUAL(net.repeats, 0);
+    CU_ASSERT_EQUAL(net.b[A]->mailbox.posts_live, 0);
+    CU_ASSERT_TRUE(net.b[B]->counters.gaps > 0);
+}
+
 static void test_broadcasts_and_groups(void)
 {
     two();
@@ -569,6 +589,7 @@ int main(void)
         {"an agent moves", test_an_agent_moves},
         {"mail follows", test_mail_follows_to_another_broker},
         {"a broker dies", test_a_broker_dies_and_its_agents_go_to_another},
+        {"a neighbour that did not hear", test_what_a_neighbour_did_not_hear},
         {"a restart", test_a_restart_is_met_with_numbers_of_its_own},
         {"receipts wait", test_what_a_sender_is_to_be_told_waits_for_the_link},
         {"a restart unnoticed", test_a_restart_that_nobody_noticed},

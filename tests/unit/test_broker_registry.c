@@ -142,6 +142,48 @@ static void test_claim_is_given_up(void)
     EXPECT("");
 }
 
+/* Both claim in one slot of their process: the one that was there has left. */
+static void test_a_claim_ends_when_its_slot_bears_another_name(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("blue");
+    story_match("p2");
+    (void)story_collect();
+    muster_Registration r = registration("red", "p2");
+    broker_registration(story.b, &r, story.now_ns);
+    entry_of(&r)->name = words("blue");
+    broker_registration(story.b, &r, story.now_ns);
+    story_gone("p-red");
+    EXPECT("");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    story_gone("p-blue");
+    EXPECT("blue welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("blue"), "blue running p2");
+}
+
+/* It asked once more before it heard that it was refused, and says so when it has heard. */
+static void test_a_claim_is_taken_back(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("p2");
+    (void)story_collect();
+    story_register("red", "p2");
+    story_tick(1500 * MS);
+    story_register("red", "p2");
+    EXPECT("red: held by another participant");
+    story_leave("red", "p2");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+    story_gone("p-red");
+    EXPECT("");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    story_register("red", "p2");
+    EXPECT("red welcome 0");
+    story_leave("red", "p2"); /* the same, but it had been granted meanwhile */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p2");
+}
+
 static void test_restarted_sender_goes_on_counting(void)
 {
     story_begin();
@@ -257,6 +299,9 @@ int main(void)
         {"a held name is refused in the end", test_held_name_is_refused_in_the_end},
         {"a held name is inherited", test_held_name_is_inherited},
         {"a claim is given up", test_claim_is_given_up},
+        {"a claim ends when its slot bears another name",
+         test_a_claim_ends_when_its_slot_bears_another_name},
+        {"a claim is taken back", test_a_claim_is_taken_back},
         {"a restarted sender goes on counting", test_restarted_sender_goes_on_counting},
         {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
         {"pages are told with the first agent", test_pages_are_told_with_the_first_agent},

@@ -111,6 +111,31 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first); /* the box counts anew */
 }
 
+/* There is no network: the first part stays in hand. */
+static void write_in_vain(void)
+{
+    capture_begin();
+    roll_write(&process);
+    capture_end();
+}
+
+/* What it asked for before it heard may have been granted to it since. */
+static void test_who_was_refused_says_that_it_is_not_there(void)
+{
+    process.link.broker[0] = 'm';
+    muster_Verdict no = {.agent = words("a0"), .broker_incarnation = 5, .reason = words("held")};
+    muster_Delivery d = delivery(&no, false);
+    step_take_delivery(&process, &d, NULL);
+    write_in_vain();
+    const muster_Entry *said = process.roll.entries;
+    CU_ASSERT_STRING_EQUAL(said[0].name, "a0");
+    CU_ASSERT_EQUAL(said[0].state, muster_STATE_ABSENT);
+    CU_ASSERT_EQUAL(said[1].state, muster_STATE_RUNNING);
+    accept(5); /* its holder has left, and nobody else was asked */
+    write_in_vain();
+    CU_ASSERT_EQUAL(said[0].state, muster_STATE_RUNNING);
+}
+
 static void test_nobody_is_told_before_a_broker_is_known(void)
 {
     capture_begin();
@@ -127,6 +152,8 @@ int main(void)
         {"a roll call marks all", test_a_roll_call_marks_all},
         {"another broker hears all, and is told nothing before its answer",
          test_another_broker_hears_all_and_is_told_nothing_before_its_answer},
+        {"who was refused says that it is not there",
+         test_who_was_refused_says_that_it_is_not_there},
         {"nobody is told before a broker is known", test_nobody_is_told_before_a_broker_is_known},
         CU_TEST_INFO_NULL,
     };

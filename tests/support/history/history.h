@@ -83,6 +83,7 @@ struct entry {
     bool vague;          /* a later life said how it ended, which that life cannot know */
     /* at its sender */
     bool stored, told;
+    bool heard;                      /* either, in a life before the last one that took it as new */
     uint32_t told_life, stored_life; /* of the broker that said so */
     bool closed;                     /* nobody is to get it any more */
     uint64_t answer;                 /* hash of the right answer, 0: none is wanted */
@@ -212,6 +213,7 @@ struct history {
     bool has_store, loses; /* the network refuses deliveries now and then */
     uint32_t box_mails;
     muster_BoxPolicy box_policy;
+    uint32_t asked_most[NAMES]; /* mails in a box, of all its bearers */
     names drops; /* whose box has dropped mail when it was full, in some life of theirs */
     uint32_t lives, sender_lives; /* begun */
     bool is_quiet;

@@ -40,6 +40,8 @@ void agent_join(struct process *p, int seat, int name)
     a->policy = history_chance(6) ? muster_BOX_DROP_OLDEST : muster_BOX_REFUSE_NEW;
     history.drops |= a->policy ? 1u << name : 0;
     a->box_mails = history_chance(6) ? 6 + history_roll(10) : 0;
+    uint32_t *most = &history.asked_most[name];
+    *most = a->box_mails > *most ? a->box_mails : *most;
     p->registration_due = true;
     history_note("%s joins in %s", history_name(name), p->name);
 }

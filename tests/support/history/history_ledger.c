@@ -86,7 +86,9 @@ static void ledger_accept(struct entry *e, const muster_BrokerStatus *was,
     e->unknown_some = unknown > 0;
     e->refused_some = is->box_full + is->over_share > was->box_full + was->over_share;
     e->forbidden_some = refused > 0;
+    e->heard = e->heard || e->told || e->stored;
     e->told = e->stored = false;
+    e->committed = e->committed && e->live; /* what nobody was to have is on no disk */
     HOLD(!no_store || e->level != muster_LEVEL_RAM);
     if (e->to == TO_BROKER) {
         HOLD(is->sent == was->sent + 1 + (e->asks == ASK_FIND));
@@ -264,7 +266,9 @@ void ledger_check_end(void)
             e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
         bool kept_word = !kept || may_end || !(e->live & ~e->taken);
-        bool had_word = !sender_is_there(e) || e->told || lost || e->vague ||
+        /* What has an answer goes out again with what was sent before it and has none. */
+        bool in_vain = e->heard && e->life != history.life.number;
+        bool had_word = !sender_is_there(e) || e->told || lost || in_vain || e->vague ||
                         history.cut[e->sender_life] ||
                         (e->accepted == 0 && history.hasty[e->sender_life]);
         if (history.contested[e->sender_life]) {

@@ -106,7 +106,9 @@ static void check_boxes(struct broker *b)
         HOLD(box->lists[POST_FLIGHT].count <= MU_WINDOW_MAX + MAILBOX_RESERVE);
         HOLD(box->use.mails <= MU_BOX_MAX + MAILBOX_RESERVE);
         if (history.box_mails && history.life.number == 1) { /* later, there was more before */
-            HOLD(box->use.mails <= history.box_mails + MAILBOX_RESERVE);
+            uint32_t own = history.asked_most[name];
+            uint32_t most = own > history.box_mails ? own : history.box_mails;
+            HOLD(box->use.mails <= most + MAILBOX_RESERVE);
         }
         uint32_t posts = 0;
         for (int list = 0; list <= POST_FLIGHT; list++) {

@@ -20,14 +20,14 @@ void net_register(struct process *p)
                              .pid = 1};
     for (int seat = 0; seat < SEATS; seat++) {
         const struct actor *a = &p->seats[seat];
-        bool said = a->name != NOBODY && !a->refused;
-        entries[seat] =
-            (muster_Entry){.name = history_words(said ? history_name(a->name) : ""),
-                           .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
-                           .state = said && !a->leaving ? a->state : muster_STATE_ABSENT,
-                           .full = a->policy,
-                           .box_mails = a->box_mails,
-                           .home = history_words("")};
+        bool said = a->name != NOBODY;
+        entries[seat] = (muster_Entry){
+            .name = history_words(said ? history_name(a->name) : ""),
+            .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
+            .state = said && !a->leaving && !a->refused ? a->state : muster_STATE_ABSENT,
+            .full = a->policy,
+            .box_mails = a->box_mails,
+            .home = history_words("")};
     }
     r.agents._buffer = entries;
     r.agents._length = r.agents._maximum = SEATS;
