@@ -6,6 +6,7 @@
 #include "bus/topics.h"
 #include "core/clock.h"
 #include "muster/limits.h"
+#include "muster/memory.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -225,6 +226,9 @@ mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *par
 {
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
     MU_TRY(topic_open(bus, topic));
+    for (int i = 0; i < BUS_BATCH; i++) {
+        reader->samples[i] = mu_startup_alloc(topic_table[topic].descriptor->m_size);
+    }
     dds_qos_t *group = dds_create_qos();
     dds_qset_partition1(group, partition ? partition : "");
     dds_entity_t subscriber = dds_create_subscriber(bus->participant, group, NULL);
@@ -365,6 +369,8 @@ uint32_t bus_reader_matches(const struct bus_reader *reader)
  * writer is no sample, and not every listener hears of it. */
 static const uint64_t LOOK_NS = 20000000;
 
+enum { BATCHES_TO_EMPTY = 4096 };
+
 /* @return whether the reader is worth a look; arrived: how many samples it has had until now */
 static bool reader_has_news(struct bus_reader *r, uint64_t *arrived)
 {
@@ -389,19 +395,29 @@ static void reader_drained(struct bus_reader *r, uint64_t arrived)
     pthread_mutex_unlock(&r->bus->lock);
 }
 
-/* Gives the last batch back and takes the next one.  @return whether there is anything in it */
+/* The samples are ours: DDS writes the next ones over them and takes memory only for what is larger
+ * than what was there.  Now and then they are emptied, or each would be as large as the largest. */
+static void samples_empty(struct bus_reader *r)
+{
+    const dds_topic_descriptor_t *d = topic_table[r->topic].descriptor;
+    for (int i = 0; i < BUS_BATCH; i++) {
+        dds_sample_free(r->samples[i], d, DDS_FREE_CONTENTS);
+        memset(r->samples[i], 0, d->m_size);
+    }
+}
+
+/* Takes the next batch.  @return whether there is anything in it */
 static bool batch_take(struct bus_reader *r)
 {
-    if (r->count > 0) {
-        dds_return_loan(r->reader, r->samples, r->count);
-    }
     r->count = r->next = 0;
     uint64_t arrived;
     if (!reader_has_news(r, &arrived)) {
         return false;
     }
     dds_sample_info_t infos[BUS_BATCH];
-    r->samples[0] = NULL; /* asks for a loan */
+    if (++r->batches % BATCHES_TO_EMPTY == 0) {
+        samples_empty(r);
+    }
     int32_t count = dds_take(r->reader, r->samples, infos, BUS_BATCH, BUS_BATCH);
     r->count = count > 0 ? count : 0;
     if (r->count < BUS_BATCH) {

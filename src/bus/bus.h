@@ -73,7 +73,7 @@ struct bus_writer {
     int32_t publisher;
 };
 
-/* A reader keeps a batch of samples on loan from DDS and hands them out one at a time. */
+/* A reader takes a batch of samples and hands them out one at a time. */
 struct bus_reader {
     struct bus *bus;
     enum bus_topic topic;
@@ -81,6 +81,7 @@ struct bus_reader {
     uint64_t arrived, taken; /* as in struct bus, of this reader; under its lock */
     uint64_t looked_ns;      /* when it was last asked for samples */
     int32_t count, next;     /* of the batch */
+    uint32_t batches;        /* since the samples were emptied */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
     uint32_t fates[BUS_BATCH]; /* what has become of each sample's instance since */

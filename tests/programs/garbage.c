@@ -2,7 +2,7 @@
 /*
  * Says to a broker what no program of muster would say: names, groups, services, addresses and
  * contents that are none, too long, or in no encoding.
- *   garbage DOMAIN
+ *   garbage DOMAIN   (its broker is called main)
  * Prints a line for what comes back, "refused REASON", "receipt OUTCOME", "answer PERFORMATIVE
  * WORD", in order, until the answer to its last question has come; then ends with 0.
  */
@@ -46,8 +46,8 @@ static bool registered, done;
 static void registration_write(char *name, char *host, char *entry)
 {
     muster_Entry entries[] = {
-        {.name = me, .state = muster_STATE_RUNNING, .home = none},
-        {.name = entry, .state = muster_STATE_RUNNING, .home = none},
+        {.name = me, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
+        {.name = entry, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
     };
     muster_Registration r = {.process = name, .broker = none, .host = host, .incarnation = 1};
     r.agents._buffer = entries;
@@ -199,7 +199,7 @@ int main(int argc, char **argv)
     memset(too_large, 'x', MU_CONTENT_MAX + 1);
     if (options.domain < 0 || bus_open(&bus, &options) != MU_OK ||
         bus_writer_open(&bus, BUS_REGISTRATION, NULL, NULL, &registrations) != MU_OK ||
-        bus_writer_open(&bus, BUS_UP, "broker", NULL, &ups) != MU_OK ||
+        bus_writer_open(&bus, BUS_UP, "broker.main", NULL, &ups) != MU_OK ||
         bus_reader_open(&bus, BUS_DELIVERY, process, &reader) != MU_OK) {
         return 4;
     }
