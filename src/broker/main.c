@@ -16,6 +16,7 @@
 #include "muster/memory.h"
 
 #include <limits.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -374,8 +375,19 @@ static int network_join(struct post *p, const struct mu_network *network,
     return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
+/* DDS takes and frees buffers for packets as long as the broker lives.  By default the first that
+ * is freed raises the size up to which the heap keeps such pieces, and what it keeps lies scattered
+ * among small ones that stay.  Before any thread starts. */
+static void heap_bound(void)
+{
+    enum { LARGE_BYTES = 128 * 1024, FREE_BYTES = 1024 * 1024 };
+    mallopt(M_MMAP_THRESHOLD, LARGE_BYTES); /* such a piece is the system's own, and goes back */
+    mallopt(M_TRIM_THRESHOLD, FREE_BYTES);
+}
+
 int main(int argc, char **argv)
 {
+    heap_bound();
     static struct settings settings;
     const char *name;
     int code = settings_read(&settings, &name, argc, argv);

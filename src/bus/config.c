@@ -89,12 +89,15 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
      * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker
      * that was killed and is back would stop for 10 s, until the lease of the killed one ends.
      * HeartbeatInterval: who waits for what it wrote to arrive, as at the end, waits so long;
-     * shorter ones make readers acknowledge more. */
+     * shorter ones make readers acknowledge more.
+     * ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
+     * process that was killed until its lease ends; the default is 1 MiB. */
     mu_text_add(
         xml,
         "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
         "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
         "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">20ms</HeartbeatInterval>"
         "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit></Watermarks></Internal>"
+        "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
         "</Domain></CycloneDDS>");
 }
