@@ -391,6 +391,11 @@ bool broker_serves(const struct broker *b, const char *process)
     return places_find(&b->places, process) != MU_NONE;
 }
 
+bool broker_takes_names(const struct broker *b)
+{
+    return b->registry.count < REGISTRY_MAX;
+}
+
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
     const struct broker_counters *c = &b->counters;

@@ -115,6 +115,9 @@ void broker_announced(struct broker *b);
 bool broker_up_next(struct broker *b, const char **peer, muster_Up *out);
 void broker_up_sent(struct broker *b);
 
+/** @return whether an agent with a new name would be taken: names are kept when their agents go */
+bool broker_takes_names(const struct broker *b);
+
 /** Fills the counters; what only the process knows (processor time, memory) stays 0. */
 void broker_status(const struct broker *b, muster_BrokerStatus *status);
 

@@ -70,7 +70,7 @@ void herald_tell(struct herald *h, struct broker *b)
                             .pid = h->beacons.pid,
                             .index = h->bus->index > 0 ? (uint32_t)h->bus->index : 0,
                             .agents = status.agents,
-                            .takes_agents = h->sure && status.agents < MU_AGENTS_MAX};
+                            .takes_agents = h->sure && broker_takes_names(b)};
     mu_result written = bus_write(&h->beacon, &beacon);
     (void)written; /* the next heartbeat says it again */
 }

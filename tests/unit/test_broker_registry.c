@@ -240,10 +240,17 @@ static void test_limit_agents(void)
     char name[16], process[16];
     story_begin();
     for (unsigned i = 0; i < MU_AGENTS_MAX; i++) {
+        CU_ASSERT_TRUE(broker_takes_names(story.b));
         snprintf(name, sizeof name, "r%u", i);
         snprintf(process, sizeof process, "p%u", i / MU_LOCAL_AGENTS_MAX);
         story_register(name, i + 1 < MU_AGENTS_MAX ? process : "q");
     }
+    CU_ASSERT_EQUAL(story_status().agents, MU_AGENTS_MAX);
+    CU_ASSERT_FALSE(broker_takes_names(story.b));
+    story_gone("q"); /* its name stays */
+    CU_ASSERT_EQUAL(story_status().agents, MU_AGENTS_MAX - 1);
+    CU_ASSERT_FALSE(broker_takes_names(story.b));
+    story_register(name, "q");
     CU_ASSERT_EQUAL(story_status().agents, MU_AGENTS_MAX);
     story_match("q");
     (void)story_collect();
