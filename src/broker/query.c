@@ -253,7 +253,7 @@ bool query_changes_member(const struct broker *b, const struct mail *question)
     bool whole = false;
     mu_text_init(&read, name, sizeof name);
     for (unsigned i = 0; q && i < q->names; i++) {
-        whole = fields_next(&content, &read);
+        whole = mu_fields_next(&content, &read);
         if (!whole && !read.cut) {
             return false;
         }
