@@ -31,12 +31,13 @@ bool booking_take(struct broker *b, struct mail *m, uint32_t posts)
     return why == SHARE_FITS;
 }
 
-void booking_restore(struct broker *b, struct mail *m, uint32_t posts)
+bool booking_restore(struct broker *b, struct mail *m, uint32_t posts)
 {
     struct share_use use = {.mails = 1, .bytes = store_bytes(m), .posts = posts};
-    m->side = SHARE_OUTSIDE;
-    share_add(&b->shares.senders[SHARE_OUTSIDE][m->payer], &use);
-    share_add(&b->shares.all[SHARE_OUTSIDE], &use);
+    enum share_side side;
+    bool fits = share_restore(&b->shares, &side, m->payer, &use);
+    m->side = (uint8_t)side;
+    return fits;
 }
 
 void booking_give_back(struct broker *b, const struct mail *m, uint32_t posts)

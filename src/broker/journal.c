@@ -363,7 +363,17 @@ static void mails_committed(struct broker *b)
     j->first = j->last = NULL;
 }
 
-/* New mails are not taken after all; what is on disk already stays marked. */
+/* @return whether somebody may have it already: that is not to be undone */
+static bool mail_is_out(const struct broker *b, const struct mail *m)
+{
+    uint32_t post = m->posts;
+    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
+        post = b->mailbox.posts[post].sibling_next;
+    }
+    return post != MU_NONE;
+}
+
+/* New mails are not taken after all; what is on disk already, or under way, stays marked. */
 static void mails_failed(struct broker *b)
 {
     struct journal *j = &b->journal;
@@ -372,7 +382,7 @@ static void mails_failed(struct broker *b)
     for (; m; m = next) {
         next = m->journal_next;
         m->journal_listed = false;
-        if (m->journal_written) {
+        if (m->journal_written || mail_is_out(b, m)) {
             mail_mark(j, m);
         } else if (m->unsettled > 0) {
             name_remove(j, m);

@@ -6,7 +6,7 @@
 void mailbox_init(struct mailbox *m, uint32_t agents)
 {
     *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
-    m->posts = mu_startup_array(MU_POSTS_MAX, sizeof *m->posts);
+    m->posts = mu_startup_array(SHARE_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
     pairs_init(&m->pairs);
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
@@ -158,7 +158,7 @@ static uint32_t post_take(struct mailbox *m)
     uint32_t post = m->posts_free;
     if (post != MU_NONE) {
         m->posts_free = mailbox_next(m, post);
-    } else if (m->posts_used < MU_POSTS_MAX) {
+    } else if (m->posts_used < SHARE_POSTS_MAX) {
         post = m->posts_used++;
     } else {
         return MU_NONE;

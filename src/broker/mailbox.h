@@ -62,7 +62,7 @@ struct box {
 };
 
 struct mailbox {
-    struct post *posts;  /* MU_POSTS_MAX of them */
+    struct post *posts;  /* SHARE_POSTS_MAX of them */
     uint32_t posts_used; /* high-water mark */
     uint32_t posts_free;
     uint32_t posts_live;

@@ -427,6 +427,14 @@ static bool mail_book(struct broker *b, struct mail *m, const struct audience *t
     return false;
 }
 
+/* The disk has failed since it was admitted. */
+static void mail_unstored(struct broker *b, struct mail *m, const struct audience *to)
+{
+    b->counters.no_store += to->count;
+    answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_NO_STORE);
+    store_release(&b->store, m);
+}
+
 void router_stored(struct broker *b, struct mail *m)
 {
     if (m->tell_stored) {
@@ -460,9 +468,14 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
     audience_of_names(b, waiting, m->sender, &to);
     m->order = ++b->orders;
     bool held = mail_must_wait(b, m);
-    booking_restore(b, m, to.count); /* it had its room: no limit that is lower by now takes that */
+    b->counters.sent += to.count;
+    /* It had its room: its sender's share, and the limits of boxes, do not take that. */
+    if (to.count == 0 || !booking_restore(b, m, to.count)) {
+        b->counters.box_full += to.count;
+        store_release(&b->store, m);
+        return false;
+    }
     for (uint32_t i = 0; i < to.count; i++) {
-        b->counters.sent++;
         if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
             b->counters.waiting++;
             m->unsettled++;
@@ -519,7 +532,9 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
     b->counters.sent += to.count + to.unknown + to.refused;
     b->counters.unknown_name += to.unknown;
     bool goes_on = to.refused == 0 || to.count > 0;
-    if (mail_book(b, m, &to)) {
+    if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
+        mail_unstored(b, m, &to);
+    } else if (mail_book(b, m, &to)) {
         post_to_all(b, m, &to);
     }
     return goes_on;

@@ -11,6 +11,7 @@
 #ifndef MUSTER_BROKER_STORE_H
 #define MUSTER_BROKER_STORE_H
 
+#include "broker/share.h"
 #include "core/table.h"
 #include "muster/limits.h"
 #include "wire.h"
@@ -21,7 +22,7 @@
 
 enum {
     STORE_SLAB_BYTES = 64 * 1024,
-    STORE_SLABS = (MU_MAIL_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
+    STORE_SLABS = (SHARE_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
     STORE_CLASSES = 8,
     STORE_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
 };

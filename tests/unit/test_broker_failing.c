@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Durable mail while the disk fails: nobody is told or handed what is not there. */
+#include "../support/disk_story.h"
+
+static void lockstep_of(const char *process)
+{
+    char *processes[] = {words(process)};
+    muster_Roster r = {
+        .simulator = words("sim"), .broker = words(""), .lockstep = true, .step_ns = 100 * MS};
+    r.processes._buffer = processes;
+    r.processes._length = 1;
+    story_match("sim");
+    broker_roster(story.b, &r, story.now_ns);
+    (void)story_collect();
+}
+
+/* Admitted while the disk works, routed when it does not. */
+static void test_what_waits_for_an_address_meets_a_failing_disk(void)
+{
+    team();
+    story_join("rita");
+    muster_Mail offer = letter("rita", 1, "broker", "resolver \"scheme=near\"");
+    offer.layer = 2;
+    offer.performative = words("advertise");
+    story_mail(offer);
+    (void)story_collect();
+    CU_ASSERT_TRUE(commit(true));
+    log_mail(1, "near:2", "one");
+    log_mail(2, "red", "two");
+    (void)story_collect();
+    story_ack("rita", 1);
+    story_join("pink");
+    CU_ASSERT_TRUE(commit(false));
+    muster_Mail answer = letter("rita", 2, "broker", "green red");
+    answer.layer = 2;
+    answer.performative = words("inform");
+    answer.in_reply_to = words("resolve-4611686018427387905");
+    (void)story_collect();
+    story_mail(answer);
+    CU_ASSERT_FALSE(commit(true));
+    EXPECT("red 1-2 no-store; rita 2-2 delivered");
+    CU_ASSERT_EQUAL(story_status().no_store, 2);
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(false));
+    EXPECT("");
+}
+
+static void test_what_is_under_way_is_not_undone(void)
+{
+    team();
+    story_join("blue");
+    (void)story_collect();
+    log_mail(1, "blue,green", "one");
+    EXPECT("blue #1 red/1 one"); /* before the commit */
+    CU_ASSERT_TRUE(commit(false));
+    CU_ASSERT_EQUAL(story_status().waiting, 2);
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 1);
+}
+
+static void test_what_waits_for_a_step_meets_a_failing_disk(void)
+{
+    team();
+    lockstep_of("p-red");
+    log_mail(1, "green", "one");
+    story_join("pink");
+    (void)story_collect();
+    CU_ASSERT_TRUE(commit(false));
+    muster_Mail m = letter("red", 2, "green", "two");
+    story_up("red", 0, muster_STATE_RUNNING, &m, 1, 0);
+    CU_ASSERT_EQUAL(story_status().no_store, 1);
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+}
+
+/* --- more than there is room for -------------------------------------------------------------- */
+
+static bool restore(uint64_t i, const char *waiting)
+{
+    muster_Mail m = letter("red", i, "green", "x");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = 3600 * SECOND;
+    struct journal_entry e = {.kind = JOURNAL_MAIL,
+                              .row = i,
+                              .letter = m,
+                              .waiting = waiting,
+                              .expires_wall_ns = WALL + 3600 * SECOND};
+    return journal_restore(story.b, &e);
+}
+
+/* An earlier life can have had both accounts full, and no file more than that. */
+static void test_a_file_with_too_much_mail(void)
+{
+    team();
+    uint64_t taken = 0;
+    while (taken < 2 * MU_MAILS_MAX && restore(taken + 1, "green")) {
+        taken++;
+    }
+    CU_ASSERT_EQUAL(taken, SHARE_MAILS_MAX);
+    CU_ASSERT_EQUAL(story.b->expiry.count, SHARE_MAILS_MAX);
+    CU_ASSERT_EQUAL(story.b->journal.rows, SHARE_MAILS_MAX + 1); /* which stays there */
+    CU_ASSERT_EQUAL(story_status().waiting, SHARE_MAILS_MAX);
+    story_tick(3600 * SECOND);
+    CU_ASSERT_EQUAL(story_status().waiting, 0);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, 0);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_LOCKSTEP].mails, 0);
+}
+
+static void test_a_file_with_mail_for_nobody(void)
+{
+    team();
+    CU_ASSERT_FALSE(restore(1, "nobody"));
+    CU_ASSERT_FALSE(restore(2, ""));
+    CU_ASSERT_EQUAL(story_status().stored, 0);
+    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, 0);
+}
+
+/* Others have filled the store when a lock step begins, and all mail has a time to live. */
+static void test_a_lock_step_finds_the_store_full(void)
+{
+    enum { SENDERS = 70, BOXES = 8, EACH = 200 };
+    char name[32];
+    uint64_t seq = 0;
+    story_begin();
+    for (uint32_t i = 0; i < SENDERS + BOXES; i++) {
+        snprintf(name, sizeof name, "s%u", i);
+        story_join(name);
+    }
+    story_join("robo");
+    muster_Mail m = letter(name, 1, "", "x");
+    m.ttl_ns = 3600 * SECOND;
+    for (uint32_t i = 0; i < MU_MAILS_MAX; i++) {
+        char from[32], to[32];
+        snprintf(from, sizeof from, "s%u", i % SENDERS);
+        snprintf(to, sizeof to, "s%u", SENDERS + i % BOXES);
+        m.src = from;
+        m.dst = to;
+        m.seq = i + 1;
+        story_mail(m);
+    }
+    uint64_t before_ = story_status().waiting;
+    CU_ASSERT_TRUE(before_ > MU_MAILS_MAX / 10 * 9);
+    lockstep_of("p-robo");
+    for (int64_t step = 0; step < 200; step++) {
+        static muster_Mail mails[EACH];
+        for (uint32_t i = 0; i < EACH; i++) {
+            mails[i] = letter("robo", ++seq, "s70", "x");
+            mails[i].ttl_ns = 3600 * SECOND;
+        }
+        story_up("robo", step, muster_STATE_RUNNING, mails, EACH, 0);
+        mu_text_clear(&story.text);
+        (void)story_collect();
+    }
+    CU_ASSERT_TRUE(story_status().waiting > before_);
+    CU_ASSERT_TRUE(story_status().over_share > 0);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"what waits for an address", test_what_waits_for_an_address_meets_a_failing_disk},
+        {"what waits for a step", test_what_waits_for_a_step_meets_a_failing_disk},
+        {"what is under way is not undone", test_what_is_under_way_is_not_undone},
+        {"a file with too much mail", test_a_file_with_too_much_mail},
+        {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
+        {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
+        CU_TEST_INFO_NULL,
+    };
+    return story_run("failing", tests);
+}
