@@ -237,7 +237,9 @@ static void tell_stored(struct broker *b, struct mail *m)
  * becomes of what another broker has taken over, that broker tells. */
 static void answer_settled(struct broker *b, struct mail *m)
 {
-    if (m->dropped) {
+    if (m->veiled) {
+        answer(b, m, muster_OUTCOME_STORED);
+    } else if (m->dropped) {
         answer(b, m, muster_OUTCOME_DROPPED);
     } else if (m->expired) {
         answer(b, m, muster_OUTCOME_EXPIRED);
@@ -399,8 +401,10 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
         answer(b, m, muster_OUTCOME_BOX_FULL);
-    } else if (veiled) {
+    } else if (veiled && (m->unsettled == 0 || m->letter.level == muster_LEVEL_RAM)) {
         answer(b, m, muster_OUTCOME_STORED);
+    } else if (veiled) {
+        m->veiled = m->tell_stored = true;
     } else if (m->unsettled == 0) {
         answer(b, m, muster_OUTCOME_DELIVERED);
     } else if (stored && m->letter.level != muster_LEVEL_RAM) {
@@ -437,7 +441,9 @@ static void mail_unstored(struct broker *b, struct mail *m, const struct audienc
 
 void router_stored(struct broker *b, struct mail *m)
 {
-    if (m->tell_stored) {
+    if (m->tell_stored && m->veiled) {
+        answer(b, m, muster_OUTCOME_STORED);
+    } else if (m->tell_stored) {
         tell_stored(b, m);
     }
     m->tell_stored = false;

@@ -54,6 +54,7 @@ struct mail {
     bool journal_listed;        /* in the journal's list */
     bool journal_written;       /* its row is on disk */
     bool tell_stored;           /* when it is: the sender is told */
+    bool veiled;                /* to who sent it, "stored" is the last word */
     bool stored_told;           /* the sender has been told that it waits */
     bool passed_on;             /* another broker has taken it over for one receiver at least */
     bool expired;               /* for one receiver at least */

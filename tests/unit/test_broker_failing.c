@@ -73,6 +73,31 @@ static void test_what_waits_for_a_step_meets_a_failing_disk(void)
     CU_ASSERT_EQUAL(story_status().waiting, 1);
 }
 
+/* What becomes of it outside is not told; that it is not there is. */
+static void test_mail_out_of_a_lock_step_is_stored_when_it_is(void)
+{
+    team();
+    lockstep_of("p-red");
+    muster_Mail m = letter("red", 1, "green", "one");
+    m.level = muster_LEVEL_LOGGED;
+    story_up("red", 0, muster_STATE_RUNNING, &m, 1, 0);
+    CU_ASSERT_TRUE(commit(false));
+    EXPECT("p-red@0; red 1-1 no-store; sim@0");
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    m.seq = 2;
+    story_up("red", 1, muster_STATE_RUNNING, &m, 1, 0);
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("p-red@1; red 2-2 stored; sim@1");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    story_up("red", 2, muster_STATE_RUNNING, NULL, 0, 0);
+    EXPECT("p-red@2; sim@2"); /* no last word */
+}
+
 /* --- more than there is room for -------------------------------------------------------------- */
 
 static bool restore(uint64_t i, const char *waiting)
@@ -161,6 +186,7 @@ int main(void)
         {"what waits for an address", test_what_waits_for_an_address_meets_a_failing_disk},
         {"what waits for a step", test_what_waits_for_a_step_meets_a_failing_disk},
         {"what is under way is not undone", test_what_is_under_way_is_not_undone},
+        {"mail out of a lock step", test_mail_out_of_a_lock_step_is_stored_when_it_is},
         {"a file with too much mail", test_a_file_with_too_much_mail},
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
