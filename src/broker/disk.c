@@ -97,6 +97,7 @@ static bool put_agent(struct disk *d, const struct journal_entry *e)
     fill_text(&f, registry_kind_word(e->agent_kind));
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
+    fill_number(&f, e->failed_seq);
     return run(f.statement);
 }
 

@@ -36,6 +36,7 @@ static void read_agent(struct reading *r, struct journal_entry *e)
     }
     e->durable_seq = read_number(r);
     e->reserved_seq = read_number(r);
+    e->failed_seq = read_number(r);
 }
 
 static void read_line(struct reading *r, struct journal_entry *e)

@@ -14,7 +14,8 @@ static const char schema[] =
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;"
     "CREATE TABLE agents (name TEXT PRIMARY KEY, kind TEXT,\n"
     "  durable_seq INTEGER,  -- the last of its mails that was stored\n"
-    "  reserved_seq INTEGER  -- a later process of that name goes on after this number\n"
+    "  reserved_seq INTEGER, -- a later process of that name goes on after this number\n"
+    "  failed_seq INTEGER    -- the last that was meant for the store and not delivered\n"
     ") WITHOUT ROWID;"
     "CREATE TABLE mails (\n"
     "  id INTEGER PRIMARY KEY,  -- in the order in which they came\n"
@@ -30,7 +31,7 @@ static const char schema[] =
     "CREATE TABLE lines (kind TEXT, slot INTEGER, key TEXT, agent TEXT, present INTEGER,\n"
     "  attributes TEXT, lease_ns INTEGER, stamp_ns INTEGER, origin TEXT,\n"
     "  PRIMARY KEY (kind, slot)) WITHOUT ROWID;"
-    "INSERT INTO meta VALUES ('schema', 1), ('store', lower(hex(randomblob(8)))),"
+    "INSERT INTO meta VALUES ('schema', 2), ('store', lower(hex(randomblob(8)))),"
     "  ('incarnation', 0), ('run_wall_ns', 0);"
     "COMMIT;";
 
@@ -38,7 +39,7 @@ static const char *const statements[DISK_STATEMENTS] = {
     [DISK_BEGIN] = "BEGIN IMMEDIATE",
     [DISK_COMMIT] = "COMMIT",
     [DISK_ROLLBACK] = "ROLLBACK",
-    [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?)",
+    [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?, ?)",
     [DISK_PUT_MAIL] = "INSERT INTO mails VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
                       " ?, ?, ?)",
     [DISK_SET_WAITING] = "UPDATE mails SET waiting = ? WHERE id = ?",

@@ -146,6 +146,18 @@ void journal_put(struct broker *b, struct mail *m)
     }
 }
 
+void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (letter->level == muster_LEVEL_RAM || letter->hops > 0 || letter->seq <= a->failed_seq) {
+        return;
+    }
+    a->failed_seq = letter->seq;
+    if (letter->seq <= a->durable_seq) { /* else nobody asks before one has gone to the store */
+        agent_mark(b, sender);
+    }
+}
+
 void journal_settled(struct broker *b, struct mail *m)
 {
     if (m->row == 0) {
@@ -267,6 +279,7 @@ static bool next_agent(struct broker *b, struct journal_entry *e)
     e->name = a->name;
     e->agent_kind = a->saved_kind;
     e->durable_seq = a->durable_seq;
+    e->failed_seq = a->failed_seq;
     e->reserved_seq = a->reserved_seq;
     return true;
 }

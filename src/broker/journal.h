@@ -53,7 +53,7 @@ struct journal_source {
 };
 
 enum journal_kind {
-    JOURNAL_AGENT,   /* name, kind, durable_seq, reserved_seq */
+    JOURNAL_AGENT,   /* name, kind, durable_seq, failed_seq, reserved_seq */
     JOURNAL_MAIL,    /* row, letter, waiting, expires_wall_ns */
     JOURNAL_WAITING, /* row, waiting: some receivers have settled it */
     JOURNAL_GONE,    /* row to last_row: nobody waits for these */
@@ -67,7 +67,7 @@ struct journal_entry {
     enum journal_kind kind;
     const char *name; /* of an agent */
     muster_Kind agent_kind;
-    uint64_t durable_seq, reserved_seq;
+    uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
     const char *waiting;      /* names, joined by commas */
@@ -122,6 +122,10 @@ bool journal_takes(const struct broker *b);
 
 /** A durable mail stands in boxes.  Other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
+
+/** A mail was not delivered, whether it stood in boxes or not: later lives do not say that it was.
+ */
+void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter);
 
 /** A receiver is through with a mail: m->unsettled says how many are not.  Call before the last
  *  use of it ends. */

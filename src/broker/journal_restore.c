@@ -28,6 +28,7 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
         journal_await(b, agent);
     }
     a->durable_seq = e->durable_seq;
+    a->failed_seq = e->failed_seq;
     a->earlier_seq = a->reserved_seq = e->reserved_seq;
     registry_touch(&b->registry, agent);
     return true;
@@ -67,12 +68,14 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     letter.again = true;
     struct mail *m = store_put(&b->store, &letter);
     if (!m) {
+        journal_failed(b, sender, &letter);
         return false;
     }
     m->sender = m->payer = sender;
     m->row = e->row;
     m->journal_written = true;
     if (!router_restore(b, m, e->waiting, left_ns(b, e))) {
+        journal_failed(b, sender, &letter);
         return false;
     }
     journal_enter(j, m);

@@ -171,7 +171,9 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
         return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
     }
     audience_of_mail(b, m, &to);
-    bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
+    bool durable = m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
+    bool meets = lockstep_keeps_address(&b->lockstep, m->sender) ||
+                 (durable && lockstep_keeps_durable(&b->lockstep, m->sender));
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
         meets = presence_in_lockstep(b, to.agents[i]) ||
@@ -220,6 +222,9 @@ void router_tick(struct broker *b)
 static void answer(struct broker *b, struct mail *m, muster_Outcome result)
 {
     if (!m->answered) {
+        if (result != muster_OUTCOME_DELIVERED && result != muster_OUTCOME_STORED) {
+            journal_failed(b, m->sender, &m->letter);
+        }
         m->answered = true;
         tell_sender(b, m->sender, m->letter.seq, result);
     }
@@ -597,7 +602,11 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
     if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
         return false;
     }
-    *outcome = m ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
+    if (m) {
+        *outcome = muster_OUTCOME_STORED;
+    } else if (letter->seq > a->failed_seq) {
+        *outcome = muster_OUTCOME_DELIVERED; /* of the others, how they ended is not known */
+    }
     return true;
 }
 
@@ -609,6 +618,7 @@ static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *lett
     audience_of(b, letter, sender, &to);
     b->counters.sent += to.count + to.unknown;
     *counter += to.count + to.unknown;
+    journal_failed(b, sender, letter);
     tell_sender(b, sender, letter->seq, outcome);
 }
 
@@ -629,6 +639,7 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
     journal_seq(b, sender);
     if (!border_mail(letter)) {
         b->counters.malformed++;
+        journal_failed(b, sender, letter);
         tell_sender(b, sender, letter->seq, muster_OUTCOME_REFUSED);
         return NULL;
     }

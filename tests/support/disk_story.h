@@ -27,7 +27,7 @@ static struct {
     struct name {
         char name[32];
         muster_Kind kind;
-        uint64_t durable_seq, reserved_seq;
+        uint64_t durable_seq, failed_seq, reserved_seq;
     } names[NAMES_MAX];
     uint32_t names_count;
     uint64_t run_wall_ns;
@@ -52,8 +52,10 @@ static inline void write_agent(const struct journal_entry *e)
     }
     disk.names_count += i == disk.names_count;
     struct name *n = &disk.names[i];
-    *n = (struct name){
-        .kind = e->agent_kind, .durable_seq = e->durable_seq, .reserved_seq = e->reserved_seq};
+    *n = (struct name){.kind = e->agent_kind,
+                       .durable_seq = e->durable_seq,
+                       .failed_seq = e->failed_seq,
+                       .reserved_seq = e->reserved_seq};
     snprintf(n->name, sizeof n->name, "%s", e->name);
 }
 
@@ -189,6 +191,7 @@ static inline void die_and_come_back(uint64_t later_ns)
                                   .name = n->name,
                                   .agent_kind = n->kind,
                                   .durable_seq = n->durable_seq,
+                                  .failed_seq = n->failed_seq,
                                   .reserved_seq = n->reserved_seq};
         refused += !journal_restore(story.b, &e);
     }

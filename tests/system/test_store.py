@@ -224,11 +224,11 @@ def test_stores_of_another_version_and_damaged_ones_are_refused():
         check_equal(broker.wait(), 0, "the broker's end")
         whole = store.read_bytes()
         with contextlib.closing(sqlite3.connect(store)) as db:
-            db.execute("UPDATE meta SET value = 2 WHERE key = 'schema'")
+            db.execute("UPDATE meta SET value = 1 WHERE key = 'schema'")
             db.commit()
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"another version: {text}")
-        check("version 2" in text, text)
+        check("of version 1" in text, text)
         store.write_bytes(whole[:len(whole) // 2])
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"half a file: {text}")

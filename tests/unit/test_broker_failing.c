@@ -98,6 +98,82 @@ static void test_mail_out_of_a_lock_step_is_stored_when_it_is(void)
     EXPECT("p-red@2; sim@2"); /* no last word */
 }
 
+/* --- what another life says of it ------------------------------------------------------------- */
+
+static void log_again(uint64_t seq, const char *dst)
+{
+    muster_Mail m = letter("red", seq, dst, "again");
+    m.level = muster_LEVEL_LOGGED;
+    m.again = true;
+    story_mail(m);
+}
+
+/* The broker dies before red has heard of anything. */
+static void test_what_had_no_row_was_not_delivered(void)
+{
+    team();
+    log_mail(1, "nobody", "one");
+    log_mail(2, "green,nobody", "two");
+    log_mail(3, "green", "three");
+    CU_ASSERT_TRUE(commit(true));
+    story_join("green");
+    story_ack("green", 2);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    die_and_come_back(SECOND);
+    story_join("red");
+    log_again(1, "nobody");
+    log_again(2, "green,nobody");
+    log_again(3, "green");
+    EXPECT("red 1-2 duplicate; red 3-3 delivered");
+}
+
+static void test_what_expired_was_not_delivered(void)
+{
+    team();
+    muster_Mail m = letter("red", 1, "green", "one");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = SECOND;
+    story_mail(m);
+    log_mail(2, "green", "two");
+    CU_ASSERT_TRUE(commit(true));
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    die_and_come_back(SECOND);
+    story_join("red");
+    log_again(1, "green");
+    log_again(2, "green");
+    EXPECT("red 1-1 duplicate; red 2-2 stored");
+}
+
+static void test_what_waits_for_a_step_goes_to_the_store_in_order(void)
+{
+    team();
+    story_join("robo");
+    lockstep_of("p-robo");
+    (void)commit(true);
+    log_mail(1, "robo", "one");  /* waits for the end of the step, */
+    log_mail(2, "green", "two"); /* and so does this */
+    send_at(muster_LEVEL_RAM, 3, "green", "three");
+    EXPECT("red 3-3 stored");
+    (void)commit(true);
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    die_and_come_back(SECOND);
+    story_join("red");
+    story_join("robo");
+    lockstep_of("p-robo");
+    log_again(1, "robo");
+    log_again(2, "green");
+    story_up("robo", 0, muster_STATE_RUNNING, NULL, 0, 0);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 2);
+    EXPECT("p-robo@0; robo #1 red/1 again; sim@0; outside red/1; outside red/2; "
+           "red 2-2 stored");
+    log_mail(4, "green", "four"); /* nothing waits any more */
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 3);
+}
+
 /* --- more than there is room for -------------------------------------------------------------- */
 
 static bool restore(uint64_t i, const char *waiting)
@@ -187,6 +263,9 @@ int main(void)
         {"what waits for a step", test_what_waits_for_a_step_meets_a_failing_disk},
         {"what is under way is not undone", test_what_is_under_way_is_not_undone},
         {"mail out of a lock step", test_mail_out_of_a_lock_step_is_stored_when_it_is},
+        {"what had no row", test_what_had_no_row_was_not_delivered},
+        {"what expired", test_what_expired_was_not_delivered},
+        {"to the store in order", test_what_waits_for_a_step_goes_to_the_store_in_order},
         {"a file with too much mail", test_a_file_with_too_much_mail},
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
