@@ -332,7 +332,7 @@ static void turns_drop(struct broker *b, uint32_t place)
         struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
-            store_release(&b->store, m);
+            router_drop(b, m);
         }
     }
 }

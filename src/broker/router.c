@@ -562,6 +562,17 @@ void router_turn_away(struct broker *b, struct mail *m)
     store_release(&b->store, m);
 }
 
+void router_drop(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    audience_of_mail(b, m, &to);
+    b->counters.sent += to.count + to.unknown;
+    b->counters.unknown_name += to.unknown;
+    b->counters.dropped += to.count;
+    answer(b, m, muster_OUTCOME_DROPPED);
+    store_release(&b->store, m);
+}
+
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
 {
     struct audience to; /* too large to be cleared for every answer */

@@ -174,6 +174,48 @@ static void test_what_waits_for_a_step_goes_to_the_store_in_order(void)
     CU_ASSERT_EQUAL(disk.rows_count, 3);
 }
 
+/* --- senders that are let go of --------------------------------------------------------------- */
+
+static void test_a_sender_that_was_away_is_told(void)
+{
+    team();
+    story_send("red", 1, "nobody", "x");
+    story_gone("p-red");
+    story_send("red", 2, "nobody", "nobody hears this");
+    log_mail(2, "green", "nor this");
+    CU_ASSERT_FALSE(commit(true));
+    story_tick(SECOND);
+    story_register("red", "p-red");
+    story_match("p-red");
+    EXPECT("red 1-1 unknown-name; red welcome 1");
+}
+
+static void test_what_an_expelled_process_has_sent_is_dropped(void)
+{
+    char *processes[] = {words("p-pink"), words("p-red")};
+    muster_Roster r = {
+        .simulator = words("sim"), .broker = words(""), .lockstep = true, .step_ns = 100 * MS};
+    r.processes._buffer = processes;
+    r.processes._length = 2;
+    team();
+    story_join("pink");
+    story_match("sim");
+    broker_roster(story.b, &r, story.now_ns);
+    (void)story_collect();
+    uint64_t sent = story_status().sent;
+    muster_Mail mails[] = {letter("red", 1, "pink,green", "x"), letter("red", 2, "nobody", "y")};
+    story_up("red", 0, muster_STATE_RUNNING, mails, 2, 0);
+    CU_ASSERT_EQUAL(story_status().stored, 2);
+    r.processes._length = 1;
+    broker_roster(story.b, &r, story.now_ns);
+    EXPECT("red 1-2 dropped");
+    muster_BrokerStatus s = story_status();
+    CU_ASSERT_EQUAL(s.stored, 0);
+    CU_ASSERT_EQUAL(s.sent, sent + 3);
+    CU_ASSERT_EQUAL(s.dropped, 2);
+    CU_ASSERT_EQUAL(s.unknown_name, 1);
+}
+
 /* --- more than there is room for -------------------------------------------------------------- */
 
 static bool restore(uint64_t i, const char *waiting)
@@ -266,6 +308,8 @@ int main(void)
         {"what had no row", test_what_had_no_row_was_not_delivered},
         {"what expired", test_what_expired_was_not_delivered},
         {"to the store in order", test_what_waits_for_a_step_goes_to_the_store_in_order},
+        {"a sender that was away", test_a_sender_that_was_away_is_told},
+        {"an expelled process", test_what_an_expelled_process_has_sent_is_dropped},
         {"a file with too much mail", test_a_file_with_too_much_mail},
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
