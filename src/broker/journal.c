@@ -146,6 +146,33 @@ void journal_put(struct broker *b, struct mail *m)
     }
 }
 
+void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m)
+{
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    if (!m->journal_written) {
+        return;
+    }
+    if (box->unsaved_commits != b->journal.commits) {
+        box->unsaved_commits = b->journal.commits;
+        box->unsaved = 0;
+    }
+    box->unsaved++;
+}
+
+uint32_t journal_room(const struct broker *b, uint32_t agent)
+{
+    const struct box *box = &b->mailbox.boxes[agent];
+    if (!b->journal.failing) {
+        return UINT32_MAX;
+    }
+    uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
+    for (uint32_t post = box->lists[POST_FLIGHT].head; post != MU_NONE;
+         post = mailbox_next(&b->mailbox, post)) {
+        may_come_again += b->mailbox.posts[post].mail->journal_written;
+    }
+    return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;
+}
+
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
 {
     struct agent *a = &b->registry.agents[sender];
@@ -425,9 +452,13 @@ static void marks_clear(struct broker *b)
 void journal_committed(struct broker *b, bool ok, uint64_t now_ns)
 {
     struct journal *j = &b->journal;
+    bool failed_before = j->failing;
     j->failing = !ok;
     if (ok) {
         j->commits++;
+        for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
+            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
+        }
         mails_committed(b);
         marks_clear(b);
     } else {

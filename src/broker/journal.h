@@ -123,6 +123,17 @@ bool journal_takes(const struct broker *b);
 /** A durable mail stands in boxes.  Other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
+/** An agent has acknowledged a mail. */
+void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m);
+
+/**
+ * A receiver need not remember more than a window of mails that may come again, so no more go out
+ * before its acknowledgements are on disk.
+ *
+ * @return how many mails of the store the agent may be handed now
+ */
+uint32_t journal_room(const struct broker *b, uint32_t agent);
+
 /** A mail was not delivered, whether it stood in boxes or not: later lives do not say that it was.
  */
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter);

@@ -286,6 +286,7 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         m->passed_on = m->passed_on || beyond;
+        journal_acknowledged(b, agent, m);
         *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
         settle(b, m);
     }

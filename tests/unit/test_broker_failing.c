@@ -98,6 +98,55 @@ static void test_mail_out_of_a_lock_step_is_stored_when_it_is(void)
     EXPECT("p-red@2; sim@2"); /* no last word */
 }
 
+/* @return how many mails go out, all of which are acknowledged */
+static uint32_t take_all(void)
+{
+    const char *process;
+    muster_Delivery d;
+    uint32_t count = 0;
+    uint64_t last = 0;
+    while (broker_next(story.b, &process, &d)) {
+        for (uint32_t i = 0; i < d.parcels._length; i++) {
+            last = d.parcels._buffer[i].number;
+        }
+        count += d.parcels._length;
+        broker_delivered(story.b, story.now_ns);
+    }
+    if (last > 0) {
+        story_ack("green", last);
+    }
+    return count;
+}
+
+/* What a receiver may get again is a window of mails, and it remembers no more. */
+static void test_one_window_goes_out_until_it_is_known_on_disk(void)
+{
+    team();
+    for (uint64_t seq = 1; seq <= 3 * MU_WINDOW_MAX; seq++) {
+        log_mail(seq, "green", "x");
+    }
+    CU_ASSERT_TRUE(commit(true));
+    (void)story_collect();
+    story_register("green", "p-green");
+    story_match("p-green");
+    CU_ASSERT_EQUAL(take_all(), MU_WINDOW_MAX);
+    CU_ASSERT_TRUE(commit(false));
+    CU_ASSERT_EQUAL(take_all(), 0);
+    muster_Mail m = letter("red", 3 * MU_WINDOW_MAX + 1, "green", "brief");
+    m.priority = 1;
+    story_mail(m);
+    CU_ASSERT_EQUAL(take_all(), 1); /* memory is enough for that */
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(false));
+    CU_ASSERT_EQUAL(take_all(), 0);
+    story_tick(SECOND);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 2 * MU_WINDOW_MAX);
+    CU_ASSERT_EQUAL(take_all(), MU_WINDOW_MAX);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(take_all(), MU_WINDOW_MAX);
+}
+
 /* --- what another life says of it ------------------------------------------------------------- */
 
 static void log_again(uint64_t seq, const char *dst)
@@ -310,6 +359,7 @@ int main(void)
         {"to the store in order", test_what_waits_for_a_step_goes_to_the_store_in_order},
         {"a sender that was away", test_a_sender_that_was_away_is_told},
         {"an expelled process", test_what_an_expelled_process_has_sent_is_dropped},
+        {"one window goes out", test_one_window_goes_out_until_it_is_known_on_disk},
         {"a file with too much mail", test_a_file_with_too_much_mail},
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
