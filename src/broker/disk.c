@@ -84,7 +84,7 @@ static bool put_mail(struct disk *d, const struct journal_entry *e)
     fill_number_or_null(&f, m->reply_by_ns);
     fill_number_or_null(&f, (uint64_t)(int64_t)m->priority);
     fill_number_or_null(&f, m->hops);
-    fill_number_or_null(&f, (uint64_t)(m->due_ns + 1)); /* so that "at once", -1, is nothing */
+    fill_number_or_null(&f, (uint64_t)m->due_ns + 1); /* so that "at once", -1, is nothing */
     fill_number_or_null(&f, m->ttl_ns);
     fill_text(&f, m->content);
     return run(f.statement);

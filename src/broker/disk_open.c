@@ -97,7 +97,7 @@ static bool value_read(struct disk *d, const char *sql, int64_t *out)
 /* Is this file ours, and whole?  Nothing in it is changed. */
 static mu_result file_check(struct disk *d, bool *is_new)
 {
-    int64_t application, tables, version;
+    int64_t application, tables, version, incarnation;
     if (!value_read(d, "PRAGMA application_id", &application) ||
         !value_read(d, "SELECT count(*) FROM sqlite_schema", &tables)) {
         return complain_of(d);
@@ -120,6 +120,12 @@ static mu_result file_check(struct disk *d, bool *is_new)
         return complain(MU_FAULT_FILE, d->path, what,
                         "it was left as it is: use the broker that wrote it, or give another"
                         " --store FILE");
+    }
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &incarnation)) {
+        return complain_of(d);
+    }
+    if (incarnation < 0 || (uint64_t)incarnation > JOURNAL_NUMBER_MAX) {
+        return complain_damaged(d, "the store is damaged");
     }
     return MU_OK;
 }
@@ -212,6 +218,8 @@ mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
                            ? store_begin(d, wall_ns)
                            : complain_of(d);
     if (result != MU_OK) {
+        /* Another program's log is its own affair. */
+        (void)sqlite3_db_config(d->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
         disk_close(d);
         return result;
     }

@@ -292,7 +292,9 @@ static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
         return 0;
     }
     uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    return presence_wall_ns(b) + (at_ns > mail_ns ? at_ns - mail_ns : 0);
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = presence_wall_ns(b);
+    bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
+    return fits ? wall_ns + left_ns : INT64_MAX;
 }
 
 static bool next_agent(struct broker *b, struct journal_entry *e)

@@ -31,6 +31,9 @@ enum {
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
 
+/* No row, stamp or incarnation of a broker goes so far; what stands in a file may. */
+#define JOURNAL_NUMBER_MAX ((uint64_t)INT64_MAX / 2)
+
 /* Lines of other parts: each part numbers its own from 0. */
 enum journal_lines { JOURNAL_GROUPS, JOURNAL_SERVICES, JOURNAL_LINE_KINDS };
 
@@ -188,7 +191,8 @@ void journal_committed(struct broker *b, bool ok, uint64_t now_ns);
  * Takes in what an earlier life has left: names, then lines, clock and mails in order of row, and
  * before anything else happens.
  *
- * @return false: it is malformed, or there is no room; it stays on disk
+ * @return false: it is malformed, or there is no room; a mail stays on disk, a line until the lines
+ *         of its kind are written again
  */
 bool journal_restore(struct broker *b, const struct journal_entry *entry);
 

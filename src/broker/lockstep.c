@@ -324,7 +324,7 @@ static void place_leave(struct broker *b, uint32_t place)
     places_tidy(&b->places, place);
 }
 
-/* None of what an expelled process has done in this step exists. */
+/* None of what an expelled process has done in this step takes effect. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;

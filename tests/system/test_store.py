@@ -198,12 +198,21 @@ def test_files_that_are_no_store_are_refused_and_left_as_they_are():
         with contextlib.closing(sqlite3.connect(foreign)) as db:
             db.execute("CREATE TABLE t (x)")
             db.commit()
-        for path in (garbage, short, foreign):
+        logged, log = out / "logged.db", out / "logged.db-wal"
+        with contextlib.closing(sqlite3.connect(out / "busy.db")) as db:
+            db.execute("PRAGMA journal_mode = WAL")
+            db.execute("CREATE TABLE t (x)")
+            db.commit()
+            logged.write_bytes((out / "busy.db").read_bytes())
+            log.write_bytes((out / "busy.db-wal").read_bytes())
+        for path in (garbage, short, foreign, logged):
             before = path.read_bytes()
+            log_before = log.read_bytes()
             code, text = refused_start(domain, path)
             check_equal(code, 3, f"{path.name}: {text}")
             check(str(path) in text and "--store" in text, text)
             check_equal(path.read_bytes(), before, f"{path.name} afterwards")
+            check(log.exists() and log.read_bytes() == log_before, f"the log of {path.name}")
         for path in (out, garbage / "below.db", "/proc/muster/x.db"):
             code, text = refused_start(domain, path)
             check_equal(code, 9, f"{path}: {text}")
@@ -229,6 +238,13 @@ def test_stores_of_another_version_and_damaged_ones_are_refused():
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"another version: {text}")
         check("of version 1" in text, text)
+        store.write_bytes(whole)
+        with contextlib.closing(sqlite3.connect(store)) as db:
+            db.execute("UPDATE meta SET value = -1 WHERE key = 'incarnation'")
+            db.commit()
+        code, text = refused_start(domain, store)
+        check_equal(code, 3, f"no incarnation: {text}")
+        check("damaged" in text, text)
         store.write_bytes(whole[:len(whole) // 2])
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"half a file: {text}")

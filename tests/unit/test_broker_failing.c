@@ -307,6 +307,21 @@ static void test_a_file_with_mail_for_nobody(void)
     CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, 0);
 }
 
+static void test_a_time_to_live_beyond_all_time(void)
+{
+    team();
+    muster_Mail m = letter("red", 1, "green", "x");
+    m.level = muster_LEVEL_LOGGED;
+    m.ttl_ns = UINT64_MAX - WALL + 5;
+    story_mail(m);
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows[0].expires_wall_ns, INT64_MAX);
+    die_and_come_back(SECOND);
+    story_tick(1);
+    CU_ASSERT_EQUAL(story_status().expired, 0);
+    CU_ASSERT_EQUAL(story_status().waiting, 1);
+}
+
 /* Others have filled the store when a lock step begins, and all mail has a time to live. */
 static void test_a_lock_step_finds_the_store_full(void)
 {
@@ -362,6 +377,7 @@ int main(void)
         {"one window goes out", test_one_window_goes_out_until_it_is_known_on_disk},
         {"a file with too much mail", test_a_file_with_too_much_mail},
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
+        {"a time to live beyond all time", test_a_time_to_live_beyond_all_time},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
         CU_TEST_INFO_NULL,
     };

@@ -326,6 +326,10 @@ static void test_a_file_is_no_better_than_the_network(void)
     e = good;
     e.row = 0;
     restore_bad(e);
+    e.row = JOURNAL_NUMBER_MAX + 1;
+    restore_bad(e);
+    e.row = UINT64_MAX; /* the next one would be 0 */
+    restore_bad(e);
     CU_ASSERT_EQUAL(story_status().waiting, 0);
     struct journal_entry green = {.kind = JOURNAL_AGENT, .name = "green"};
     CU_ASSERT_TRUE(journal_restore(story.b, &green));
@@ -419,6 +423,10 @@ static void test_bad_lines_stay_on_disk(void)
     e = good;
     e.lines = JOURNAL_LINE_KINDS;
     restore_bad(e);
+    e = good;
+    e.line.stamp_ns = JOURNAL_NUMBER_MAX + 1;
+    restore_bad(e);
+    CU_ASSERT_FALSE(story.b->journal.slots[JOURNAL_GROUPS].reset);
     CU_ASSERT_TRUE(journal_restore(story.b, &good));
     CU_ASSERT_TRUE(is_member("scouts", "red"));
 }
