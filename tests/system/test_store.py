@@ -10,7 +10,7 @@ import subprocess
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
 
-MAILS, KILLS = 20000, 6
+MAILS, KILLS, WINDOW = 20000, 6, 200
 
 
 def whole_lines(path):
@@ -155,13 +155,13 @@ def store_rows(path):
 
 def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
     domain = new_domain()
-    limit = 256 * 1024
+    limit, endless = 256 * 1024, resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     with folder() as out, Processes() as processes, (out / "log").open("w") as log:
         store = out / "store.db"
         broker = processes.start(
             MUSTER, "broker", "main", "--domain", domain, "--store", store,
             stderr=log,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, endless)))
         wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
         receiver = receiver_start(processes, domain, out)
         wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
@@ -175,6 +175,9 @@ def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
         done = muster("send", "receiver", "count", "0", "--domain", domain)
         check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "ram mail")
         receiver_start(processes, domain, out)
+        # More goes out when it is on disk that these are through.
+        wait_for(lambda: len(taken(out / "record")) >= WINDOW, 10, "a window of mails")
+        resource.prlimit(broker.pid, resource.RLIMIT_FSIZE, (endless, endless))
         wait_for(lambda: taken(out / "record")[-1:] == [0], 10, "ram mail, and all before it")
         check_equal(taken(out / "record"), sorted(good) + [0], "the record")
         check(broker.poll() is None, "the broker lives")
