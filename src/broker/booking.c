@@ -44,12 +44,16 @@ bool booking_take_veiled(struct broker *b, struct mail *m, uint32_t posts)
     return account_take(b, m, SHARE_OUTSIDE, posts, &m->booked_veiled);
 }
 
-void booking_restore(struct broker *b, struct mail *m, uint32_t posts)
+bool booking_restore(struct broker *b, struct mail *m, uint32_t posts)
 {
+    enum share_side side;
     m->booked = (struct share_use){.mails = 1, .bytes = store_bytes(m), .posts = posts};
-    m->side = SHARE_OUTSIDE;
-    share_add(&b->shares.senders[SHARE_OUTSIDE][m->payer], &m->booked);
-    share_add(&b->shares.all[SHARE_OUTSIDE], &m->booked);
+    bool fits = share_restore(&b->shares, &side, m->payer, &m->booked);
+    m->side = (uint8_t)side;
+    if (!fits) {
+        m->booked = (struct share_use){0};
+    }
+    return fits;
 }
 
 /* left: posts that stay; the mail stays with them */

@@ -16,8 +16,8 @@ struct broker;
 /** Books a mail and its places in boxes.  @return false: refused and counted */
 bool booking_take(struct broker *b, struct mail *m, uint32_t posts);
 
-/** Books a mail of an earlier life of the broker, whatever the limits. */
-void booking_restore(struct broker *b, struct mail *m, uint32_t posts);
+/** Books a mail of an earlier life of the broker.  @return false: the store is full */
+bool booking_restore(struct broker *b, struct mail *m, uint32_t posts);
 
 /**
  * Books places in boxes outside the lock step that the sender is in.  They are not on its account

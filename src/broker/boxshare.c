@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/boxshare.h"
 
-#include "muster/limits.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 
@@ -12,7 +11,7 @@ void boxshare_init(struct boxshares *p)
         slots *= 2;
     }
     *p = (struct boxshares){.free = MU_NONE, .mask = slots - 1};
-    p->pool = mu_startup_array(MU_POSTS_MAX, sizeof *p->pool);
+    p->pool = mu_startup_array(SHARE_POSTS_MAX, sizeof *p->pool);
     p->heads = mu_startup_array(slots, sizeof *p->heads);
 }
 
@@ -45,7 +44,7 @@ uint32_t boxshare_get(struct boxshares *p, uint32_t box, uint32_t sender)
     if (pair != MU_NONE) {
         p->free = p->pool[pair].next;
     } else {
-        MU_ASSERT(p->used < MU_POSTS_MAX); /* each has a post */
+        MU_ASSERT(p->used < SHARE_POSTS_MAX); /* each has a post */
         pair = p->used++;
     }
     uint32_t *head = head_of(p, box, sender);

@@ -29,7 +29,7 @@ struct boxshare {
 };
 
 struct boxshares {
-    struct boxshare *pool; /* MU_POSTS_MAX of them */
+    struct boxshare *pool; /* SHARE_POSTS_MAX of them */
     uint32_t used;         /* high-water mark */
     uint32_t free;
     uint32_t live;

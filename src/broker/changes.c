@@ -7,9 +7,10 @@ void changes_init(struct changes *c, uint32_t capacity)
 {
     *c = (struct changes){.first = MU_NONE, .last = MU_NONE};
     c->lines = mu_startup_array(capacity, sizeof *c->lines);
+    c->gone = mu_startup_array(capacity, sizeof *c->gone);
 }
 
-void changes_remove(struct changes *c, uint32_t line)
+static void line_unlink(struct changes *c, uint32_t line)
 {
     struct change *l = &c->lines[line];
     if (l->version == 0) {
@@ -28,10 +29,32 @@ void changes_remove(struct changes *c, uint32_t line)
     }
 }
 
+void changes_remove(struct changes *c, uint32_t line)
+{
+    line_unlink(c, line);
+    if (!c->lines[line].gone) {
+        c->lines[line].gone = true;
+        c->gone[c->gone_count++] = line;
+    }
+}
+
+uint32_t changes_gone(struct changes *c)
+{
+    if (c->gone_count == 0) {
+        return MU_NONE;
+    }
+    uint32_t line = c->gone[--c->gone_count];
+    c->lines[line].gone = false;
+    return line;
+}
+
 void changes_touch(struct changes *c, uint32_t line)
 {
-    changes_remove(c, line);
-    c->lines[line] = (struct change){.version = ++c->version, .next = MU_NONE, .prev = c->last};
+    line_unlink(c, line);
+    struct change *l = &c->lines[line];
+    l->version = ++c->version;
+    l->next = MU_NONE;
+    l->prev = c->last;
     if (c->last == MU_NONE) {
         c->first = line;
     } else {

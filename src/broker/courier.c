@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/courier.h"
 
+#include "broker/journal.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -135,7 +136,8 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
     struct box *box = mailbox_box(&b->mailbox, agent);
     enum mailbox_gate gate = router_gate(b, agent);
     bool awake = is_awake(b, b->courier.open_lockstep);
-    mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT);
+    mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
+                     journal_room(b, agent));
     uint64_t number = box->acked + box->written;
     uint32_t i = box->out;
     for (; i != MU_NONE && room->parcels > 0; i = mailbox_next(&b->mailbox, i)) {

@@ -84,7 +84,7 @@ static bool put_mail(struct disk *d, const struct journal_entry *e)
     fill_number_or_null(&f, m->reply_by_ns);
     fill_number_or_null(&f, (uint64_t)(int64_t)m->priority);
     fill_number_or_null(&f, m->hops);
-    fill_number_or_null(&f, (uint64_t)(m->due_ns + 1)); /* so that "at once", -1, is nothing */
+    fill_number_or_null(&f, (uint64_t)m->due_ns + 1); /* so that "at once", -1, is nothing */
     fill_number_or_null(&f, m->ttl_ns);
     fill_text(&f, m->content);
     return run(f.statement);
@@ -97,6 +97,7 @@ static bool put_agent(struct disk *d, const struct journal_entry *e)
     fill_text(&f, registry_kind_word(e->agent_kind));
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
+    fill_number(&f, e->failed_seq);
     return run(f.statement);
 }
 

@@ -36,6 +36,7 @@ static void read_agent(struct reading *r, struct journal_entry *e)
     }
     e->durable_seq = read_number(r);
     e->reserved_seq = read_number(r);
+    e->failed_seq = read_number(r);
 }
 
 static void read_line(struct reading *r, struct journal_entry *e)
@@ -85,7 +86,7 @@ static void read_mail(struct reading *r, struct journal_entry *e)
     m->reply_by_ns = read_number(r);
     m->priority = (int32_t)read_number(r);
     m->hops = (uint32_t)read_number(r);
-    m->due_ns = (int64_t)read_number(r) - 1;
+    m->due_ns = (int64_t)(read_number(r) - 1);
     m->ttl_ns = read_number(r);
     m->content = read_text(r);
 }

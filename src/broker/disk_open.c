@@ -14,7 +14,8 @@ static const char schema[] =
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;"
     "CREATE TABLE agents (name TEXT PRIMARY KEY, kind TEXT,\n"
     "  durable_seq INTEGER,  -- the last of its mails that was stored\n"
-    "  reserved_seq INTEGER  -- a later process of that name goes on after this number\n"
+    "  reserved_seq INTEGER, -- a later process of that name goes on after this number\n"
+    "  failed_seq INTEGER    -- the last that was meant for the store and not delivered\n"
     ") WITHOUT ROWID;"
     "CREATE TABLE mails (\n"
     "  id INTEGER PRIMARY KEY,  -- in the order in which they came\n"
@@ -30,7 +31,7 @@ static const char schema[] =
     "CREATE TABLE lines (kind TEXT, slot INTEGER, key TEXT, agent TEXT, present INTEGER,\n"
     "  attributes TEXT, lease_ns INTEGER, stamp_ns INTEGER, origin TEXT,\n"
     "  PRIMARY KEY (kind, slot)) WITHOUT ROWID;"
-    "INSERT INTO meta VALUES ('schema', 1), ('store', lower(hex(randomblob(8)))),"
+    "INSERT INTO meta VALUES ('schema', 2), ('store', lower(hex(randomblob(8)))),"
     "  ('incarnation', 0), ('run_wall_ns', 0);"
     "COMMIT;";
 
@@ -38,7 +39,7 @@ static const char *const statements[DISK_STATEMENTS] = {
     [DISK_BEGIN] = "BEGIN IMMEDIATE",
     [DISK_COMMIT] = "COMMIT",
     [DISK_ROLLBACK] = "ROLLBACK",
-    [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?)",
+    [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?, ?)",
     [DISK_PUT_MAIL] = "INSERT INTO mails VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
                       " ?, ?, ?)",
     [DISK_SET_WAITING] = "UPDATE mails SET waiting = ? WHERE id = ?",
@@ -96,7 +97,7 @@ static bool value_read(struct disk *d, const char *sql, int64_t *out)
 /* Is this file ours, and whole?  Nothing in it is changed. */
 static mu_result file_check(struct disk *d, bool *is_new)
 {
-    int64_t application, tables, version;
+    int64_t application, tables, version, incarnation;
     if (!value_read(d, "PRAGMA application_id", &application) ||
         !value_read(d, "SELECT count(*) FROM sqlite_schema", &tables)) {
         return complain_of(d);
@@ -119,6 +120,12 @@ static mu_result file_check(struct disk *d, bool *is_new)
         return complain(MU_FAULT_FILE, d->path, what,
                         "it was left as it is: use the broker that wrote it, or give another"
                         " --store FILE");
+    }
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &incarnation)) {
+        return complain_of(d);
+    }
+    if (incarnation < 0 || (uint64_t)incarnation > JOURNAL_NUMBER_MAX) {
+        return complain_damaged(d, "the store is damaged");
     }
     return MU_OK;
 }
@@ -211,6 +218,8 @@ mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
                            ? store_begin(d, wall_ns)
                            : complain_of(d);
     if (result != MU_OK) {
+        /* Another program's log is its own affair. */
+        (void)sqlite3_db_config(d->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
         disk_close(d);
         return result;
     }

@@ -11,7 +11,7 @@
 #include <limits.h>
 #include <sqlite3.h>
 
-enum { DISK_SCHEMA = 1, DISK_APPLICATION = 0x6d757374 /* "must" */ };
+enum { DISK_SCHEMA = 2, DISK_APPLICATION = 0x6d757374 /* "must" */ };
 
 enum disk_statement {
     DISK_BEGIN,

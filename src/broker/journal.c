@@ -146,6 +146,45 @@ void journal_put(struct broker *b, struct mail *m)
     }
 }
 
+void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m)
+{
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    if (!m->journal_written) {
+        return;
+    }
+    if (box->unsaved_commits != b->journal.commits) {
+        box->unsaved_commits = b->journal.commits;
+        box->unsaved = 0;
+    }
+    box->unsaved++;
+}
+
+uint32_t journal_room(const struct broker *b, uint32_t agent)
+{
+    const struct box *box = &b->mailbox.boxes[agent];
+    if (!b->journal.failing) {
+        return UINT32_MAX;
+    }
+    uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
+    for (uint32_t post = box->lists[POST_FLIGHT].head; post != MU_NONE;
+         post = mailbox_next(&b->mailbox, post)) {
+        may_come_again += b->mailbox.posts[post].mail->journal_written;
+    }
+    return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;
+}
+
+void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (letter->level == muster_LEVEL_RAM || letter->hops > 0 || letter->seq <= a->failed_seq) {
+        return;
+    }
+    a->failed_seq = letter->seq;
+    if (letter->seq <= a->durable_seq) { /* else nobody asks before one has gone to the store */
+        agent_mark(b, sender);
+    }
+}
+
 void journal_settled(struct broker *b, struct mail *m)
 {
     if (m->row == 0) {
@@ -253,7 +292,9 @@ static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
         return 0;
     }
     uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    return presence_wall_ns(b) + (at_ns > mail_ns ? at_ns - mail_ns : 0);
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = presence_wall_ns(b);
+    bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
+    return fits ? wall_ns + left_ns : INT64_MAX;
 }
 
 static bool next_agent(struct broker *b, struct journal_entry *e)
@@ -267,6 +308,7 @@ static bool next_agent(struct broker *b, struct journal_entry *e)
     e->name = a->name;
     e->agent_kind = a->saved_kind;
     e->durable_seq = a->durable_seq;
+    e->failed_seq = a->failed_seq;
     e->reserved_seq = a->reserved_seq;
     return true;
 }
@@ -363,7 +405,17 @@ static void mails_committed(struct broker *b)
     j->first = j->last = NULL;
 }
 
-/* New mails are not taken after all; what is on disk already stays marked. */
+/* @return whether somebody may have it already: that is not to be undone */
+static bool mail_is_out(const struct broker *b, const struct mail *m)
+{
+    uint32_t post = m->posts;
+    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
+        post = b->mailbox.posts[post].sibling_next;
+    }
+    return post != MU_NONE;
+}
+
+/* New mails are not taken after all; what is on disk already, or under way, stays marked. */
 static void mails_failed(struct broker *b)
 {
     struct journal *j = &b->journal;
@@ -372,7 +424,7 @@ static void mails_failed(struct broker *b)
     for (; m; m = next) {
         next = m->journal_next;
         m->journal_listed = false;
-        if (m->journal_written) {
+        if (m->journal_written || mail_is_out(b, m)) {
             mail_mark(j, m);
         } else if (m->unsettled > 0) {
             name_remove(j, m);
@@ -402,9 +454,13 @@ static void marks_clear(struct broker *b)
 void journal_committed(struct broker *b, bool ok, uint64_t now_ns)
 {
     struct journal *j = &b->journal;
+    bool failed_before = j->failing;
     j->failing = !ok;
     if (ok) {
         j->commits++;
+        for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
+            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
+        }
         mails_committed(b);
         marks_clear(b);
     } else {

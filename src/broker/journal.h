@@ -31,6 +31,9 @@ enum {
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
 
+/* No row, stamp or incarnation of a broker goes so far; what stands in a file may. */
+#define JOURNAL_NUMBER_MAX ((uint64_t)INT64_MAX / 2)
+
 /* Lines of other parts: each part numbers its own from 0. */
 enum journal_lines { JOURNAL_GROUPS, JOURNAL_SERVICES, JOURNAL_LINE_KINDS };
 
@@ -53,7 +56,7 @@ struct journal_source {
 };
 
 enum journal_kind {
-    JOURNAL_AGENT,   /* name, kind, durable_seq, reserved_seq */
+    JOURNAL_AGENT,   /* name, kind, durable_seq, failed_seq, reserved_seq */
     JOURNAL_MAIL,    /* row, letter, waiting, expires_wall_ns */
     JOURNAL_WAITING, /* row, waiting: some receivers have settled it */
     JOURNAL_GONE,    /* row to last_row: nobody waits for these */
@@ -67,7 +70,7 @@ struct journal_entry {
     enum journal_kind kind;
     const char *name; /* of an agent */
     muster_Kind agent_kind;
-    uint64_t durable_seq, reserved_seq;
+    uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
     const char *waiting;      /* names, joined by commas */
@@ -123,6 +126,21 @@ bool journal_takes(const struct broker *b);
 /** A durable mail stands in boxes.  Other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
+/** An agent has acknowledged a mail. */
+void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m);
+
+/**
+ * A receiver need not remember more than a window of mails that may come again, so no more go out
+ * before its acknowledgements are on disk.
+ *
+ * @return how many mails of the store the agent may be handed now
+ */
+uint32_t journal_room(const struct broker *b, uint32_t agent);
+
+/** A mail was not delivered, whether it stood in boxes or not: later lives do not say that it was.
+ */
+void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter);
+
 /** A receiver is through with a mail: m->unsettled says how many are not.  Call before the last
  *  use of it ends. */
 void journal_settled(struct broker *b, struct mail *m);
@@ -173,7 +191,8 @@ void journal_committed(struct broker *b, bool ok, uint64_t now_ns);
  * Takes in what an earlier life has left: names, then lines, clock and mails in order of row, and
  * before anything else happens.
  *
- * @return false: it is malformed, or there is no room; it stays on disk
+ * @return false: it is malformed, or there is no room; a mail stays on disk, a line until the lines
+ *         of its kind are written again
  */
 bool journal_restore(struct broker *b, const struct journal_entry *entry);
 

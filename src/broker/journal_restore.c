@@ -28,6 +28,7 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
         journal_await(b, agent);
     }
     a->durable_seq = e->durable_seq;
+    a->failed_seq = e->failed_seq;
     a->earlier_seq = a->reserved_seq = e->reserved_seq;
     registry_touch(&b->registry, agent);
     return true;
@@ -56,10 +57,13 @@ static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
 static bool restore_mail(struct broker *b, const struct journal_entry *e)
 {
     struct journal *j = &b->journal;
+    if (e->row == 0 || e->row > JOURNAL_NUMBER_MAX) {
+        return false;
+    }
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
-    if (sender == MU_NONE || e->row == 0 || e->letter.level == muster_LEVEL_RAM ||
-        !border_mail(&e->letter) || !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
+    if (sender == MU_NONE || e->letter.level == muster_LEVEL_RAM || !border_mail(&e->letter) ||
+        !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }
@@ -67,12 +71,14 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     letter.again = true;
     struct mail *m = store_put(&b->store, &letter);
     if (!m) {
+        journal_failed(b, sender, &letter);
         return false;
     }
     m->sender = m->payer = sender;
     m->row = e->row;
     m->journal_written = true;
     if (!router_restore(b, m, e->waiting, left_ns(b, e))) {
+        journal_failed(b, sender, &letter);
         return false;
     }
     journal_enter(j, m);
@@ -89,13 +95,14 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
     if ((unsigned)e->lines >= JOURNAL_LINE_KINDS || !b->journal.slots[e->lines].source) {
         return false;
     }
-    b->journal.slots[e->lines].reset = true;
-    return border_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
-           border_string(l->agent, MU_NAME_MAX) &&
-           (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
-           border_string(l->attributes, MU_ATTRIBUTES_MAX) &&
-           border_string(l->origin, MU_FIELD_MAX) &&
-           b->journal.slots[e->lines].source->restore(b, l);
+    struct journal_slots *s = &b->journal.slots[e->lines];
+    bool taken =
+        border_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
+        border_string(l->agent, MU_NAME_MAX) && (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
+        border_string(l->attributes, MU_ATTRIBUTES_MAX) && border_string(l->origin, MU_FIELD_MAX) &&
+        l->stamp_ns <= JOURNAL_NUMBER_MAX && s->source->restore(b, l);
+    s->reset = s->reset || taken;
+    return taken;
 }
 
 /* A run that went on by the wall has gone on. */

@@ -61,6 +61,11 @@ void lockstep_open_turn(struct lockstep *l)
     l->turn_bytes = each > STORE_RECORD_MAX ? each : STORE_RECORD_MAX;
 }
 
+static bool mail_is_durable(const struct mail *m)
+{
+    return m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
+}
+
 bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 {
     static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
@@ -75,6 +80,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         share_add(&l->outside_use, &want);
         l->outside_waiting++;
         turn->addresses += mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
+        turn->durable += mail_is_durable(m);
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -87,6 +93,11 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent)
 {
     return l->turns[agent].addresses > 0;
+}
+
+bool lockstep_keeps_durable(const struct lockstep *l, uint32_t agent)
+{
+    return l->turns[agent].durable > 0;
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
@@ -192,6 +203,7 @@ static void outside_apply(struct broker *b)
             struct mail *m = list_pop(&turn->outside);
             l->outside_waiting--;
             turn->addresses -= mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
+            turn->durable -= mail_is_durable(m);
             struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
             share_subtract(&turn->outside_use, &less);
             share_subtract(&l->outside_use, &less);
@@ -312,7 +324,7 @@ static void place_leave(struct broker *b, uint32_t place)
     places_tidy(&b->places, place);
 }
 
-/* None of what an expelled process has done in this step exists. */
+/* None of what an expelled process has done in this step takes effect. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
@@ -320,7 +332,7 @@ static void turns_drop(struct broker *b, uint32_t place)
         struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
         for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
-            store_release(&b->store, m);
+            router_drop(b, m);
         }
     }
 }

@@ -31,6 +31,7 @@ struct turn {
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
     uint32_t addresses; /* among the mails from outside: those to SCHEME:REST */
+    uint32_t durable;   /* among them: mails of its own that are to go to the store */
     bool active;        /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
@@ -89,6 +90,9 @@ void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
 
 /** @return whether mail of the agent waits here whose receivers nobody knows yet */
 bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent);
+
+/** @return whether mail of the agent for the store waits here: it is to go there in order */
+bool lockstep_keeps_durable(const struct lockstep *l, uint32_t agent);
 
 /** The simulator has been told of the mails from outside. */
 void lockstep_told(struct broker *b);

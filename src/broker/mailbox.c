@@ -6,7 +6,7 @@
 void mailbox_init(struct mailbox *m, uint32_t agents)
 {
     *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
-    m->posts = mu_startup_array(MU_POSTS_MAX, sizeof *m->posts);
+    m->posts = mu_startup_array(SHARE_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
     boxshare_init(&m->shares);
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
@@ -158,7 +158,7 @@ static uint32_t post_take(struct mailbox *m)
     uint32_t post = m->posts_free;
     if (post != MU_NONE) {
         m->posts_free = mailbox_next(m, post);
-    } else if (m->posts_used < MU_POSTS_MAX) {
+    } else if (m->posts_used < SHARE_POSTS_MAX) {
         post = m->posts_used++;
     } else {
         return MU_NONE;
@@ -244,10 +244,16 @@ void mailbox_withdraw(struct mailbox *m, uint32_t post)
 
 /* --- handing out ------------------------------------------------------------------------------ */
 
-static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list list, uint32_t window)
+static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list list, uint32_t window,
+                           uint32_t *written)
 {
     while (box->lists[list].count > 0 && box->lists[POST_FLIGHT].count < window) {
         uint32_t post = box->lists[list].head;
+        bool is_written = m->posts[post].mail->journal_written;
+        if (is_written && *written == 0) {
+            return;
+        }
+        *written -= is_written;
         list_remove(m, box, post);
         list_append(m, box, post, POST_FLIGHT);
         if (box->out == MU_NONE) {
@@ -256,17 +262,17 @@ static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list li
     }
 }
 
-void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate)
+void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written)
 {
     if (!mailbox_is_begun(m, agent)) {
         return;
     }
     struct box *box = mailbox_box(m, agent);
     if (gate != GATE_SHUT) {
-        queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE);
+        queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE, &written);
     }
     for (int list = POST_HIGH; gate == GATE_OPEN && list >= POST_LOW; list--) {
-        queue_hand_out(m, box, (enum post_list)list, MU_WINDOW_MAX);
+        queue_hand_out(m, box, (enum post_list)list, MU_WINDOW_MAX, &written);
     }
 }
 

@@ -57,13 +57,15 @@ struct box {
     uint32_t out;     /* the first in flight that is to go out (again); or MU_NONE */
     uint32_t written; /* how many in flight stand before it */
     uint64_t progress_ns;
+    uint32_t unsaved;         /* mails of the store, acknowledged since */
+    uint64_t unsaved_commits; /* so many commits had been made; see journal_room */
     uint32_t watch_next, watch_prev;
     struct share_use use;     /* waiting, held and in flight */
     struct box_limits limits; /* 0: the broker's */
 };
 
 struct mailbox {
-    struct post *posts;  /* MU_POSTS_MAX of them */
+    struct post *posts;  /* SHARE_POSTS_MAX of them */
     uint32_t posts_used; /* high-water mark */
     uint32_t posts_free;
     uint32_t posts_live;
@@ -126,8 +128,12 @@ void mailbox_admit(struct mailbox *m, uint32_t post);
 /** Takes a post out that is not in flight; its mail remains. */
 void mailbox_withdraw(struct mailbox *m, uint32_t post);
 
-/** Hands out as much as the gate and the window allow. */
-void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate);
+/**
+ * Hands out as much as the gate and the window allow.
+ *
+ * @param written  so many mails that are on disk at most; those behind them wait, too
+ */
+void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written);
 
 /** Takes back what was handed out but has never gone out. */
 void mailbox_take_back(struct mailbox *m, uint32_t agent);

@@ -85,9 +85,12 @@ void pages_journal_attach(struct broker *b)
     journal_attach(b, JOURNAL_SERVICES, &services);
 }
 
-static void lines_mark(struct broker *b, enum journal_lines lines, const struct changes *c,
+static void lines_mark(struct broker *b, enum journal_lines lines, struct changes *c,
                        uint64_t since)
 {
+    for (uint32_t line = changes_gone(c); line != MU_NONE; line = changes_gone(c)) {
+        journal_line_changed(b, lines, line);
+    }
     for (uint32_t line = changes_after(c, since); line != MU_NONE; line = changes_next(c, line)) {
         journal_line_changed(b, lines, line);
     }

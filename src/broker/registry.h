@@ -60,6 +60,7 @@ struct agent {
     uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
     uint64_t came_seq;      /* the last one that has come in this life, taken or not */
     uint64_t durable_seq;   /* the last one that went to the store, in any life */
+    uint64_t failed_seq;    /* the last durable one that was not delivered, in any life */
     uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */

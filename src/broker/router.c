@@ -183,7 +183,9 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
         return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
     }
     audience_of_mail(b, m, &to);
-    bool meets = lockstep_keeps_address(&b->lockstep, m->sender);
+    bool durable = m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
+    bool meets = lockstep_keeps_address(&b->lockstep, m->sender) ||
+                 (durable && lockstep_keeps_durable(&b->lockstep, m->sender));
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
         meets =
@@ -233,6 +235,9 @@ void router_tick(struct broker *b)
 static void answer(struct broker *b, struct mail *m, muster_Outcome result)
 {
     if (!m->answered) {
+        if (result != muster_OUTCOME_DELIVERED && result != muster_OUTCOME_STORED) {
+            journal_failed(b, m->sender, &m->letter);
+        }
         m->answered = true;
         tell_sender(b, m->sender, m->letter.seq, result);
     }
@@ -250,7 +255,9 @@ static void tell_stored(struct broker *b, struct mail *m)
  * becomes of what another broker has taken over, that broker tells. */
 static void answer_settled(struct broker *b, struct mail *m)
 {
-    if (m->dropped) {
+    if (m->stored_ends_it) {
+        answer(b, m, muster_OUTCOME_STORED);
+    } else if (m->dropped) {
         answer(b, m, muster_OUTCOME_DROPPED);
     } else if (m->expired) {
         answer(b, m, muster_OUTCOME_EXPIRED);
@@ -292,6 +299,7 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         m->passed_on = m->passed_on || beyond;
+        journal_acknowledged(b, agent, m);
         *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
         settle(b, m);
     }
@@ -418,8 +426,10 @@ static void post_to_all(struct broker *b, struct mail *m, const struct audience 
         answer(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!all_fit) {
         answer(b, m, muster_OUTCOME_BOX_FULL);
-    } else if (veiled) {
+    } else if (veiled && (m->unsettled == 0 || m->letter.level == muster_LEVEL_RAM)) {
         answer(b, m, muster_OUTCOME_STORED);
+    } else if (veiled) {
+        m->stored_ends_it = m->tell_stored = true;
     } else if (m->unsettled == 0) {
         answer(b, m, muster_OUTCOME_DELIVERED);
     } else if (stored && m->letter.level != muster_LEVEL_RAM) {
@@ -466,9 +476,19 @@ static bool mail_book(struct broker *b, struct mail *m, struct audience *to)
     return false;
 }
 
+/* The disk has failed since it was admitted. */
+static void mail_unstored(struct broker *b, struct mail *m, const struct audience *to)
+{
+    b->counters.no_store += to->count;
+    answer(b, m, to->unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_NO_STORE);
+    store_release(&b->store, m);
+}
+
 void router_stored(struct broker *b, struct mail *m)
 {
-    if (m->tell_stored) {
+    if (m->tell_stored && m->stored_ends_it) {
+        answer(b, m, muster_OUTCOME_STORED);
+    } else if (m->tell_stored) {
         tell_stored(b, m);
     }
     m->tell_stored = false;
@@ -499,9 +519,14 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
     audience_of_names(b, waiting, m->sender, &to);
     m->order = ++b->orders;
     bool held = mail_must_wait(b, m);
-    booking_restore(b, m, to.count); /* it had its room: no limit that is lower by now takes that */
+    b->counters.sent += to.count;
+    /* It had its room: its sender's share, and the limits of boxes, do not take that. */
+    if (to.count == 0 || !booking_restore(b, m, to.count)) {
+        b->counters.box_full += to.count;
+        store_release(&b->store, m);
+        return false;
+    }
     for (uint32_t i = 0; i < to.count; i++) {
-        b->counters.sent++;
         if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
             b->counters.waiting++;
             m->unsettled++;
@@ -556,7 +581,9 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
     b->counters.sent += to.count + to.unknown + to.refused;
     b->counters.unknown_name += to.unknown;
     bool goes_on = to.refused == 0 || to.count > 0;
-    if (mail_book(b, m, &to)) {
+    if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
+        mail_unstored(b, m, &to);
+    } else if (mail_book(b, m, &to)) {
         post_to_all(b, m, &to);
     }
     return goes_on;
@@ -570,6 +597,17 @@ void router_turn_away(struct broker *b, struct mail *m)
     b->counters.unknown_name += to.unknown;
     booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
     answer(b, m, to.unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : muster_OUTCOME_BOX_FULL);
+    store_release(&b->store, m);
+}
+
+void router_drop(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    audience_of_mail(b, m, &to);
+    b->counters.sent += to.count + to.unknown;
+    b->counters.unknown_name += to.unknown;
+    b->counters.dropped += to.count;
+    answer(b, m, muster_OUTCOME_DROPPED);
     store_release(&b->store, m);
 }
 
@@ -613,7 +651,11 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
     if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
         return false;
     }
-    *outcome = m ? muster_OUTCOME_STORED : muster_OUTCOME_DELIVERED;
+    if (m) {
+        *outcome = muster_OUTCOME_STORED;
+    } else if (letter->seq > a->failed_seq) {
+        *outcome = muster_OUTCOME_DELIVERED; /* of the others, how they ended is not known */
+    }
     return true;
 }
 
@@ -625,6 +667,7 @@ static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *lett
     audience_of(b, letter, sender, &to);
     b->counters.sent += to.count + to.unknown;
     *counter += to.count + to.unknown;
+    journal_failed(b, sender, letter);
     tell_sender(b, sender, letter->seq, outcome);
 }
 
@@ -645,6 +688,7 @@ struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *
     journal_seq(b, sender);
     if (!border_mail(letter)) {
         b->counters.malformed++;
+        journal_failed(b, sender, letter);
         tell_sender(b, sender, letter->seq, muster_OUTCOME_REFUSED);
         return NULL;
     }

@@ -31,6 +31,9 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names);
 /** Refuses an admitted mail for which a lock step has no more room. */
 void router_turn_away(struct broker *b, struct mail *m);
 
+/** Drops an admitted mail that is not to take effect; its sender is told. */
+void router_drop(struct broker *b, struct mail *m);
+
 /** A durable mail is on disk: its sender is told, if that is to be told. */
 void router_stored(struct broker *b, struct mail *m);
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/schedule.h"
 
+#include "broker/share.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 
 void schedule_init(struct schedule *s, enum schedule_kind kind)
 {
     *s = (struct schedule){.kind = kind};
-    s->heap = mu_startup_array(MU_MAILS_MAX, sizeof(struct mail *));
+    s->heap = mu_startup_array(SHARE_MAILS_MAX, sizeof(struct mail *));
 }
 
 static bool mail_before(const struct schedule *s, const struct mail *a, const struct mail *b)
@@ -48,7 +49,7 @@ static void heap_down(struct schedule *s, uint32_t i, struct mail *m)
 
 void schedule_add(struct schedule *s, struct mail *m)
 {
-    MU_ASSERT(m->place[s->kind] == MU_NONE && s->count < MU_MAILS_MAX);
+    MU_ASSERT(m->place[s->kind] == MU_NONE && s->count < SHARE_MAILS_MAX);
     heap_up(s, s->count++, m);
 }
 

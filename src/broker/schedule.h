@@ -9,7 +9,7 @@
 #include "broker/store.h"
 
 struct schedule {
-    struct mail **heap; /* MU_MAILS_MAX of them: a mail stands here once */
+    struct mail **heap; /* SHARE_MAILS_MAX of them: a mail stands here once */
     uint32_t count;
     enum schedule_kind kind;
 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/share.h"
 
-#include "muster/limits.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 
@@ -69,16 +68,22 @@ static void use_shrink(struct share_use *use, uint32_t part)
     use->posts -= use->posts / part;
 }
 
+static struct share_use side_most(enum share_side side, bool halved)
+{
+    struct share_use most = {
+        .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
+    if (halved || side == SHARE_LOCKSTEP) {
+        use_shrink(&most, 2);
+    }
+    return most;
+}
+
 enum share_answer share_book(struct share_accounts *a, enum share_side side, uint32_t sender,
                              const struct share_use *want, bool halved, bool urgent)
 {
     static const struct share_use nothing;
     struct share_use *own = &a->senders[side][sender];
-    struct share_use most = {
-        .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
-    if (halved) {
-        use_shrink(&most, 2);
-    }
+    struct share_use most = side_most(side, halved);
     if (!urgent) {
         use_shrink(&most, RESERVE_PART);
     }
@@ -89,6 +94,21 @@ enum share_answer share_book(struct share_accounts *a, enum share_side side, uin
         share_add(&a->all[side], want);
     }
     return answer;
+}
+
+bool share_restore(struct share_accounts *a, enum share_side *side, uint32_t sender,
+                   const struct share_use *want)
+{
+    static const struct share_use nothing;
+    for (*side = SHARE_OUTSIDE; *side < SHARE_SIDES; (*side)++) {
+        struct share_use most = side_most(*side, false);
+        if (share_ask(&nothing, &a->all[*side], want, &most, &store_floor) == SHARE_FITS) {
+            share_add(&a->senders[*side][sender], want);
+            share_add(&a->all[*side], want);
+            return true;
+        }
+    }
+    return false;
 }
 
 void share_unbook(struct share_accounts *a, enum share_side side, uint32_t sender,

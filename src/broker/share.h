@@ -11,6 +11,8 @@
 #ifndef MUSTER_BROKER_SHARE_H
 #define MUSTER_BROKER_SHARE_H
 
+#include "muster/limits.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -45,6 +47,14 @@ void share_subtract(struct share_use *use, const struct share_use *less);
  * not change what a sender in it may send. */
 enum share_side { SHARE_OUTSIDE, SHARE_LOCKSTEP, SHARE_SIDES };
 
+/* What both sides can hold together: others may have filled the store when a lock step begins, and
+ * that has its half all the same. */
+enum {
+    SHARE_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
+    SHARE_BYTES_MAX = MU_MAIL_BYTES_MAX + MU_MAIL_BYTES_MAX / 2,
+    SHARE_POSTS_MAX = MU_POSTS_MAX + MU_POSTS_MAX / 2
+};
+
 struct share_accounts {
     struct share_use *senders[SHARE_SIDES]; /* one for each agent of the registry */
     struct share_use all[SHARE_SIDES];
@@ -55,11 +65,21 @@ void share_init(struct share_accounts *a, uint32_t agents);
 /**
  * Books a mail on its sender's account, if that may be.
  *
- * @param halved  both sides are in use, and have one half of the store each
+ * @param halved  both sides are in use, and have one half of the store each: the lock step never
+ * has more
  * @param urgent  a directive: it has no share, and a reserve that no other mail can take
  */
 enum share_answer share_book(struct share_accounts *a, enum share_side side, uint32_t sender,
                              const struct share_use *want, bool halved, bool urgent);
+
+/**
+ * Books a mail that had its room in an earlier life, on whichever account has room for it.
+ *
+ * @param side  out: that account
+ * @return false: neither has
+ */
+bool share_restore(struct share_accounts *a, enum share_side *side, uint32_t sender,
+                   const struct share_use *want);
 
 /** Takes back some of what was booked. */
 void share_unbook(struct share_accounts *a, enum share_side side, uint32_t sender,

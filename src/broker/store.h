@@ -22,7 +22,7 @@
 
 enum {
     STORE_SLAB_BYTES = 64 * 1024,
-    STORE_SLABS = (MU_MAIL_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
+    STORE_SLABS = (SHARE_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
     STORE_CLASSES = 8,
     STORE_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
 };
@@ -57,6 +57,7 @@ struct mail {
     bool journal_listed;            /* in the journal's list */
     bool journal_written;           /* its row is on disk */
     bool tell_stored;               /* when it is: the sender is told */
+    bool stored_ends_it;            /* who sent it is told no more than that */
     bool stored_told;               /* the sender has been told that it waits */
     bool passed_on;                 /* another broker has taken it over for one receiver at least */
     bool expired;                   /* for one receiver at least */

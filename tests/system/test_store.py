@@ -10,7 +10,7 @@ import subprocess
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
 
-MAILS, KILLS = 20000, 6
+MAILS, KILLS, WINDOW = 20000, 6, 200
 
 
 def whole_lines(path):
@@ -155,13 +155,13 @@ def store_rows(path):
 
 def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
     domain = new_domain()
-    limit = 256 * 1024
+    limit, endless = 256 * 1024, resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     with folder() as out, Processes() as processes, (out / "log").open("w") as log:
         store = out / "store.db"
         broker = processes.start(
             MUSTER, "broker", "main", "--domain", domain, "--store", store,
             stderr=log,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, endless)))
         wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
         receiver = receiver_start(processes, domain, out)
         wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
@@ -175,6 +175,9 @@ def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
         done = muster("send", "receiver", "count", "0", "--domain", domain)
         check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "ram mail")
         receiver_start(processes, domain, out)
+        # More goes out when it is on disk that these are through.
+        wait_for(lambda: len(taken(out / "record")) >= WINDOW, 10, "a window of mails")
+        resource.prlimit(broker.pid, resource.RLIMIT_FSIZE, (endless, endless))
         wait_for(lambda: taken(out / "record")[-1:] == [0], 10, "ram mail, and all before it")
         check_equal(taken(out / "record"), sorted(good) + [0], "the record")
         check(broker.poll() is None, "the broker lives")
@@ -198,12 +201,21 @@ def test_files_that_are_no_store_are_refused_and_left_as_they_are():
         with contextlib.closing(sqlite3.connect(foreign)) as db:
             db.execute("CREATE TABLE t (x)")
             db.commit()
-        for path in (garbage, short, foreign):
+        logged, log = out / "logged.db", out / "logged.db-wal"
+        with contextlib.closing(sqlite3.connect(out / "busy.db")) as db:
+            db.execute("PRAGMA journal_mode = WAL")
+            db.execute("CREATE TABLE t (x)")
+            db.commit()
+            logged.write_bytes((out / "busy.db").read_bytes())
+            log.write_bytes((out / "busy.db-wal").read_bytes())
+        for path in (garbage, short, foreign, logged):
             before = path.read_bytes()
+            log_before = log.read_bytes()
             code, text = refused_start(domain, path)
             check_equal(code, 3, f"{path.name}: {text}")
             check(str(path) in text and "--store" in text, text)
             check_equal(path.read_bytes(), before, f"{path.name} afterwards")
+            check(log.exists() and log.read_bytes() == log_before, f"the log of {path.name}")
         for path in (out, garbage / "below.db", "/proc/muster/x.db"):
             code, text = refused_start(domain, path)
             check_equal(code, 9, f"{path}: {text}")
@@ -224,11 +236,18 @@ def test_stores_of_another_version_and_damaged_ones_are_refused():
         check_equal(broker.wait(), 0, "the broker's end")
         whole = store.read_bytes()
         with contextlib.closing(sqlite3.connect(store)) as db:
-            db.execute("UPDATE meta SET value = 2 WHERE key = 'schema'")
+            db.execute("UPDATE meta SET value = 1 WHERE key = 'schema'")
             db.commit()
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"another version: {text}")
-        check("version 2" in text, text)
+        check("of version 1" in text, text)
+        store.write_bytes(whole)
+        with contextlib.closing(sqlite3.connect(store)) as db:
+            db.execute("UPDATE meta SET value = -1 WHERE key = 'incarnation'")
+            db.commit()
+        code, text = refused_start(domain, store)
+        check_equal(code, 3, f"no incarnation: {text}")
+        check("damaged" in text, text)
         store.write_bytes(whole[:len(whole) // 2])
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"half a file: {text}")

@@ -79,12 +79,33 @@ static void test_against_versions(void)
     }
 }
 
+static void test_lines_that_are_no_more(void)
+{
+    changes_init(&changes, LINES);
+    CU_ASSERT_EQUAL(changes_gone(&changes), MU_NONE);
+    for (uint32_t i = 0; i < 4; i++) {
+        changes_touch(&changes, i);
+    }
+    changes_remove(&changes, 1);
+    changes_remove(&changes, 3);
+    CU_ASSERT_STRING_EQUAL(after(0), " 0 2");
+    changes_touch(&changes, 3); /* is used for something else at once, and goes, too */
+    changes_remove(&changes, 3);
+    CU_ASSERT_EQUAL(changes_gone(&changes), 3);
+    CU_ASSERT_EQUAL(changes_gone(&changes), 1);
+    CU_ASSERT_EQUAL(changes_gone(&changes), MU_NONE);
+    changes_touch(&changes, 1);
+    changes_remove(&changes, 1);
+    CU_ASSERT_EQUAL(changes_gone(&changes), 1);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"in order of change", test_in_order_of_change},
         {"one line", test_one_line},
         {"against versions", test_against_versions},
+        {"lines that are no more", test_lines_that_are_no_more},
         CU_TEST_INFO_NULL,
     };
     return story_run("broker/changes", tests);

@@ -161,6 +161,25 @@ static void test_a_commit_that_fails_leaves_nothing(void)
     disk_close(disk);
 }
 
+static void test_a_mail_that_is_never_due_comes_back(void)
+{
+    CU_ASSERT_EQUAL(life_begin("never.db", WALL), 0);
+    story_join("red");
+    story_join("green");
+    muster_Mail m = letter("red", 1, "green", "x");
+    m.level = muster_LEVEL_LOGGED;
+    m.due_ns = INT64_MAX;
+    story_mail(m);
+    CU_ASSERT_TRUE(commit());
+    disk_close(disk);
+    CU_ASSERT_EQUAL(life_begin("never.db", WALL * 2), 0);
+    const struct mail *got =
+        journal_find(&story.b->journal, registry_find(&story.b->registry, "red"), 1);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(got);
+    CU_ASSERT_EQUAL(got->letter.due_ns, INT64_MAX);
+    disk_close(disk);
+}
+
 static void test_default_path(void)
 {
     char path[64];
@@ -182,6 +201,7 @@ int main(void)
         {"everything of a mail comes back", test_everything_of_a_mail_comes_back},
         {"what is settled stays away", test_what_is_settled_stays_away},
         {"a commit that fails leaves nothing", test_a_commit_that_fails_leaves_nothing},
+        {"a mail that is never due comes back", test_a_mail_that_is_never_due_comes_back},
         {"default path", test_default_path},
         CU_TEST_INFO_NULL,
     };
@@ -189,7 +209,7 @@ int main(void)
         return EXIT_FAILURE;
     }
     int result = story_run("disk", tests);
-    static const char *const files[] = {"mail.db", "settled.db", "fails.db"};
+    static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         unlink(file(files[i]));
     }

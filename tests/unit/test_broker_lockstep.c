@@ -146,11 +146,12 @@ static void test_deaths_are_the_simulators_business(void)
     story_gone("p-red");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
     EXPECT("");
-    roster_say(true, 0, "p-green"); /* none of what red did in this step exists */
+    roster_say(true, 0, "p-green"); /* none of what red did in this step takes effect */
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
     answer("green", 0);
     EXPECT("p-green@0; sim@0");
-    CU_ASSERT_EQUAL(story_status().sent, 0);
+    CU_ASSERT_EQUAL(story_status().sent, 1);
+    CU_ASSERT_EQUAL(story_status().dropped, 1);
 }
 
 static void test_the_missing_one_is_dropped(void)

@@ -20,7 +20,7 @@ static struct {
     struct bearer {
         char name[32];
         muster_Kind kind;
-        uint64_t durable_seq, reserved_seq;
+        uint64_t durable_seq, failed_seq, reserved_seq;
     } bearers[2 * NAMES];
     uint32_t bearers_count;
     uint64_t run_wall_ns;
@@ -45,6 +45,7 @@ static void write_bearer(const struct journal_entry *e)
     struct bearer *n = &disk.bearers[i];
     n->kind = e->agent_kind;
     n->durable_seq = e->durable_seq;
+    n->failed_seq = e->failed_seq;
     n->reserved_seq = e->reserved_seq;
     snprintf(n->name, sizeof n->name, "%s", e->name);
 }
@@ -163,6 +164,7 @@ static void restore_bearers(void)
                                         .name = n->name,
                                         .agent_kind = n->kind,
                                         .durable_seq = n->durable_seq,
+                                        .failed_seq = n->failed_seq,
                                         .reserved_seq = n->reserved_seq});
     }
 }
