@@ -65,6 +65,19 @@ def do(domain, broker, *words):
     return done.stdout
 
 
+def test_a_namesake_gives_way_to_a_broker_that_was_restarted():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = ("--store", out / "store.db")
+        first = broker_start(processes, domain, "main", *store)
+        first.terminate()
+        first.wait(10)
+        again = broker_start(processes, domain, "main", *store)
+        later = processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", "none")
+        check_equal(later.wait(15), 4, "the later one gives way")
+        check(again.poll() is None, "the one that was restarted stays")
+
+
 def test_whichever_broker_is_asked():
     domain = new_domain()
     with folder() as out, Processes() as processes:
