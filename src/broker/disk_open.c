@@ -154,8 +154,8 @@ static uint64_t greater(uint64_t a, uint64_t b)
 }
 
 /* Of two brokers with one name the higher incarnation gives way: it is the time, and hardly ever
- * more.  Boxes count on beyond all that the last life can have given out, though a wall clock may go
- * back.  A store that notes no such number has had lives that counted from their incarnation. */
+ * more.  Boxes count on beyond all that the last life can have given out, though a wall clock may
+ * go back.  A store that notes no such number has had lives that counted from their incarnation. */
 static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
 {
     static const uint64_t NUMBERS_OF_A_LIFE = 1ull << 40;

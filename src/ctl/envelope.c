@@ -69,6 +69,7 @@ bool envelope_fill(const struct envelope *e, struct mu_mail *mail, const char *v
     if (!good || !choice_read(priorities, e->priority, where, &priority)) {
         return false;
     }
+    mail->layer = (uint32_t)e->layer;
     mail->performative = e->performative;
     mail->language = e->language;
     mail->ontology = e->ontology;

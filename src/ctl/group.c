@@ -104,6 +104,7 @@ static int group_ask(const struct request *r)
     struct operator op;
     struct operator_options own = *r->options;
     own.as = NULL;
+    own.only_reads = true;
     int code = operator_join(&op, &own, r->program + strlen("muster "));
     if (code == MU_EXIT_DONE) {
         code = r->group ? members_list(&op, r) : groups_list(&op, r);

@@ -18,7 +18,8 @@ struct verb {
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
-    bool counts; /* the only word behind TARGETS is a number, from 1 on */
+    bool counts;     /* the only word behind TARGETS is a number, from 1 on */
+    bool unanswered; /* a directive to which nobody answers */
 };
 
 static const struct verb VERB_SEND = {"send",
@@ -31,6 +32,7 @@ static const struct verb VERB_SEND = {"send",
                                       false,
                                       NULL,
                                       "muster send red hello world",
+                                      false,
                                       false};
 static const struct verb VERB_BROADCAST = {"broadcast",
                                            "WORD... [OPTION...]",
@@ -40,6 +42,7 @@ static const struct verb VERB_BROADCAST = {"broadcast",
                                            false,
                                            NULL,
                                            "muster broadcast hello",
+                                           false,
                                            false};
 static const struct verb VERB_DO = {"do",
                                     "TARGETS 'LINE' [OPTION...]",
@@ -49,6 +52,7 @@ static const struct verb VERB_DO = {"do",
                                     true,
                                     "do",
                                     "muster do red '(wander)'",
+                                    false,
                                     false};
 static const struct verb VERB_START = {"start",
                                        "TARGETS [OPTION...]",
@@ -58,7 +62,8 @@ static const struct verb VERB_START = {"start",
                                        true,
                                        "start",
                                        "muster start robots",
-                                       false};
+                                       false,
+                                       true};
 static const struct verb VERB_SUSPEND = {"suspend",
                                          "TARGETS [OPTION...]",
                                          "Stops agents where they are; their mail waits.",
@@ -67,7 +72,8 @@ static const struct verb VERB_SUSPEND = {"suspend",
                                          true,
                                          "suspend",
                                          "muster suspend red",
-                                         false};
+                                         false,
+                                         true};
 static const struct verb VERB_RESUME = {"resume",
                                         "TARGETS [OPTION...]",
                                         "Lets suspended agents go on.",
@@ -76,7 +82,8 @@ static const struct verb VERB_RESUME = {"resume",
                                         true,
                                         "resume",
                                         "muster resume red",
-                                        false};
+                                        false,
+                                        true};
 static const struct verb VERB_STEP = {"step",
                                       "TARGETS N [OPTION...]",
                                       "Lets robots fire N rules, in as many control steps as that "
@@ -86,7 +93,8 @@ static const struct verb VERB_STEP = {"step",
                                       true,
                                       "step",
                                       "muster step red 1",
-                                      true};
+                                      true,
+                                      false};
 static const struct verb VERB_GROUP_SEND = {"group send",
                                             "GROUP WORD... [OPTION...]",
                                             "Sends a mail to all members of a group; who is absent "
@@ -96,6 +104,7 @@ static const struct verb VERB_GROUP_SEND = {"group send",
                                             false,
                                             NULL,
                                             "muster group send scouts hello",
+                                            false,
                                             false};
 
 /* @return whether the words are what the verb takes; said if not */
@@ -182,12 +191,6 @@ static int verb_run(const struct verb *v, int argc, char **argv)
     snprintf(program, sizeof program, "muster %s", v->name);
     struct mu_option table[] = {
         OPERATOR_OPTIONS(options),
-        {.name = "wait",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .max = 1e6,
-         .help = "wait so long for an answer and print it",
-         .target = &options.wait_s},
         {.name = "json",
          .kind = MU_OPTION_FLAG,
          .help = "answers as objects, one a line",
@@ -197,10 +200,17 @@ static int verb_run(const struct verb *v, int argc, char **argv)
          .kind = MU_OPTION_FLAG,
          .help = "do not say what became of the mail when all is well",
          .target = &options.quiet},
+        {.name = "wait",
+         .kind = MU_OPTION_REAL,
+         .unit = "S",
+         .max = 1e6,
+         .help = "wait so long for an answer and print it",
+         .target = &options.wait_s},
         ENVELOPE_OPTIONS(envelope),
     };
-    /* A directive has no envelope of its own. */
-    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0);
+    /* A directive has no envelope of its own, and one that only changes a state no answer. */
+    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0) -
+                   (v->unanswered ? 1 : 0);
     static struct mu_options o;
     o = (struct mu_options){
         .program = program, .usage = v->usage, .about = v->about, .table = table, .count = count};
