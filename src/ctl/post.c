@@ -110,7 +110,7 @@ static const struct verb VERB_GROUP_SEND = {"group send",
 /* @return whether the words are what the verb takes; said if not */
 static bool words_check(const struct verb *v, const struct mu_options *o)
 {
-    char shown[WORDS_SHOWN];
+    char shown[MU_TEXT_SHOWN];
     char program[32];
     snprintf(program, sizeof program, "muster %s", v->name);
     if (o->words_count < v->words_min || (v->counts && o->words_count > v->words_min)) {
@@ -121,15 +121,15 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
     size_t digits = strspn(count, "0123456789");
     if (v->counts && (count[digits] || digits > 9 || strspn(count, "0") == digits)) {
         fprintf(stderr, "%s: '%s': expected a number of rules, from 1 to 999999999\n", program,
-                words_show(shown, count));
+                mu_text_show(shown, count));
         return false;
     }
     if (v->to && strcmp(v->to, "group:") == 0) {
-        return words_name_check(program, "a group", o->words[0]);
+        return words_group_check(program, o->words[0]);
     }
     if (!v->to && !receivers_valid(o->words[0])) {
         fprintf(stderr, "%s: '%s': expected " RECEIVERS_EXPECTED "\n", program,
-                words_show(shown, o->words[0]));
+                mu_text_show(shown, o->words[0]));
         return false;
     }
     if (!v->to && strlen(o->words[0]) > MU_DST_MAX) {
