@@ -464,7 +464,6 @@ static int pages_gather(struct run *r)
     while (code < 0 && !run_pages_tell(r)) {
         code = round_live(r);
         code = code < 0 && r->command_refused ? MU_EXIT_REFUSED : code;
-        code = code < 0 && r->command_unknown ? MU_EXIT_NO_AGENT : code;
         code = code < 0 ? start_patience(r) : code;
     }
     return code;
@@ -487,6 +486,7 @@ static int gather(struct run *r)
     while (code < 0 && r->directives_kept < r->directives_sent) {
         code = round_live(r);
         code = code < 0 && r->command_refused ? MU_EXIT_REFUSED : code;
+        code = code < 0 && r->command_unknown ? MU_EXIT_NO_AGENT : code;
         code = code < 0 ? start_patience(r) : code;
     }
     return code;
