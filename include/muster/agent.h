@@ -123,7 +123,7 @@ struct mu_handlers {
     void (*on_mail)(void *self, mu_agent *a, const struct mu_mail *mail);
     /** A directive that the runtime does not carry out itself: "do", "step", ... */
     void (*on_directive)(void *self, mu_agent *a, const struct mu_mail *mail);
-    /** The agent's state has changed. */
+    /** The agent's state has changed, or it runs and was told to resume. */
     void (*on_state)(void *self, mu_agent *a, enum mu_state state);
     /** A control step begins, in any state; drive only when running. */
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);

@@ -61,8 +61,9 @@ static mu_result pages_check(const struct settings *set)
 {
     char name[MU_NAME_MAX + 2];
     for (size_t i = 0; i < set->groups.count; i++) {
-        if (!mu_name_valid(set->groups.items[i])) {
-            fprintf(stderr, "muster robot --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}\n");
+        if (!mu_name_of_group(set->groups.items[i])) {
+            fprintf(stderr, "muster robot --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}, and not "
+                            "all, robots, special, broker\n");
             return MU_FAULT_USAGE;
         }
     }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/boxroom.h"
 
-/* What is within a sender's share of a large box, however full it is; of a small one, a part. */
+/* What is within a sender's share of a large box, however full it is.  A small one holds as many
+ * mails of a lone sender as it says; of its bytes, a part is within anybody's share. */
 static const struct share_use floor_most = {.mails = 64, .bytes = 64 * 1024};
-enum { FLOOR_PART = 8 };
+enum { FLOOR_BYTES_PART = 8 };
 
 /* A box and one sender, as the mail finds them. */
 struct asked {
@@ -26,8 +27,8 @@ static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct ma
         .all = box->use,
         .want = {.mails = 1, .bytes = mail->bytes},
         .most = {.mails = limits.mails, .bytes = limits.bytes},
-        .floor = {.mails = least(floor_most.mails, limits.mails / FLOOR_PART),
-                  .bytes = least(floor_most.bytes, limits.bytes / FLOOR_PART)},
+        .floor = {.mails = least(floor_most.mails, limits.mails),
+                  .bytes = least(floor_most.bytes, limits.bytes / FLOOR_BYTES_PART)},
         .all_waiting = &box->lists[POST_LOW],
     };
     uint32_t pair = boxshare_find(&m->shares, agent, mail->payer);

@@ -32,6 +32,9 @@ MU_MUST_USE mu_result disk_open(struct disk **out, const char *path, uint64_t wa
 /** @return a number above all that earlier brokers on this store had, and the time if it can be */
 uint64_t disk_incarnation(const struct disk *d);
 
+/** @return a number far above all that boxes of earlier brokers on this store have counted */
+uint64_t disk_number_base(const struct disk *d);
+
 /** Gives all that is stored to journal_restore.  @return how much of it was not taken, or a fault
  *          that is explained on standard error: the file is damaged */
 MU_MUST_USE mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused);

@@ -155,19 +155,31 @@ static int on_commit(void *self, sqlite3 *db, const char *name, int pages)
     return SQLITE_OK;
 }
 
+static uint64_t greater(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Of two brokers with one name the higher incarnation gives way: it is the time, and hardly ever
+ * more.  Boxes count on beyond all that the last life can have given out, though a wall clock may
+ * go back.  A store that notes no such number has had lives that counted from their incarnation. */
 static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
 {
-    /* A wall clock may go back; so many numbers no broker gives out. */
     static const uint64_t NUMBERS_OF_A_LIFE = 1ull << 40;
-    char sql[128];
-    int64_t last;
-    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last)) {
+    char sql[160];
+    int64_t last, base;
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last) ||
+        !value_read(d,
+                    "SELECT coalesce((SELECT value FROM meta WHERE key = 'number_base'),"
+                    " (SELECT value FROM meta WHERE key = 'incarnation'))",
+                    &base)) {
         return false;
     }
-    uint64_t least = last ? (uint64_t)last + NUMBERS_OF_A_LIFE : 1;
-    d->incarnation = wall_ns > least ? wall_ns : least;
-    snprintf(sql, sizeof sql, "UPDATE meta SET value = %lld WHERE key = 'incarnation'",
-             (long long)d->incarnation);
+    d->incarnation = greater(wall_ns, (uint64_t)last + 1);
+    d->number_base = greater(wall_ns, base ? (uint64_t)base + NUMBERS_OF_A_LIFE : 1);
+    snprintf(sql, sizeof sql,
+             "INSERT OR REPLACE INTO meta VALUES ('incarnation', %lld), ('number_base', %lld)",
+             (long long)d->incarnation, (long long)d->number_base);
     return disk_run(d, sql);
 }
 
@@ -230,4 +242,9 @@ mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
 uint64_t disk_incarnation(const struct disk *d)
 {
     return d->incarnation;
+}
+
+uint64_t disk_number_base(const struct disk *d)
+{
+    return d->number_base;
 }

@@ -32,7 +32,7 @@ struct disk {
     sqlite3 *db;
     sqlite3_stmt *statements[DISK_STATEMENTS];
     char path[PATH_MAX];
-    uint64_t incarnation;
+    uint64_t incarnation, number_base;
     bool full_sync; /* as PRAGMA synchronous stands */
     bool troubled;  /* the last commit failed, and the log has it */
     int log_pages;  /* in the write-ahead log, not yet in the file */

@@ -126,7 +126,7 @@ static void line_say(struct groups *g, uint32_t line, bool joined, const struct 
 
 const char *groups_create(struct groups *g, const char *group, const struct said *said)
 {
-    if (!mu_name_valid(group)) {
+    if (!mu_name_of_group(group)) {
         return "not-a-name";
     }
     if (groups_exists(g, group, said->inside)) {
@@ -143,7 +143,7 @@ const char *groups_create(struct groups *g, const char *group, const struct said
 const char *groups_join(struct groups *g, const char *group, const char *agent,
                         const struct said *said)
 {
-    if (!mu_name_valid(group) || !mu_name_valid(agent)) {
+    if (!mu_name_of_group(group) || !mu_name_valid(agent)) {
         return "not-a-name";
     }
     uint32_t own = line_get(g, group, "");

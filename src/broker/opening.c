@@ -49,7 +49,7 @@ int opening_run(struct opening *o, const struct settings *s, const char *name)
         (struct broker_options){.name = name,
                                 .incarnation = incarnation,
                                 .has_store = o->disk != NULL,
-                                .number_base = o->disk ? incarnation : 0,
+                                .number_base = o->disk ? disk_number_base(o->disk) : 0,
                                 .host = host,
                                 .pid = (uint32_t)getpid(),
                                 .wall_ns = mu_clock_wall_ns(),

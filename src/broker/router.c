@@ -566,6 +566,7 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
     struct audience to;
     if (names) {
         audience_of_answer(b, names, m->sender, &to);
+        to.unknown = to.count == 0 ? 1 : 0; /* an address that nobody fits */
     } else {
         audience_of_mail(b, m, &to);
         bool unresolved = m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;

@@ -5,6 +5,7 @@
 #include "core/exits.h"
 #include "core/name.h"
 #include "core/options.h"
+#include "core/text.h"
 #include "muster/limits.h"
 
 #include <stdio.h>
@@ -74,6 +75,41 @@ static bool box_policy_read(const char *word, muster_BoxPolicy *policy)
     return false;
 }
 
+/* @return false, said so */
+static bool name_check(const struct mu_options *o)
+{
+    char shown[MU_TEXT_SHOWN];
+    if (o->words_count != 1) {
+        fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
+        return false;
+    }
+    if (!mu_name_valid(o->words[0])) {
+        fprintf(stderr,
+                "muster broker: '%s' is no name of a broker: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30}\n",
+                mu_text_show(shown, o->words[0]));
+        return false;
+    }
+    if (mu_name_reserved(o->words[0])) {
+        fprintf(stderr,
+                "muster broker: '%s' is reserved; give it another name, for example: "
+                "muster broker main\n",
+                o->words[0]);
+        return false;
+    }
+    return true;
+}
+
+/* @return false, said so */
+static bool store_check(const char *store)
+{
+    if (store && store[0] == '\0') {
+        fprintf(stderr, "muster broker: --store '': expected a file, or none\n");
+        return false;
+    }
+    return true;
+}
+
 int settings_read(struct settings *s, const char **name, int argc, char **argv)
 {
     struct mu_option table[] = {
@@ -114,11 +150,8 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
         counters_print();
         return MU_EXIT_DONE;
     }
-    if (!box_policy_read(s->box_policy_word, &s->box_policy)) {
-        return MU_EXIT_USAGE;
-    }
-    if (options.words_count != 1 || !mu_name_valid(options.words[0])) {
-        fprintf(stderr, "muster broker: give it one name, for example: muster broker main\n");
+    if (!box_policy_read(s->box_policy_word, &s->box_policy) || !store_check(s->store) ||
+        !name_check(&options)) {
         return MU_EXIT_USAGE;
     }
     *name = options.words[0];

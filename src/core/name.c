@@ -28,14 +28,26 @@ bool mu_name_valid(const char *name)
     return len <= MU_NAME_MAX && name[len] == '\0';
 }
 
+static bool name_is_in(const char *name, const char *const *names, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(name, names[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool mu_name_of_group(const char *name)
+{
+    static const char *const others[] = {"all", "robots", "special", "broker"};
+    return mu_name_valid(name) && !name_is_in(name, others, sizeof others / sizeof others[0]);
+}
+
 bool mu_name_reserved(const char *name)
 {
     static const char *const reserved[] = {"all",      "robots",   "special",
                                            "observer", "operator", "broker"};
-    for (size_t i = 0; i < sizeof reserved / sizeof reserved[0]; i++) {
-        if (strcmp(name, reserved[i]) == 0) {
-            return true;
-        }
-    }
-    return strncmp(name, "broker.", 7) == 0;
+    return name_is_in(name, reserved, sizeof reserved / sizeof reserved[0]) ||
+           strncmp(name, "broker.", 7) == 0;
 }

@@ -58,3 +58,25 @@ bool mu_text_copy(char *to, size_t size, const char *from)
     mu_text_add(&t, from);
     return !t.cut;
 }
+
+/* What is longer is cut: bytes of a word, each of which may take four when it is shown. */
+enum { SHOWN_BYTES = 24 };
+
+const char *mu_text_show(char shown[MU_TEXT_SHOWN], const char *word)
+{
+    struct mu_text t;
+    mu_text_init(&t, shown, MU_TEXT_SHOWN);
+    for (size_t i = 0; word[i]; i++) {
+        unsigned char c = (unsigned char)word[i];
+        if (i == SHOWN_BYTES) {
+            mu_text_add(&t, "...");
+            break;
+        }
+        if (c < ' ' || c > '~') {
+            mu_text_format(&t, "\\x%02x", c);
+        } else {
+            mu_text_add_bytes(&t, word + i, 1);
+        }
+    }
+    return shown;
+}

@@ -9,6 +9,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Bytes of a word as it is shown, with the zero. */
+enum { MU_TEXT_SHOWN = 128 };
+
 struct mu_text {
     char *at;    /* always zero-terminated */
     size_t len;  /* bytes, without the zero */
@@ -34,5 +37,8 @@ void mu_text_format(struct mu_text *t, const char *format, ...)
 
 /** Copies a string into a buffer of size bytes.  @return whether all of it fitted */
 bool mu_text_copy(char *to, size_t size, const char *from);
+
+/** Makes what somebody typed fit for one line of a terminal: short, and printable. */
+const char *mu_text_show(char shown[MU_TEXT_SHOWN], const char *word);
 
 #endif

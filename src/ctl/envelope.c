@@ -22,13 +22,13 @@ static const struct choice priorities[] = {{"low", MU_PRIORITY_LOW},
 static bool choice_read(const struct choice *choices, const char *word, const char *where,
                         int *value)
 {
-    char shown[WORDS_SHOWN];
+    char shown[MU_TEXT_SHOWN];
     const struct choice *c = choices;
     while (word && c->word && strcmp(c->word, word) != 0) {
         c++;
     }
     if (!c->word) {
-        fprintf(stderr, "muster %s '%s': expected %s, %s or %s\n", where, words_show(shown, word),
+        fprintf(stderr, "muster %s '%s': expected %s, %s or %s\n", where, mu_text_show(shown, word),
                 choices[0].word, choices[1].word, choices[2].word);
         return false;
     }
@@ -69,6 +69,7 @@ bool envelope_fill(const struct envelope *e, struct mu_mail *mail, const char *v
     if (!good || !choice_read(priorities, e->priority, where, &priority)) {
         return false;
     }
+    mail->layer = (uint32_t)e->layer;
     mail->performative = e->performative;
     mail->language = e->language;
     mail->ontology = e->ontology;

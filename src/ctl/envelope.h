@@ -14,9 +14,10 @@ struct envelope {
     const char *performative, *language, *ontology, *conversation, *reply_with;
     const char *level, *priority;
     double ttl_s, reply_by_s; /* 0: not said */
+    long long layer;
 };
 
-enum { ENVELOPE_ROWS = 9 };
+enum { ENVELOPE_ROWS = 10 };
 
 /* Rows of an options table, ENVELOPE_ROWS of them. */
 #define ENVELOPE_TEXT(option, what, member, text)                                   \
@@ -41,7 +42,14 @@ enum { ENVELOPE_ROWS = 9 };
         ENVELOPE_TEXT("conversation", "C", (e).conversation, "that it belongs to"),              \
         ENVELOPE_TEXT("reply-with", "R", (e).reply_with, "what an answer is to refer to"),       \
         ENVELOPE_SECONDS("reply-by", (e).reply_by_s,                                             \
-                         "no answer is wanted after this time of the run")
+                         "no answer is wanted after this time of the run"),                      \
+    {                                                                                            \
+        .name = "layer", .kind = MU_OPTION_INTEGER, .unit = "N", .min = 1, .max = UINT32_MAX,    \
+        .fallback = "3",                                                                         \
+        .help = "of the receiver's chain that takes it: 1 system, 2 queries, 3 speech acts, or " \
+                "one of its own",                                                                \
+        .target = &(e).layer                                                                     \
+    }
 
 /** Checks what was typed and puts it into a mail.  @return false: said on standard error */
 bool envelope_fill(const struct envelope *e, struct mu_mail *mail, const char *verb);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What no schema can say: names, ranges, times, files. */
+#include "core/address.h"
 #include "core/attributes.h"
 #include "core/name.h"
+#include "core/schemes.h"
 #include "ctl/experiment_schema.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -70,13 +72,26 @@ static mu_result check_file(struct experiment_source *s, char **path, int node, 
     return MU_OK;
 }
 
+/* @return whether muster-resolver knows it */
+static bool check_scheme(const char *scheme)
+{
+    static const char *const schemes[] = {MU_SCHEMES};
+    for (size_t i = 0; i < sizeof schemes / sizeof schemes[0]; i++) {
+        if (strcmp(scheme, schemes[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static mu_result check_resolvers(struct experiment_source *s)
 {
     const struct experiment *e = s->experiment;
     for (unsigned i = 0; i < e->resolvers_count; i++) {
-        if (!mu_name_valid(e->resolvers[i])) {
+        if (!check_scheme(e->resolvers[i])) {
             return experiment_fault(s, NULL, check_item(s, "resolvers", i),
-                                    "expected a scheme of addresses, such as near, not '%.80s'",
+                                    "expected a scheme of addresses: role, task or near, not "
+                                    "'%.80s'",
                                     e->resolvers[i]);
         }
         for (unsigned k = 0; k < i; k++) {
@@ -127,7 +142,7 @@ static mu_result check_top(struct experiment_source *s)
                                 CHECK_SUBSTEP_MS, e->step_ms);
     }
     for (unsigned i = 0; i < e->brokers_count; i++) {
-        if (!mu_name_valid(e->brokers[i])) {
+        if (!mu_name_valid(e->brokers[i]) || mu_name_reserved(e->brokers[i])) {
             return experiment_fault(s, NULL, check_item(s, "brokers", i),
                                     "'%.80s' cannot be a broker's name", e->brokers[i]);
         }
@@ -197,7 +212,7 @@ static mu_result check_groups(struct experiment_source *s, const struct experime
 {
     int groups = yaml_tree_child(s->tree, node, "groups");
     for (unsigned i = 0; i < robot->groups_count; i++) {
-        if (!mu_name_valid(robot->groups[i])) {
+        if (!mu_name_of_group(robot->groups[i])) {
             return experiment_fault(s, NULL, yaml_tree_item(s->tree, groups, i),
                                     "expected the name of a group, not '%.80s'", robot->groups[i]);
         }
@@ -280,8 +295,8 @@ static bool check_target(const struct experiment *e, const char *target)
             return true;
         }
     }
-    if (strncmp(target, "group:", 6) == 0) {
-        return mu_name_valid(target + 6);
+    if (strchr(target, ':')) {
+        return mu_address_valid(target);
     }
     return check_find_robot(e, target) != NULL;
 }
@@ -306,7 +321,7 @@ static mu_result check_command(struct experiment_source *s, size_t index)
             int target = yaml_tree_item(s->tree, targets, i);
             return experiment_fault(s, NULL, target ? target : targets,
                                     "no robot '%.80s' in this experiment; expected one of its "
-                                    "robots, or all, robots, special, group:NAME",
+                                    "robots, or all, robots, special, group:NAME, SCHEME:REST",
                                     command->targets[i]);
         }
     }

@@ -104,6 +104,7 @@ static int group_ask(const struct request *r)
     struct operator op;
     struct operator_options own = *r->options;
     own.as = NULL;
+    own.only_reads = true;
     int code = operator_join(&op, &own, r->program + strlen("muster "));
     if (code == MU_EXIT_DONE) {
         code = r->group ? members_list(&op, r) : groups_list(&op, r);
@@ -150,7 +151,7 @@ static int group_run(const struct mu_options *o, const struct operator_options *
                             .group = requests[i].words > 1 ? o->words[1] : NULL,
                             .performative = requests[i].performative,
                             .options = options};
-        bool good = (!r.group || words_name_check(program, "a group", r.group)) &&
+        bool good = (!r.group || words_group_check(program, r.group)) &&
                     change_name_check(program, options->as);
         return good ? requests[i].run(&r) : MU_EXIT_USAGE;
     }

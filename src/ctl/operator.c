@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/text.h"
 #include "ctl/answer.h"
 #include "ctl/receivers.h"
 #include "ctl/runs.h"
@@ -17,6 +18,14 @@ static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static const uint64_t RECEIPT_PATIENCE_NS = 5000000000;
 static const int64_t ROUND_NS = 20000000;
 static const uint64_t PAGES_QUIET_NS = 100000000;
+
+/* So long a verb waits for the name that another one holds, and so long it lets it alone. */
+static const uint64_t HELD_PATIENCE_NS = 10000000000;
+static const uint64_t HELD_PAUSE_NS = 200000000;
+
+/* Names of verbs that only read. */
+enum { READERS = 64 };
+static const char READER[] = "operator-";
 
 /* So many lines are in one Delivery, whatever they are. */
 enum { PAGES_SHORT = 1024 };
@@ -33,9 +42,8 @@ static void on_registered(void *self, mu_agent *a, bool accepted, const char *re
     struct operator* o = self;
     o->registered = accepted;
     o->refused = !accepted;
-    if (!accepted) {
-        fprintf(stderr, "muster: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
-    }
+    (void)a;
+    mu_text_copy(o->reason, sizeof o->reason, accepted ? "" : reason);
 }
 
 static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
@@ -102,6 +110,75 @@ static void pages_await(mu_process *p)
     }
 }
 
+/* --- joining ---------------------------------------------------------------------------------- */
+
+bool operator_is_reader(const struct mu_member *m)
+{
+    size_t len = strlen(READER);
+    return m->kind == MU_KIND_SPECIAL && strncmp(m->name, READER, len) == 0 && m->name[len] &&
+           m->name[len + strspn(m->name + len, "0123456789")] == '\0';
+}
+
+/* attempt: readers have one name after another, until one is free */
+static void agent_join(struct operator* o, const struct operator_options *options, unsigned attempt)
+{
+    char name[MU_NAME_MAX + 1];
+    if (options->as || !options->only_reads) {
+        mu_text_copy(name, sizeof name, options->as ? options->as : "operator");
+    } else {
+        snprintf(name, sizeof name, "%s%u", READER, ((unsigned)getpid() + attempt) % READERS);
+    }
+    enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
+    struct mu_handlers handlers = {
+        .self = o, .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
+    o->registered = o->refused = false;
+    mu_result joined = mu_agent_join(o->process, &o->agent, name, kind, 0, &handlers);
+    MU_ASSERT(joined == MU_OK); /* the name is good, and an earlier one of ours has left */
+    mu_agent_decline_broadcasts(o->agent);
+    if (options->takes_no_mail) {
+        mu_agent_set_state(o->agent, MU_MOVING);
+    }
+}
+
+/* Spins until the broker has said something of our name, or that takes too long. */
+static void verdict_await(struct operator* o, uint64_t patience_ns)
+{
+    uint64_t until_ns = mu_clock_ns() + patience_ns;
+    while (!o->registered && !o->refused && mu_clock_ns() < until_ns &&
+           mu_process_spin(o->process, ROUND_NS) == MU_OK) {
+    }
+}
+
+static bool is_held(const struct operator* o)
+{
+    return o->refused && strncmp(o->reason, "held", 4) == 0;
+}
+
+/* Tries again while another verb has our name.  @return the exit code, explained */
+static int name_await(struct operator* o, const struct operator_options *options, const char *verb)
+{
+    uint64_t until_ns = mu_clock_ns() + HELD_PATIENCE_NS;
+    bool is_said = options->only_reads;
+    for (unsigned attempt = 1; !options->as && is_held(o) && mu_clock_ns() < until_ns; attempt++) {
+        if (!is_said) {
+            fprintf(stderr, "muster %s: another verb is the operator now; waiting for it\n", verb);
+            is_said = true;
+        }
+        mu_agent_set_state(o->agent, MU_GONE);
+        uint64_t pause_ns = mu_clock_ns() + HELD_PAUSE_NS;
+        while (mu_clock_ns() < pause_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
+        }
+        agent_join(o, options, attempt);
+        verdict_await(o, BROKER_PATIENCE_NS);
+    }
+    if (o->refused) {
+        fprintf(stderr, "muster: the broker refuses the name %s: %s\n", mu_agent_name(o->agent),
+                o->reason);
+        return MU_EXIT_REFUSED;
+    }
+    return MU_EXIT_DONE;
+}
+
 int operator_join(struct operator* o, const struct operator_options *options, const char *verb)
 {
     int domain = (int)options->network.domain;
@@ -114,24 +191,14 @@ int operator_join(struct operator* o, const struct operator_options *options, co
                                          .peer = mu_network_peers(&options->network),
                                          .name = "operator",
                                          .broker = options->network.broker};
-    const char *name = options->as ? options->as : "operator";
-    if (!words_name_check("muster", "an agent", name)) {
+    if (options->as && !words_name_check("muster", "an agent", options->as)) {
         return MU_EXIT_USAGE;
     }
     if (mu_process_open(&o->process, &process) != MU_OK) {
         return MU_EXIT_DDS;
     }
-    enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
-    struct mu_handlers handlers = {
-        .self = o, .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
-    mu_result joined = mu_agent_join(o->process, &o->agent, name, kind, 0, &handlers);
-    MU_ASSERT(joined == MU_OK); /* the name is good, and no other is here */
-    mu_agent_decline_broadcasts(o->agent);
-    if (options->takes_no_mail) {
-        mu_agent_set_state(o->agent, MU_MOVING);
-    }
-    mu_result met = mu_process_await_broker(o->process, BROKER_PATIENCE_NS);
-    if (met != MU_OK) {
+    agent_join(o, options, 0);
+    if (mu_process_await_broker(o->process, BROKER_PATIENCE_NS) != MU_OK) {
         fprintf(stderr,
                 "muster %s: no broker answers in domain %d; start one with: muster broker %s "
                 "--domain %d, or a whole run with: muster run FILE\n",
@@ -139,7 +206,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
         return MU_EXIT_DDS;
     }
     pages_await(o->process);
-    return o->refused ? MU_EXIT_REFUSED : MU_EXIT_DONE;
+    return name_await(o, options, verb);
 }
 
 void operator_leave(struct operator* o)

@@ -2,6 +2,9 @@
 /**
  * @file operator.h
  * The command line as an agent: it joins as `operator`, does one thing and leaves.
+ *
+ * A verb that only reads joins as `operator-N`, so that many of them can look at a time; there are
+ * few such names, as a broker keeps each that it has ever heard.
  */
 #ifndef MUSTER_CTL_OPERATOR_H
 #define MUSTER_CTL_OPERATOR_H
@@ -12,10 +15,11 @@
 
 struct operator_options {
     struct mu_network network; /* domain < 0: the one live run's, else 0 */
-    const char *as;            /* NULL: operator */
+    const char *as;            /* NULL: operator, or a reader's name */
     double wait_s;             /* for an answer; 0: none is wanted */
     bool json, quiet;
     bool takes_no_mail; /* what waits for the agent stays where it is */
+    bool only_reads;    /* it need not be the operator */
 };
 
 struct operator
@@ -23,6 +27,7 @@ struct operator
     mu_process *process;
     mu_agent *agent;
     bool registered, refused;
+    char reason[MU_FIELD_MAX + 1]; /* refused: why */
     bool json, quiet;
     enum mu_outcome outcome; /* of the last mail sent: the last word so far */
     uint64_t seq;            /* its number */
@@ -49,8 +54,12 @@ struct operator
 MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv,
                                      struct operator_options *options);
 
+/** @return whether that is a verb that only reads, somebody's or our own */
+bool operator_is_reader(const struct mu_member *m);
+
 /**
- * Joins and waits for the broker's word and all of its pages.
+ * Joins and waits for the broker's word and all of its pages.  A name that another verb holds is
+ * waited for.
  *
  * @return MU_EXIT_DONE, or the exit code, explained
  */

@@ -4,6 +4,7 @@
 #include "core/json.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
+#include "ctl/words.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -140,6 +141,7 @@ static mu_result pages_parse(struct mu_options *o, struct operator_options *opti
         table[i] = rows[i];
     }
     o->table = table;
+    options->only_reads = true;
     return operator_parse(o, argc, argv, options);
 }
 
@@ -161,7 +163,9 @@ int pages_verb_ps(int argc, char **argv)
     head_print(options.json);
     const struct mu_member *m;
     for (size_t i = 0; (m = mu_process_member(op.process, i)); i++) {
-        member_print(m, options.json, NULL);
+        if (!operator_is_reader(m)) {
+            member_print(m, options.json, NULL);
+        }
     }
     operator_leave(&op);
     return MU_EXIT_DONE;
@@ -181,6 +185,9 @@ int pages_verb_lookup(int argc, char **argv)
     }
     if (o.words_count != 1) {
         fprintf(stderr, "muster lookup: name one agent, for example: muster lookup red\n");
+        return MU_EXIT_USAGE;
+    }
+    if (!words_name_check("muster lookup", "an agent", o.words[0])) {
         return MU_EXIT_USAGE;
     }
     struct operator op;

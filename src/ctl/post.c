@@ -19,7 +19,8 @@ struct verb {
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
-    bool counts; /* the only word behind TARGETS is a number, from 1 on */
+    bool counts;     /* the only word behind TARGETS is a number, from 1 on */
+    bool unanswered; /* a directive to which nobody answers */
 };
 
 static const struct verb VERB_SEND = {"send",
@@ -32,6 +33,7 @@ static const struct verb VERB_SEND = {"send",
                                       false,
                                       NULL,
                                       "muster send red hello world",
+                                      false,
                                       false};
 static const struct verb VERB_BROADCAST = {"broadcast",
                                            "WORD... [OPTION...]",
@@ -41,6 +43,7 @@ static const struct verb VERB_BROADCAST = {"broadcast",
                                            false,
                                            NULL,
                                            "muster broadcast hello",
+                                           false,
                                            false};
 static const struct verb VERB_DO = {"do",
                                     "TARGETS 'LINE' [OPTION...]",
@@ -50,6 +53,7 @@ static const struct verb VERB_DO = {"do",
                                     true,
                                     "do",
                                     "muster do red '(wander)'",
+                                    false,
                                     false};
 static const struct verb VERB_START = {"start",
                                        "TARGETS [OPTION...]",
@@ -59,7 +63,8 @@ static const struct verb VERB_START = {"start",
                                        true,
                                        "start",
                                        "muster start robots",
-                                       false};
+                                       false,
+                                       true};
 static const struct verb VERB_SUSPEND = {"suspend",
                                          "TARGETS [OPTION...]",
                                          "Stops agents where they are; their mail waits.",
@@ -68,7 +73,8 @@ static const struct verb VERB_SUSPEND = {"suspend",
                                          true,
                                          "suspend",
                                          "muster suspend red",
-                                         false};
+                                         false,
+                                         true};
 static const struct verb VERB_RESUME = {"resume",
                                         "TARGETS [OPTION...]",
                                         "Lets suspended agents go on.",
@@ -77,7 +83,8 @@ static const struct verb VERB_RESUME = {"resume",
                                         true,
                                         "resume",
                                         "muster resume red",
-                                        false};
+                                        false,
+                                        true};
 static const struct verb VERB_STEP = {"step",
                                       "TARGETS N [OPTION...]",
                                       "Lets robots fire N rules, in as many control steps as that "
@@ -87,7 +94,8 @@ static const struct verb VERB_STEP = {"step",
                                       true,
                                       "step",
                                       "muster step red 1",
-                                      true};
+                                      true,
+                                      false};
 static const struct verb VERB_GROUP_SEND = {"group send",
                                             "GROUP WORD... [OPTION...]",
                                             "Sends a mail to all members of a group; who is absent "
@@ -97,12 +105,13 @@ static const struct verb VERB_GROUP_SEND = {"group send",
                                             false,
                                             NULL,
                                             "muster group send scouts hello",
+                                            false,
                                             false};
 
 /* @return whether the words are what the verb takes; said if not */
 static bool words_check(const struct verb *v, const struct mu_options *o)
 {
-    char shown[WORDS_SHOWN];
+    char shown[MU_TEXT_SHOWN];
     char program[32];
     snprintf(program, sizeof program, "muster %s", v->name);
     if (o->words_count < v->words_min || (v->counts && o->words_count > v->words_min)) {
@@ -113,15 +122,15 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
     size_t digits = strspn(count, "0123456789");
     if (v->counts && (count[digits] || digits > 9 || strspn(count, "0") == digits)) {
         fprintf(stderr, "%s: '%s': expected a number of rules, from 1 to 999999999\n", program,
-                words_show(shown, count));
+                mu_text_show(shown, count));
         return false;
     }
     if (v->to && strcmp(v->to, "group:") == 0) {
-        return words_name_check(program, "a group", o->words[0]);
+        return words_group_check(program, o->words[0]);
     }
     if (!v->to && !mu_address_valid(o->words[0])) {
         fprintf(stderr, "%s: '%s': expected " RECEIVERS_EXPECTED "\n", program,
-                words_show(shown, o->words[0]));
+                mu_text_show(shown, o->words[0]));
         return false;
     }
     if (!v->to && strlen(o->words[0]) > MU_DST_MAX) {
@@ -183,12 +192,6 @@ static int verb_run(const struct verb *v, int argc, char **argv)
     snprintf(program, sizeof program, "muster %s", v->name);
     struct mu_option table[] = {
         OPERATOR_OPTIONS(options),
-        {.name = "wait",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .max = 1e6,
-         .help = "wait so long for an answer and print it",
-         .target = &options.wait_s},
         {.name = "json",
          .kind = MU_OPTION_FLAG,
          .help = "answers as objects, one a line",
@@ -198,10 +201,17 @@ static int verb_run(const struct verb *v, int argc, char **argv)
          .kind = MU_OPTION_FLAG,
          .help = "do not say what became of the mail when all is well",
          .target = &options.quiet},
+        {.name = "wait",
+         .kind = MU_OPTION_REAL,
+         .unit = "S",
+         .max = 1e6,
+         .help = "wait so long for an answer and print it",
+         .target = &options.wait_s},
         ENVELOPE_OPTIONS(envelope),
     };
-    /* A directive has no envelope of its own. */
-    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0);
+    /* A directive has no envelope of its own, and one that only changes a state no answer. */
+    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0) -
+                   (v->unanswered ? 1 : 0);
     static struct mu_options o;
     o = (struct mu_options){
         .program = program, .usage = v->usage, .about = v->about, .table = table, .count = count};

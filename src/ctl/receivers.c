@@ -2,6 +2,8 @@
 #include "ctl/receivers.h"
 
 #include "core/address.h"
+#include "core/name.h"
+#include "ctl/operator.h"
 #include "muster/directory.h"
 
 #include <stdio.h>
@@ -63,8 +65,8 @@ unsigned receivers_count(const mu_process *p, const char *to, const char *from, 
     unsigned count = 0;
     const struct mu_member *m;
     for (size_t i = 0; (m = mu_process_member(p, i)); i++) {
-        count += m->state != MU_GONE && strcmp(m->name, from) != 0 && is_addressed(p, to, m) &&
-                 (!robots_only || m->kind == MU_KIND_ROBOT);
+        count += m->state != MU_GONE && strcmp(m->name, from) != 0 && !operator_is_reader(m) &&
+                 is_addressed(p, to, m) && (!robots_only || m->kind == MU_KIND_ROBOT);
     }
     return count;
 }

@@ -6,6 +6,7 @@
  * with the time of the run at which it is due, so that no clock of ours decides when they arrive.
  */
 #include "ctl/run.h"
+#include "ctl/receivers.h"
 
 #include "core/clock.h"
 #include "core/exits.h"
@@ -219,6 +220,7 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
         fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
                 mu_outcome_text(outcome));
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
+        r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }
 }
 
@@ -267,6 +269,37 @@ static mu_result directive_send(struct run *r, struct mu_mail mail)
     return sent;
 }
 
+/* @param label  its place in the file, for answers */
+static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
+                              const char *label)
+{
+    return directive_send(r, (struct mu_mail){.dst = to,
+                                              .performative = "do",
+                                              .reply_with = label,
+                                              .content = c->line,
+                                              .timed = true,
+                                              .due_ns = (uint64_t)llround(c->at * 1e9)});
+}
+
+/* One directive to all robots that are named, and one to each group or address. */
+static mu_result command_tell(struct run *r, unsigned index)
+{
+    const struct experiment_command *c = &r->experiment->observer[index];
+    char names[MU_DST_MAX + 1], label[16];
+    struct mu_text to;
+    mu_result sent = MU_OK;
+    mu_text_init(&to, names, sizeof names);
+    snprintf(label, sizeof label, "%u", index);
+    for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
+        if (receivers_are_many(c->targets[t])) {
+            sent = command_send(r, c, c->targets[t], label);
+        } else {
+            mu_text_format(&to, "%s%s", to.len ? "," : "", c->targets[t]);
+        }
+    }
+    return sent == MU_OK && to.len > 0 ? command_send(r, c, names, label) : sent;
+}
+
 /* Everything that the observer will ever command goes out before the first step. */
 static mu_result commands_send(struct run *r)
 {
@@ -274,21 +307,7 @@ static mu_result commands_send(struct run *r)
     mu_result sent = directive_send(
         r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
-        const struct experiment_command *c = &e->observer[i];
-        char buffer[MU_DST_MAX + 1];
-        struct mu_text to;
-        mu_text_init(&to, buffer, sizeof buffer);
-        for (unsigned t = 0; t < c->targets_count; t++) {
-            mu_text_format(&to, "%s%s", t ? "," : "", c->targets[t]);
-        }
-        char label[16];
-        snprintf(label, sizeof label, "%u", i);
-        sent = directive_send(r, (struct mu_mail){.dst = buffer,
-                                                  .performative = "do",
-                                                  .reply_with = label,
-                                                  .content = c->line,
-                                                  .timed = true,
-                                                  .due_ns = (uint64_t)llround(c->at * 1e9)});
+        sent = command_tell(r, i);
     }
     return sent;
 }
@@ -467,6 +486,7 @@ static int gather(struct run *r)
     while (code < 0 && r->directives_kept < r->directives_sent) {
         code = round_live(r);
         code = code < 0 && r->command_refused ? MU_EXIT_REFUSED : code;
+        code = code < 0 && r->command_unknown ? MU_EXIT_NO_AGENT : code;
         code = code < 0 ? start_patience(r) : code;
     }
     return code;

@@ -47,7 +47,8 @@ struct run {
     uint32_t totals_count;
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
     bool registered, name_refused;
-    bool command_refused;                      /* by the trust policy, before the run has begun */
+    bool command_refused; /* by the trust policy, before the run has begun */
+    bool command_unknown; /* nobody fits what a command of the observer is for */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
     uint64_t pages_sent, pages_answered;       /* of the robots' groups and services */
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;

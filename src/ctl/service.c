@@ -56,6 +56,7 @@ static int query_ask(const struct request *r, const char *query)
     struct operator_options own = *r->options;
     const struct mu_service *s;
     own.as = NULL;
+    own.only_reads = true;
     int code = operator_join(&op, &own, r->program + strlen("muster "));
     if (code != MU_EXIT_DONE) {
         return code;

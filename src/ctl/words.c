@@ -8,9 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What is longer is cut: bytes of a word, each of which may take four when it is shown. */
-enum { CUT_AFTER = 24 };
-
 bool words_join(char *text, size_t size, const char *const *words, size_t count)
 {
     struct mu_text t;
@@ -33,32 +30,25 @@ bool words_are_utf8(const char *text)
     return true;
 }
 
-const char *words_show(char shown[WORDS_SHOWN], const char *word)
-{
-    struct mu_text t;
-    mu_text_init(&t, shown, WORDS_SHOWN);
-    for (size_t i = 0; word[i]; i++) {
-        unsigned char c = (unsigned char)word[i];
-        if (i == CUT_AFTER) {
-            mu_text_add(&t, "...");
-            break;
-        }
-        if (c < ' ' || c > '~') {
-            mu_text_format(&t, "\\x%02x", c);
-        } else {
-            mu_text_add_bytes(&t, word + i, 1);
-        }
-    }
-    return shown;
-}
-
 bool words_name_check(const char *program, const char *what, const char *name)
 {
-    char shown[WORDS_SHOWN];
+    char shown[MU_TEXT_SHOWN];
     if (mu_name_valid(name)) {
         return true;
     }
     fprintf(stderr, "%s: '%s' is no name of %s: it must match [A-Za-z_][A-Za-z0-9_.-]{0,30}\n",
-            program, words_show(shown, name), what);
+            program, mu_text_show(shown, name), what);
     return false;
+}
+
+bool words_group_check(const char *program, const char *name)
+{
+    if (!words_name_check(program, "a group", name)) {
+        return false;
+    }
+    if (!mu_name_of_group(name)) {
+        fprintf(stderr, "%s: '%s' is reserved: expected another name of a group\n", program, name);
+        return false;
+    }
+    return true;
 }

@@ -9,8 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Bytes of a word as it is shown, with the zero. */
-enum { WORDS_SHOWN = 128 };
+#include "core/text.h"
 
 /** Joins words with spaces.  @return whether they fitted */
 bool words_join(char *text, size_t size, const char *const *words, size_t count);
@@ -18,10 +17,10 @@ bool words_join(char *text, size_t size, const char *const *words, size_t count)
 /** @return whether all of it is UTF-8 */
 bool words_are_utf8(const char *text);
 
-/** Makes what somebody typed fit for one line of a terminal: short, and printable. */
-const char *words_show(char shown[WORDS_SHOWN], const char *word);
-
 /** @return whether it is a name; if not, standard error says what one is */
 bool words_name_check(const char *program, const char *what, const char *name);
+
+/** The same for a group. */
+bool words_group_check(const char *program, const char *name);
 
 #endif

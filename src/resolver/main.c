@@ -14,6 +14,8 @@ static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static const struct scheme *const schemes[] = {&role_scheme, &task_scheme, &near_scheme};
 
 enum { SCHEMES = sizeof schemes / sizeof schemes[0] };
+_Static_assert(SCHEMES == sizeof(const char *[]){MU_SCHEMES} / sizeof(const char *),
+               "the schemes that an experiment may ask for");
 
 struct settings {
     struct mu_network network;

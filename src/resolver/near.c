@@ -68,7 +68,7 @@ static bool near_resolve(void *self, mu_agent *a, const char *rest, const char *
     return true;
 }
 
-const struct scheme near_scheme = {.name = "near",
+const struct scheme near_scheme = {.name = MU_SCHEME_NEAR,
                                    .means = "robots at most REST metres from the sender",
                                    .resolve = near_resolve,
                                    .see = near_see};

@@ -9,5 +9,6 @@ static bool role_resolve(void *self, mu_agent *a, const char *rest, const char *
     return offers_resolve(self, "role", rest, r);
 }
 
-const struct scheme role_scheme = {
-    .name = "role", .means = "agents that offer something with role=REST", .resolve = role_resolve};
+const struct scheme role_scheme = {.name = MU_SCHEME_ROLE,
+                                   .means = "agents that offer something with role=REST",
+                                   .resolve = role_resolve};

@@ -9,5 +9,6 @@ static bool task_resolve(void *self, mu_agent *a, const char *rest, const char *
     return offers_resolve(self, "task", rest, r);
 }
 
-const struct scheme task_scheme = {
-    .name = "task", .means = "agents that offer something with task=REST", .resolve = task_resolve};
+const struct scheme task_scheme = {.name = MU_SCHEME_TASK,
+                                   .means = "agents that offer something with task=REST",
+                                   .resolve = task_resolve};

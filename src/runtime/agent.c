@@ -201,12 +201,22 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
                             .ttl_ns = m->ttl_ns};
 }
 
+void agent_live(struct mu_agent *a, enum life_event event)
+{
+    enum mu_state next = life_next(a->state, event);
+    if (next != a->state) {
+        mu_agent_set_state(a, next);
+    } else if (event == LIFE_RESUME && next == MU_RUNNING && a->handlers.on_state) {
+        a->handlers.on_state(a->handlers.self, a, next); /* it may have been about to stop */
+    }
+}
+
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
 {
     struct mu_mail mail = mail_of(parcel);
     enum life_event event;
     if (life_event_named(mail.performative, &event) == MU_OK) {
-        mu_agent_set_state(a, life_next(a->state, event));
+        agent_live(a, event);
     } else if (a->handlers.on_directive) {
         a->handlers.on_directive(a->handlers.self, a, &mail);
     } else if (mail.reply_with[0]) {

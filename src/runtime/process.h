@@ -10,6 +10,7 @@
 #include "muster/agent.h"
 #include "runtime/directory.h"
 #include "runtime/kind.h"
+#include "runtime/life.h"
 #include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
@@ -133,6 +134,9 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
 
 /** Its mail went out, or was answered for. */
 void agent_progress(struct mu_agent *a);
+
+/** What a directive, or a mail of that word, does to its life. */
+void agent_live(struct mu_agent *a, enum life_event event);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

@@ -65,6 +65,32 @@ def do(domain, broker, *words):
     return done.stdout
 
 
+def test_what_a_broker_may_be_called():
+    domain = new_domain()
+    for name in ("a b", "", "1a", "x" * 10000, "all", "robots", "special", "observer", "operator",
+                 "broker", "broker.x"):
+        done = muster("broker", name, "--domain", domain)
+        want = "is reserved" if name[:1] in "arsob" and " " not in name and name else "must match"
+        check_equal(done.returncode, 2, f"{name[:20]}: {done.stderr}")
+        check(want in done.stderr and len(done.stderr) < 300, done.stderr)
+    done = muster("broker", "main", "--store", "", "--domain", domain)
+    check_equal(done.returncode, 2, "no file")
+    check("expected a file, or none" in done.stderr, done.stderr)
+
+
+def test_a_namesake_gives_way_to_a_broker_that_was_restarted():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = ("--store", out / "store.db")
+        first = broker_start(processes, domain, "main", *store)
+        first.terminate()
+        first.wait(10)
+        again = broker_start(processes, domain, "main", *store)
+        later = processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", "none")
+        check_equal(later.wait(15), 4, "the later one gives way")
+        check(again.poll() is None, "the one that was restarted stays")
+
+
 def test_whichever_broker_is_asked():
     domain = new_domain()
     with folder() as out, Processes() as processes:

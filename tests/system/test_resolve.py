@@ -64,13 +64,43 @@ def test_near_in_a_free_run():
         check_equal(heard(done), NEIGHBOURS, "who hears whom")
 
 
+def observer_experiment(path, target):
+    (path / "told.clp").write_text('(deffunction told () (assert (told (gensym*))))\n'
+                                   '(defrule told (told ?) => (printout t "is told" crlf))\n')
+    robots = "".join(f"  - {{name: {name}, rules: told.clp, groups: [{group}], "
+                     f"services: [map role={role}]}}\n"
+                     for name, group, role in (("red", "g", "scout"), ("blue", "g", "miner"),
+                                               ("green", "h", "scout"), ("yellow", "h", "cook")))
+    file = path / "observer.yaml"
+    file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 1\nresolvers: [role]\n"
+                    f"robots:\n{robots}observer:\n"
+                    f"  - {{at: 0.5, do: {target}, line: (told)}}\n")
+    return file
+
+
+def test_the_observer_commands_groups_and_addresses():
+    with folder() as out:
+        for target, want in (("'role:scout'", ["green", "red"]), ("'group:g'", ["blue", "red"]),
+                             ("[yellow, 'role:miner', blue]", ["blue", "blue", "yellow"])):
+            done = muster("run", observer_experiment(out, target), "--out", out / "run",
+                          "--domain", new_domain())
+            check_equal(done.returncode, 0, done.stderr)
+            told = sorted(line.split(":")[0] for line in (done.stdout + done.stderr).splitlines()
+                          if "is told" in line)
+            check_equal(told, want, f"who is told by {target}")
+        done = muster("run", observer_experiment(out, "'role:nobody'"), "--out", out / "run",
+                      "--domain", new_domain())
+        check_equal(done.returncode, 7, done.stderr)
+
+
 def test_a_resolver_that_there_is_not():
     with folder() as out:
         file = near_experiment(out)
         file.write_text(file.read_text().replace("[near, role]", "[far]"))
         done = muster("run", file, "--out", out / "run", "--domain", new_domain())
-        check_equal(done.returncode, 2, done.stderr)
-        check("near:REST" in done.stderr, done.stderr)
+        check_equal(done.returncode, 3, done.stderr)
+        check("near.yaml:3:13: expected a scheme of addresses: role, task or near" in done.stderr,
+              done.stderr)
         file.write_text(file.read_text().replace("[far]", "[near, near]"))
         done = muster("run", file, "--out", out / "run", "--domain", new_domain())
         check_equal(done.returncode, 3, done.stderr)

@@ -35,6 +35,9 @@ def test_answers_are_waited_for_and_printed():
             done = send(domain, "ann", performative, "too late", "--wait", 10)
             check_equal((done.returncode, done.stdout), (8, ""), performative)
             check(words in done.stderr and "too late" in done.stderr, done.stderr)
+        done = send(domain, "ann", "--layer", 2, "--performative", "state", "?", "--wait", 10)
+        check_equal((done.returncode, done.stdout), (0, "ann: state running\n"), "another layer")
+        check_equal(send(domain, "ann", "tell", "--layer", 0).returncode, 2, "no layer")
         done = send(domain, "ann", "silence", "--wait", 0.2, "--reply-with", "mine")
         check_equal((done.returncode, done.stdout), (0, "ann: \n"), "an empty answer")
 
@@ -159,6 +162,14 @@ def test_bad_input_is_refused_with_what_is_right():
         check_equal(done.returncode, 2, "content that is no UTF-8")
         for words in ((), ("ann",)):
             check_equal(send(domain, *words).returncode, 2, f"{words}")
+        for verb in ("start", "suspend", "resume"):
+            done = muster(verb, "ann", "--wait", 1, "--domain", domain)
+            check_equal((done.returncode, "--wait" in done.stderr), (2, True), "nobody answers")
+        for name in (b"a b", b"", b"1a", b"*", b"x" * 10000, b"caf\xe9"):
+            done = subprocess.run([MUSTER, b"lookup", name, b"--domain", b"%d" % domain],
+                                  capture_output=True, timeout=30)
+            check_equal(done.returncode, 2, f"lookup {name[:40]}: {done.stderr}")
+            check(b"it must match" in done.stderr and len(done.stderr) < 300, f"{done.stderr}")
 
 
 def test_content_up_to_the_limit_and_not_a_byte_more():
@@ -209,10 +220,35 @@ def test_step_fires_some_rules_and_suspends():
         wait_for(lambda: state(domain, "red") == "running", 10, "it runs")
         muster("suspend", "red", "--domain", domain)
         wait_for(lambda: state(domain, "red") == "suspended", 10, "it is stopped")
+        for verb in (("suspend", "red"), ("step", "red", "5"), ("resume", "red")):
+            muster(*verb, "--domain", domain)
+        before = int(count().split()[1])
+        wait_for(lambda: int(count().split()[1]) > before + 5, 20, "it goes on: the later one wins")
         for number in ("0", "-1", "x", "", "1.5", "1000000000", "00"):
             done = muster("step", "red", number, "--domain", domain)
             check_equal(done.returncode, 2, f"{number}: {done.stderr}")
         check_equal(muster("step", "red", "1", "2", "--domain", domain).returncode, 2, "two numbers")
+
+
+def test_verbs_do_not_stand_in_each_others_way():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        muster("suspend", "ann", "--domain", domain)
+        busy = processes.start(MUSTER, "send", "ann", "tell", "--wait", 3, "--domain", domain)
+        wait_for(lambda: members(domain).get("operator", {}).get("state") == "running", 10, "one")
+        readers = [processes.start(MUSTER, *verb, "--domain", domain)
+                   for verb in (("ps",), ("ps",), ("lookup", "ann"), ("lookup", "broker.courier"),
+                                ("group", "list"), ("service", "list"))]
+        late = subprocess.run([MUSTER, "send", "ann", "tell x", "--domain", str(domain)],
+                              capture_output=True, text=True, timeout=30)
+        check_equal((late.returncode, late.stdout), (0, "stored\n"), late.stderr)
+        check("waiting for it" in late.stderr, late.stderr)
+        for reader in readers:
+            check_equal(reader.wait(20), 0, f"{reader.args}")
+        check_equal(busy.wait(20), 124, "no answer")
+        check(not any(name.startswith("operator-") for name in members(domain)), "who only looks")
 
 
 def test_directives_take_lists_and_groups():

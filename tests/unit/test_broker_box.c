@@ -92,12 +92,12 @@ static void test_a_full_box_refuses(void)
     say("blue", "three", 0);
     say("operator", "four", 0);
     (void)story_collect();
-    say("red", "five", 1); /* over its share */
+    say("red", "five", 1);
     say("blue", "six", 0);
     story_send("green", ++seqs[6], "green", "a first mail, and no room");
     EXPECT("red 3-3 box-full; blue 2-2 box-full; green 1-1 box-full");
-    CU_ASSERT_EQUAL(story_status().over_share, 2);
-    CU_ASSERT_EQUAL(story_status().box_full, 1);
+    CU_ASSERT_EQUAL(story_status().over_share, 0); /* all of so small a box is within a share */
+    CU_ASSERT_EQUAL(story_status().box_full, 3);
     CU_ASSERT_EQUAL(story_status().waiting, 4);
     story_state("green", muster_STATE_RUNNING);
     EXPECT("green #1 red/1 one; green #2 red/2 two; green #3 blue/1 three; "
@@ -106,6 +106,20 @@ static void test_a_full_box_refuses(void)
     EXPECT("red 1-2 delivered");
     say("red", "seven", 0);
     EXPECT("green #5 red/4 seven");
+}
+
+static void test_a_small_box_holds_what_it_says(void)
+{
+    static const uint32_t mails[] = {1, 3, 64};
+    for (size_t i = 0; i < sizeof mails / sizeof mails[0]; i++) {
+        team();
+        limit("green", muster_BOX_REFUSE_NEW, mails[i], 0);
+        for (uint32_t k = 0; k <= mails[i]; k++) {
+            say("red", "of one sender", 0);
+        }
+        CU_ASSERT_EQUAL(story_status().waiting, mails[i]);
+        CU_ASSERT_EQUAL(story_status().over_share, 1);
+    }
 }
 
 static void test_a_full_box_drops_the_oldest(void)
@@ -152,17 +166,18 @@ static void test_a_full_box_drops_the_lowest(void)
 static void test_a_flood_drops_its_own(void)
 {
     team();
-    limit("green", muster_BOX_DROP_OLDEST, 8, 0);
+    limit("green", muster_BOX_DROP_OLDEST, 200, 0);
     say("blue", "the oldest of all", 0);
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 110; i++) {
         say("red", "flood", 0);
     }
     (void)story_collect();
     CU_ASSERT_EQUAL(story_status().over_share, 0);
-    CU_ASSERT_EQUAL(story_status().dropped, 7);
+    CU_ASSERT_EQUAL(story_status().dropped, 11);
+    CU_ASSERT_EQUAL(story_status().waiting, 100);
     story_state("green", muster_STATE_RUNNING);
-    EXPECT("green #1 blue/1 the oldest of all; green #2 red/8 flood; green #3 red/9 flood; "
-           "green #4 red/10 flood");
+    static const char want[] = "green #1 blue/1 the oldest of all; green #2 red/12 flood; ";
+    CU_ASSERT_NSTRING_EQUAL(story_collect(), want, sizeof want - 1);
 }
 
 static void test_a_box_counts_bytes(void)
@@ -256,7 +271,8 @@ static void test_a_flood_leaves_room_for_others(void)
 static void test_who_presses_is_slowed_down(void)
 {
     team();
-    limit("green", muster_BOX_REFUSE_NEW, 2, 0);
+    limit("green", muster_BOX_REFUSE_NEW, 1, 0);
+    story_state("blue", muster_STATE_SUSPENDED);
     say("red", "one", 0);
     say("red", "over", 0);
     EXPECT("red 1-1 stored; red 2-2 box-full");
@@ -264,7 +280,7 @@ static void test_who_presses_is_slowed_down(void)
     say("red", "again", 0);
     say("red", "and again", 0);
     EXPECT("");
-    say("blue", "somebody else", 0);
+    story_send("blue", ++seqs['b' - 'a'], "blue", "somebody else");
     EXPECT("blue 1-1 stored");
     story_tick(90 * MS);
     EXPECT("red 3-4 box-full");
@@ -295,10 +311,10 @@ static void test_answers_are_paid_for_by_who_asks(void)
         m.performative = words("lookup");
         story_mail(m);
     }
-    CU_ASSERT_EQUAL(story_status().waiting, 10);
-    CU_ASSERT_EQUAL(story_status().over_share, 20);
+    CU_ASSERT_EQUAL(story_status().waiting, 20);
+    CU_ASSERT_EQUAL(story_status().over_share, 10);
     uint32_t red = registry_find(&story.b->registry, "red");
-    CU_ASSERT_EQUAL(story.b->shares.senders[SHARE_OUTSIDE][red].mails, 10);
+    CU_ASSERT_EQUAL(story.b->shares.senders[SHARE_OUTSIDE][red].mails, 20);
     CU_ASSERT_EQUAL(story.b->shares.senders[SHARE_OUTSIDE][REGISTRY_BROKER].mails, 0);
 }
 
@@ -390,12 +406,11 @@ static void test_events(void)
     struct mu_text t;
     mu_text_init(&t, line, sizeof line);
     team();
-    limit("green", muster_BOX_REFUSE_NEW, 2, 0);
+    limit("green", muster_BOX_REFUSE_NEW, 1, 0);
     say("red", "one", 0);
     say("red", "two", 0);
     event_line(&t); /* at once */
     CU_ASSERT_STRING_EQUAL(line, "over-share green red 1 @1000");
-    say("blue", "three", 0);
     say("red", "four", 0);
     say("operator", "five", 0);
     limit("blue", muster_BOX_DROP_OLDEST, 1, 0);
@@ -424,6 +439,7 @@ int main(void)
         {"a higher priority overtakes", test_a_higher_priority_overtakes},
         {"what the network refused keeps its order", test_what_the_network_refused_keeps_its_order},
         {"a full box refuses", test_a_full_box_refuses},
+        {"a small box holds what it says", test_a_small_box_holds_what_it_says},
         {"a full box drops the oldest", test_a_full_box_drops_the_oldest},
         {"a full box drops the lowest", test_a_full_box_drops_the_lowest},
         {"a flood drops its own", test_a_flood_drops_its_own},

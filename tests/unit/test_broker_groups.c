@@ -59,13 +59,15 @@ static void test_bad_names(void)
     team();
     HEARD("red: failure not-a-name \"a b\"", say("red", "group-join", "\"a b\""));
     HEARD("red: failure not-a-name \"1\"", say("red", "group-create", "1"));
+    HEARD("red: failure not-a-name robots", say("red", "group-create", "robots"));
+    HEARD("red: failure not-a-name all", say("red", "group-join", "all"));
     HEARD("red: failure not-a-name \"\\\"*\"", say("red", "group-leave", "\"\\\"*\""));
-    CU_ASSERT_EQUAL(story_status().malformed, 3);
+    CU_ASSERT_EQUAL(story_status().malformed, 5);
     HEARD("red: not-understood group-join", say("red", "group-join", ""));
     HEARD("red: not-understood group-join", say("red", "group-join", "a b c"));
     HEARD("red: not-understood group-join", say("red", "group-join", "(a)"));
     HEARD("red: not-understood members", say("red", "members", "\"open"));
-    CU_ASSERT_EQUAL(story_status().malformed, 7);
+    CU_ASSERT_EQUAL(story_status().malformed, 9);
     HEARD("red: failure not-a-name an-agent-with-a-long-name-000001",
           say("red", "group-join", "an-agent-with-a-long-name-000001"));
     CU_ASSERT_EQUAL(story.b->pages.groups.pairs.count, 0);

@@ -153,14 +153,14 @@ static void test_nobody_is_an_answer(void)
     team();
     send_to("red", "near:0.1", "hello");
     answer("rita", ticket_of(1), "");
-    NEWS("red 1-1 delivered");
+    NEWS("red 1-1 unknown-name");
     send_to("red", "near:0.1", "hello");
     answer("rita", ticket_of(2), "nobody");
-    NEWS("red 2-2 delivered");
+    NEWS("red 2-2 unknown-name");
     send_to("red", "near:x", "hello");
     story_mail(answer_of("rita", "failure", ticket_of(3), "no-such-address"));
     NEWS("red 3-3 unknown-name");
-    CU_ASSERT_EQUAL(story_status().unknown_name, 1);
+    CU_ASSERT_EQUAL(story_status().unknown_name, 3);
 }
 
 static void test_mail_that_follows_waits(void)

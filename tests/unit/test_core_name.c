@@ -124,6 +124,18 @@ static void test_reserved_names(void)
     }
 }
 
+static void test_names_of_groups(void)
+{
+    static const char *const refused[] = {"all", "robots", "special", "broker", "a b", ""};
+    static const char *const allowed[] = {"scouts", "observer", "broker.x", "All"};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        CU_ASSERT_FALSE(mu_name_of_group(refused[i]));
+    }
+    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++) {
+        CU_ASSERT_TRUE(mu_name_of_group(allowed[i]));
+    }
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -132,6 +144,7 @@ int main(void)
         {"every byte in every place", test_every_byte_in_every_place},
         {"limit: the length of a name", test_limit_length},
         {"reserved names", test_reserved_names},
+        {"names of groups", test_names_of_groups},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"core/name", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};

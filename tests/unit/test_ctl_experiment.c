@@ -71,7 +71,7 @@ static void test_everything(void)
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
              "  - {name: blue, rules: a.clp, groups: [g, scouts], services: [map x=1 y=2, sing]}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
-             "  - {at: 2.5, do: [red, blue, 'group:g'], line: (stop)}\n"
+             "  - {at: 2.5, do: [red, 'role:scout', 'group:g'], line: (stop)}\n"
              "expect:\n  - {near: [blue, red], within: 2.5}\n"
              "  - {near: [red, blue], within: 1, from: 3, to: 4, share: 0.8}\n"
              "  - {inside: arena}\n  - {stall-max: 10}\n",
@@ -97,7 +97,7 @@ static void test_everything(void)
     CU_ASSERT_EQUAL_FATAL(e->observer[0].targets_count, 1);
     CU_ASSERT_STRING_EQUAL(e->observer[0].targets[0], "all");
     CU_ASSERT_EQUAL_FATAL(e->observer[1].targets_count, 3);
-    CU_ASSERT_STRING_EQUAL(e->observer[1].targets[1], "blue");
+    CU_ASSERT_STRING_EQUAL(e->observer[1].targets[1], "role:scout");
     CU_ASSERT_STRING_EQUAL(e->observer[1].line, "(stop)");
     CU_ASSERT_EQUAL_FATAL(e->expect_count, 4);
     CU_ASSERT_STRING_EQUAL(e->expect[0].near_robot, "blue");
@@ -211,7 +211,9 @@ static void test_other_faults(void)
         {BASE "name: a/b\n", 6, 7, "expected a name"},
         {BASE "name: ..\n", 6, 7, "expected a name"},
         {BASE "brokers: [b c]\n", 6, 11, "cannot be a broker's name"},
+        {BASE "brokers: [robots]\n", 6, 11, "cannot be a broker's name"},
         {BASE "resolvers: [near:2]\n", 6, 13, "expected a scheme of addresses"},
+        {BASE "resolvers: [role, foo]\n", 6, 19, "role, task or near, not 'foo'"},
         {BASE "resolvers: [near, role, near]\n", 6, 25, "stands here a second time"},
         {BASE "broker: {delivery-interval: -1}\n", 6, 29, "0 to 60000 ms, not -1"},
         {BASE "broker: {delivery-interval: 60001}\n", 6, 29, "0 to 60000 ms"},
@@ -225,6 +227,7 @@ static void test_other_faults(void)
          4, 42, "no broker 'c'"},
         {BASE "observer:\n  - {at: 1, do: pink, line: (a)}\n", 7, 17, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [red, pink], line: (a)}\n", 7, 23, "no robot 'pink'"},
+        {BASE "observer:\n  - {at: 1, do: 'role:', line: (a)}\n", 7, 17, "SCHEME:REST"},
         {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected 1 to"},
         {BASE "observer:\n  - {at: 1, do: [[red]], line: (a)}\n", 7, 18, "expected a robot's"},
         {BASE "observer:\n  - {at: -1, do: red, line: (a)}\n", 7, 10, "expected a time from 0"},

@@ -31,12 +31,12 @@ static void test_utf8(void)
 
 static void test_show(void)
 {
-    char shown[WORDS_SHOWN], longest[64];
-    CU_ASSERT_STRING_EQUAL(words_show(shown, "a b"), "a b");
-    CU_ASSERT_STRING_EQUAL(words_show(shown, "a\n\x1b[1m\xe9"), "a\\x0a\\x1b[1m\\xe9");
+    char shown[MU_TEXT_SHOWN], longest[64];
+    CU_ASSERT_STRING_EQUAL(mu_text_show(shown, "a b"), "a b");
+    CU_ASSERT_STRING_EQUAL(mu_text_show(shown, "a\n\x1b[1m\xe9"), "a\\x0a\\x1b[1m\\xe9");
     memset(longest, '\n', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
-    words_show(shown, longest);
+    mu_text_show(shown, longest);
     CU_ASSERT_EQUAL(strlen(shown), 24 * 4 + 3);
     CU_ASSERT_STRING_EQUAL(shown + 24 * 4, "...");
 }

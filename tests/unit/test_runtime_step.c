@@ -286,12 +286,13 @@ static void test_directives_of_life_are_the_runtimes(void)
         {"start", ""},
         {"step", "red step 5; "},
         {"resume", "red is running; "},
+        {"resume", "red is running; "}, /* after a step it is told not to stop */
     };
     for (uint64_t i = 0; i < sizeof story / sizeof story[0]; i++) {
         parcel("red", i + 1, story[i].directive, "5");
         expect(story[i].want);
     }
-    CU_ASSERT_EQUAL(red->handed, 8);
+    CU_ASSERT_EQUAL(red->handed, 9);
 }
 
 /* Nobody who asks for an answer waits for an agent that has no handler. */
