@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A resolver of one's own: battery:low is whoever offers something with battery < 0.3, and
- * battery:0.5 whoever has less than a half: battery DOMAIN
+ * battery:0.5 whoever has less than a half: battery [DOMAIN]
  *
  * An agent says how much it has left by mu_agent_advertise(a, "drive", "battery=0.2", 0), and
  * `muster send battery:low go home` reaches it.
@@ -35,8 +35,9 @@ static bool battery_resolve(void *self, mu_agent *a, const char *rest, const cha
 
 int main(int argc, char **argv)
 {
+    const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
     /* It watches, so that runs in lock step wait for it and are the same every time. */
-    struct mu_process_options options = {.domain = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 0,
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
                                          .watches = true};
     mu_process *process;
     mu_agent *a;

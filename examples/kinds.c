@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A kind and a child that overrides one of its handlers, in a layer of their own: kinds DOMAIN
+ * A kind and a child that overrides one of its handlers, in a layer of their own: kinds [DOMAIN]
  *
  * Both agents sell in layer 4.  The shop names its price and takes back nothing; the thrifty shop
  * is a shop, but knows what it paid: its price is lower, and it does not let itself be disposed of.
@@ -58,7 +58,8 @@ static mu_result enter(mu_process *p, const char *name, const struct mu_agent_ki
 
 int main(int argc, char **argv)
 {
-    struct mu_process_options options = {.domain = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 0};
+    const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
     mu_process *process;
     if (mu_process_open(&process, &options) != MU_OK || enter(process, "shop", &shop) != MU_OK ||
         enter(process, "thrifty", &thrifty) != MU_OK) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Groups and services: an adder offers `sum`, and a client that hears of it asks it: services
- * DOMAIN
+ * [DOMAIN]
  *
  * The client watches the yellow pages, so it does not matter which of the two comes first.  Both
  * are in the group `arithmetic`, where the client tells the result.
@@ -68,7 +68,8 @@ static void client_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 
 int main(int argc, char **argv)
 {
-    struct mu_process_options options = {.domain = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 0};
+    const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
     struct mu_handlers adder = {.on_registered = adder_registered, .on_mail = adder_mail};
     struct mu_handlers client = {
         .on_registered = client_registered, .on_mail = client_mail, .on_service = client_service};

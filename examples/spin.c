@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The smallest controller: a robot that turns on the spot and says hello: spin NAME DOMAIN */
+/* The smallest controller: a robot that turns on the spot and says hello: spin [NAME [DOMAIN]] */
 #include <muster/muster.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,8 +24,9 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "red";
-    int domain = argc > 2 ? (int)strtol(argv[2], NULL, 10) : 0;
-    struct mu_process_options options = {.domain = domain, .with_body = true};
+    const char *domain = argc > 2 ? argv[2] : getenv("MUSTER_DOMAIN");
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
+                                         .with_body = true};
     struct mu_handlers handlers = {.on_state = on_state, .on_act = on_act};
     mu_process *process;
     mu_agent *robot;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Answers every mail with the time of the wall clock: time_server DOMAIN */
+/* Answers every mail with the time of the wall clock: time_server [DOMAIN] */
 #include <muster/muster.h>
 #include <stdlib.h>
 #include <time.h>
 
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
-    mu_result *answered = self;
-    *answered = mu_agent_reply(a, mail, "inform", ctime(&(time_t){time(NULL)}));
+    *(mu_result *)self = mu_agent_reply(a, mail, "inform", ctime(&(time_t){time(NULL)}));
 }
 
 int main(int argc, char **argv)
 {
-    struct mu_process_options options = {.domain = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 0};
+    const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
     mu_result answered = MU_OK; /* the last mail */
     struct mu_handlers handlers = {.self = &answered, .on_mail = on_mail};
     mu_process *process = NULL;

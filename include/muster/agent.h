@@ -108,8 +108,8 @@ struct mu_member {
     enum mu_state state;
     char broker[MU_NAME_MAX + 1];
     char host[MU_FIELD_MAX + 1];
-    uint32_t pid;
-    uint64_t since_wall_ns;
+    uint32_t pid;           /* of its process */
+    uint64_t since_wall_ns; /* since when in this state, nanoseconds since 1970 */
 };
 
 struct mu_service; /* directory.h */
