@@ -37,7 +37,7 @@ struct mu_agent {
     enum mu_kind kind;
     enum mu_state state;
     struct mu_handlers handlers;
-    struct kind_part part;  /* what its kind has come to */
+    struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
     uint64_t since_wall_ns; /* since when it has its name */
     bool registered, refused;
