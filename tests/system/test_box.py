@@ -126,7 +126,7 @@ def test_a_stopped_receiver_hurts_nobody_else():
 def test_a_box_that_drops_keeps_the_youngest():
     domain = new_domain()
     with folder() as out, Processes() as processes:
-        broker_start(processes, domain, "--box-mails", 10, "--box-policy", "drop-oldest")
+        broker_start(processes, domain, "--box-mails", 5, "--box-policy", "drop-oldest")
         receivers_start(processes, domain, out, "lazy")
         check_equal(muster("suspend", "lazy", "--domain", domain).returncode, 0, "suspend")
         for i in range(8):
@@ -135,7 +135,7 @@ def test_a_box_that_drops_keeps_the_youngest():
         check_equal(muster("resume", "lazy", "--domain", domain).returncode, 0, "resume")
         lines = wait_for(lambda: len(record_lines(out / "lazy")) >= 5 and
                          record_lines(out / "lazy"), 10, "the mail that was left")
-        # A lone sender has one half of the box, and pays with its own oldest mail.
+        # A lone sender has all of so small a box, and pays with its own oldest mail.
         check_equal([line.split()[2] for line in lines], ["m3", "m4", "m5", "m6", "m7"], "mail")
 
 
