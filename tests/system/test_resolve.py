@@ -157,7 +157,7 @@ def test_roles_and_tasks_on_the_command_line():
         resolves(domain, "task:map", said, 1)
         check_equal(send(domain, "role:scout", "hello"), 0, "mail to a role")
         check_equal(send(domain, "task:map", "draw"), 0, "mail to a task")
-        check_equal(send(domain, "role:cook", "nobody is one"), 0, "mail to nobody")
+        check_equal(send(domain, "role:cook", "nobody is one"), 7, "mail that nobody fits")
         check_equal(send(domain, "near:2", "nobody resolves it"), 7, "another scheme")
         wait_for(lambda: "mail operator hello" in said(0), 10, "the scout has its mail")
         wait_for(lambda: "mail operator draw" in said(1), 10, "the map maker, too")
