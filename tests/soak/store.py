@@ -16,7 +16,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
 from support import Processes, broker_start, check, check_equal, folder, members  # noqa: E402
-from support import new_domain, program, wait_for  # noqa: E402
+from support import muster, new_domain, program, wait_for  # noqa: E402
 from test_store import broker_again, kill, receipts, receiver_start, whole_lines  # noqa: E402
 
 # Three senders may have 8,192 mails each in a box, however slow its receiver is.
@@ -100,6 +100,9 @@ class Team:
         for name in CHANGERS:
             had = self.changes(name, "changed")
             wait_for(lambda: self.changes(name, "changed") > had + 100, 30, f"changes of {name}")
+        wait_for(lambda: " waiting 0 " in " ".join(muster("lookup", "broker.postmaster", "--domain",
+                                                          self.domain).stdout.split()) + " ", 30,
+                 "the receiver's acknowledgements at the broker's last life")
         self.broker.terminate()
         self.broker.wait()
 
