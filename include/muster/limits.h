@@ -170,6 +170,26 @@
 /** Sonar transducers on one robot. */
 #define MU_SONARS_MAX 32
 
+/** Beams of one laser. */
+#define MU_BEAMS_MAX 1024
+
+/** Columns of a camera's picture. */
+#define MU_COLUMNS_MAX 640
+
+/** Blobs that a camera reports at once, nearest first. */
+#define MU_BLOBS_MAX 32
+
+/** Colours that a camera looks for. */
+#define MU_COLORS_MAX 16
+
+/** Fiducials that are reported at once, nearest first. */
+#define MU_FIDUCIALS_MAX 32
+
+/** Things in one world that can be moved. */
+#ifndef MU_OBJECTS_MAX
+#define MU_OBJECTS_MAX 4096
+#endif
+
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200
 

@@ -22,6 +22,7 @@ struct engine_robot {
     struct ode_motion last_good;     /* as of the last control step */
     double outline_x_m, outline_y_m; /* the outline's middle in the robot's frame */
     struct sonar_ring sonars;
+    float sonar_m[MU_SONARS_MAX];
 };
 
 struct engine {
@@ -216,17 +217,25 @@ void engine_step(struct engine *e)
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
-    const struct engine_robot *r = &e->robots[robot];
+    struct engine_robot *r = &e->robots[robot];
     const struct ode_motion *m = &r->motion;
     struct drive_motion motion = engine_own_motion(m);
     double heading = atan2(m->s, m->c);
-    out->pose = (struct world_pose){m->x, m->y, heading <= -M_PI ? M_PI : heading};
+    struct world_pose pose = {m->x, m->y, heading <= -M_PI ? M_PI : heading};
+    *out = (struct engine_percept){.pose = pose,
+                                   .position = pose,
+                                   .gps_x_m = pose.x_m,
+                                   .gps_y_m = pose.y_m,
+                                   .compass_rad = pose.heading_rad,
+                                   .odometer = pose,
+                                   .battery_share = -1};
     out->forward_m_s = motion.forward_m_s;
     out->turn_rad_s = motion.turn_rad_s;
     out->stalled = drive_stalled(&r->drive);
     out->sonar_count = r->sonars.count;
     struct sonar_frame frame = {m->x, m->y, m->c, m->s};
-    sonar_read(&r->sonars, &e->grid, (int)robot, &frame, out->sonar_m);
+    sonar_read(&r->sonars, &e->grid, (int)robot, &frame, r->sonar_m);
+    out->sonar_m = r->sonar_m;
 }
 
 void engine_state(const struct engine *e, size_t robot, double state[ENGINE_STATE_DOUBLES])

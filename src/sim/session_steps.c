@@ -22,15 +22,25 @@ static void percepts_read(struct session *s)
     }
 }
 
-static void percept_fill(muster_Percept *to, struct engine_percept *from)
+static void percept_fill(muster_Percept *to, const struct engine_percept *from)
 {
-    to->x_m = from->pose.x_m;
-    to->y_m = from->pose.y_m;
-    to->heading_rad = from->pose.heading_rad;
+    to->x_m = from->position.x_m;
+    to->y_m = from->position.y_m;
+    to->heading_rad = from->position.heading_rad;
     to->forward_m_s = from->forward_m_s;
     to->turn_rad_s = from->turn_rad_s;
     to->stalled = from->stalled;
-    to->sonar_m._buffer = from->sonar_m;
+    to->fault = from->fault;
+    to->gps_x_m = from->gps_x_m;
+    to->gps_y_m = from->gps_y_m;
+    to->compass_rad = from->compass_rad;
+    to->odometer_x_m = from->odometer.x_m;
+    to->odometer_y_m = from->odometer.y_m;
+    to->odometer_heading_rad = from->odometer.heading_rad;
+    to->bumpers = from->bumpers;
+    to->gripper = from->gripper;
+    to->battery_share = from->battery_share;
+    to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m; /* nobody writes there */
     to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
 }
 
@@ -38,7 +48,11 @@ static void percept_fill(muster_Percept *to, struct engine_percept *from)
 static void bodies_fill(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
-        percept_fill(&s->bodies[r], &s->robots[r].percept);
+        const struct engine_percept *percept = &s->robots[r].percept;
+        percept_fill(&s->bodies[r], percept);
+        s->bodies[r].x_m = percept->pose.x_m;
+        s->bodies[r].y_m = percept->pose.y_m;
+        s->bodies[r].heading_rad = percept->pose.heading_rad;
         s->bodies[r].sonar_m._length = s->bodies[r].sonar_m._maximum = 0;
     }
 }

@@ -54,6 +54,7 @@ static mu_result body_read_sensor(void *context, const struct worldfile_entity *
         .range_min_m = view[0],
         .range_max_m = view[1],
         .fov_rad = view[2] * M_PI / 180,
+        .rays = 1,
     };
     return MU_OK;
 }
@@ -160,7 +161,8 @@ static mu_result body_read_name(struct builder *b, const struct worldfile_entity
 mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
                     struct world_pose frame, struct world_robot *robot)
 {
-    *robot = (struct world_robot){.color = "red"}; /* as Stage's models without a colour */
+    *robot = (struct world_robot){.color = "red", /* as Stage's models without a colour */
+                                  .look = {.stops = true, .echoes = true, .shows = true}};
     builder_warn_unknown(b, entity, BUILDER_ROBOT);
     MU_TRY(body_warn_choices(b, entity));
     MU_TRY(body_read_name(b, entity, robot));

@@ -206,6 +206,8 @@ mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
     if (b->world->shape_count == BUILDER_SHAPES_MAX) {
         return builder_fault(b, at, "more than %d obstacles", BUILDER_SHAPES_MAX);
     }
-    b->world->shapes[b->world->shape_count++] = *shape;
+    struct world_shape *added = &b->world->shapes[b->world->shape_count++];
+    *added = *shape;
+    added->look = (struct world_look){.stops = true, .echoes = true, .shows = true};
     return MU_OK;
 }

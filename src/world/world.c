@@ -165,6 +165,8 @@ mu_result world_load(struct world *world, const char *path, bool quiet, struct m
     world->source = mu_startup_alloc(sizeof *world->source);
     world->shapes = mu_startup_array(BUILDER_SHAPES_MAX, sizeof *world->shapes);
     world->robots = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->robots);
+    world->objects = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->objects);
+    world->seed = -1;
     worldfile_init(world->source);
     MU_TRY(worldfile_parse(world->source, path, fault));
     world->source->origins =
