@@ -12,6 +12,7 @@
 #include "broker/broker.h"
 #include "broker/parts.h"
 #include "core/text.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -21,6 +21,7 @@
 #include "broker/broker.h"
 #include "core/table.h"
 #include "core/text.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -319,18 +320,6 @@ static inline void story_send(const char *src, uint64_t seq, const char *dst, co
 static inline void story_ack(const char *name, uint64_t number)
 {
     story_up(name, muster_STEP_NOW, muster_STATE_RUNNING, NULL, 0, number);
-}
-
-static inline int story_run(const char *suite, CU_TestInfo *tests)
-{
-    CU_SuiteInfo suites[] = {{suite, NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 #endif

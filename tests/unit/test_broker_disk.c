@@ -210,7 +210,7 @@ int main(void)
     if (!mkdtemp(folder)) {
         return EXIT_FAILURE;
     }
-    int result = story_run("disk", tests);
+    int result = suite_run("disk", tests);
     static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         unlink(file(files[i]));

@@ -605,12 +605,5 @@ int main(void)
         {"a lone broker", test_a_lone_broker_announces_nothing},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"broker/liaison", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("broker/liaison", tests);
 }

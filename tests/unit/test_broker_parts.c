@@ -525,5 +525,5 @@ int main(void)
          test_in_lock_step_the_broker_is_directed_between_steps},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/parts", tests);
+    return suite_run("broker/parts", tests);
 }

@@ -3,6 +3,7 @@
  * The network, on loopback: readers and writers of one participant, and another process that holds
  * the simulator's place.
  */
+#include "../support/suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "wire.h"
@@ -348,11 +349,5 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"bus/bus", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

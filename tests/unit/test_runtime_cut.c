@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that the network had lost for a while, and that is accepted again. */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static mu_process process;
@@ -152,12 +152,5 @@ int main(void)
         {"what is pending does not move", test_what_is_pending_does_not_move},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/cut", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/cut", tests);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
+#include "../support/suite.h"
 #include "world/world.h"
 #include "world/worldfile.h"
 
@@ -439,12 +440,5 @@ int main(void)
         {"Stage's own worlds", test_stage_worlds},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"world/world", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("world/world", tests);
 }
