@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "broker/beacons.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-
-/* idlc makes no const members; nobody writes there. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static struct beacons own(void)
 {

@@ -424,14 +424,14 @@ static void test_limit_hops(void)
 {
     two();
     muster_Parcel p = {
-        .box = words("blue"), .number = 1, .letter = net_letter("red", 1, "blue", "one")};
+        .box = words("blue"), .number = 1, .letter = letter("red", 1, "blue", "one")};
     muster_Delivery d = delivery_to_b(&p);
     p.letter.hops = MU_HOPS_MAX - 1;
     broker_delivery(net.b[B], &d, net.now_ns);
     net_settle();
     HEARD("blue", "one");
     p = (muster_Parcel){
-        .box = words("blue"), .number = 2, .letter = net_letter("red", 2, "blue", "two")};
+        .box = words("blue"), .number = 2, .letter = letter("red", 2, "blue", "two")};
     p.letter.hops = MU_HOPS_MAX;
     broker_delivery(net.b[B], &d, net.now_ns);
     net_settle();
@@ -445,7 +445,7 @@ static void test_what_is_malformed_is_counted(void)
     two();
     uint64_t before = net.b[B]->counters.malformed;
     muster_Parcel p = {
-        .box = words("broker"), .number = 1, .letter = net_letter("red", 1, "broker", "x")};
+        .box = words("broker"), .number = 1, .letter = letter("red", 1, "broker", "x")};
     muster_Delivery d = delivery_to_b(&p);
     broker_delivery(net.b[B], &d, net.now_ns);
     p.box = words("who is that");

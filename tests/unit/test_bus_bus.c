@@ -3,6 +3,7 @@
  * The network, on loopback: readers and writers of one participant, and another process that holds
  * the simulator's place.
  */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
@@ -29,12 +30,6 @@ static pid_t holder;   /* of the simulator's place */
 static int domain(void)
 {
     return 100 + (int)(getpid() % 100);
-}
-
-/* idlc makes no const members; the bus writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
 }
 
 /* Starts before this process touches DDS, which does not survive a fork. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "runtime/choice.h"
 
@@ -7,12 +8,6 @@
 #include <string.h>
 
 static struct choice choice;
-
-/* idlc makes no const members; nobody writes there. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static muster_Beacon beacon(const char *name, const char *host, uint32_t index)
 {

@@ -4,6 +4,7 @@
  * and what agents send lies in their outboxes.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/random.h"
 #include "core/text.h"
@@ -18,12 +19,6 @@ static unsigned kept_count;
 static char heard_buffer[4096];
 static struct mu_text heard;
 static mu_agent *red;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_service(void *self, mu_agent *a, const struct mu_service *service, bool came)
 {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/random.h"
 #include "runtime/members.h"
@@ -12,12 +13,6 @@ static struct members members; /* static: leak checkers see its memory */
 static void set_up(void)
 {
     members_init(&members);
-}
-
-/* idlc makes no const members; members_set writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
 }
 
 static void set(const char *name, muster_State state, uint32_t pid)

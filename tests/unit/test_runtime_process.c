@@ -3,6 +3,7 @@
  * A process on a real network, loopback alone.  This test is the broker and the simulator: its
  * readers and writers share the participant of the process under test.
  */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/clock.h"
 #include "core/text.h"
@@ -44,12 +45,6 @@ static struct {
 
 static char heard_buffer[1024];
 static struct mu_text heard;
-
-/* idlc makes no const members; the bus writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that resolves addresses, and a process that watches, without a network. */
 #include "../support/capture.h"
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -14,12 +15,6 @@ static struct mu_text heard;
 static uint32_t mails_read;
 static const char *name_added = "green";
 static unsigned times_added = 1;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static bool resolve(void *self, mu_agent *a, const char *rest, const char *sender, mu_resolution *r)
 {

@@ -4,6 +4,7 @@
  * all of them are.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "runtime/process.h"
 
@@ -15,12 +16,6 @@ enum { AGENTS = 2 * MU_PART_AGENTS + 1 };
 
 static mu_process process;
 static const struct mu_handlers handlers;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void set_up(void)
 {

@@ -4,6 +4,7 @@
  * memory, its writers are not open, and what handlers hear is one line of text.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -22,12 +23,6 @@ static muster_Sense sense;
 static muster_Delivery delivery;
 static char heard_buffer[1024];
 static struct mu_text heard;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {

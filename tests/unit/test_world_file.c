@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The grammar of world files: what is read, what is refused and where, and that garbage ends. */
+#include "../support/hush.h"
 #include "../support/suite.h"
 #include "core/random.h"
 #include "world/worldfile.h"
@@ -14,24 +15,6 @@
 static struct world_file file;
 static struct mu_fault fault;
 static char big[WORLDFILE_TEXT_MAX];
-
-/* Faults leave a trace on standard error: of use to a person, not in thousands. */
-static int hush(void)
-{
-    fflush(stderr);
-    int kept = dup(STDERR_FILENO);
-    int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-    return kept;
-}
-
-static void unhush(int kept)
-{
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-}
 
 static mu_result parse(const char *text)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
+#include "../support/hush.h"
 #include "../support/suite.h"
 #include "world/world.h"
 #include "world/worldfile.h"
@@ -19,23 +20,6 @@
 static struct world worlds[160];
 static size_t worlds_used;
 static struct mu_fault fault;
-
-static int hush(void)
-{
-    fflush(stderr);
-    int kept = dup(STDERR_FILENO);
-    int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-    return kept;
-}
-
-static void unhush(int kept)
-{
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-}
 
 /* Puts bytes into a new file. */
 static void put(char *path, const char *bytes, size_t len)

@@ -19,7 +19,8 @@
 #ifndef MUSTER_TESTS_HISTORY_H
 #define MUSTER_TESTS_HISTORY_H
 
-#include "broker/broker.h"
+#include "../brokers.h"
+#include "../samples.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -248,7 +249,6 @@ void history_live(uint64_t seed, uint32_t steps);
 
 uint32_t history_roll(uint32_t sides);
 bool history_chance(uint32_t one_in);
-char *history_words(const char *s);
 
 /** The name of that index, and back; NOBODY: it is none. */
 const char *history_name(int index);

@@ -199,8 +199,8 @@ static void restore_mails(void)
         e.letter.content = r->content;
         e.letter.performative = r->performative;
         e.letter.reply_with = r->reply_with;
-        e.letter.language = e.letter.ontology = history_words("");
-        e.letter.in_reply_to = e.letter.conversation = history_words("");
+        e.letter.language = e.letter.ontology = words("");
+        e.letter.in_reply_to = e.letter.conversation = words("");
         restore(&e);
     }
 }
