@@ -262,7 +262,7 @@ void history_live(uint64_t seed, uint32_t steps)
     }
     history_note("%s store, %s, boxes of %lu", history.has_store ? "a" : "no",
                  history.loses ? "losses" : "no losses", (unsigned long)history.box_mails);
-    platter_clear();
+    disk_clear();
     life_begin();
     for (uint32_t i = 0; i < steps && history.mails + SEATS * PROCESSES < MAILS; i++) {
         step();

@@ -56,7 +56,7 @@ void life_begin(void)
                                      .box_mails = history.box_mails};
     history.life.b = broker_kept(&options);
     if (history.has_store) {
-        platter_restore();
+        disk_restore();
     }
     run_begin();
     history_note("the broker begins its life %lu", (unsigned long)history.life.number);
@@ -86,7 +86,7 @@ void life_round(void)
     broker_tick(history.life.b, life_now_ns());
     book_expire();
     if (history.has_store) {
-        platter_commit();
+        disk_write();
     }
     net_deliver();
 }
