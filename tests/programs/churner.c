@@ -7,12 +7,11 @@
  */
 #include "core/clock.h"
 #include "core/random.h"
+#include "record.h"
 
 #include <muster/muster.h>
 
-#include <fcntl.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,20 +32,6 @@ static const uint64_t BETWEEN_NS = 5000000;
 static volatile sig_atomic_t quiet;
 static int record;
 
-static void note(const char *format, ...) __attribute__((format(printf, 1, 2)));
-
-static void note(const char *format, ...)
-{
-    char line[256];
-    va_list args;
-    va_start(args, format);
-    int len = vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    if (write(record, line, (size_t)len) != len) {
-        _exit(9);
-    }
-}
-
 static void on_signal(int number)
 {
     (void)number;
@@ -64,15 +49,16 @@ static void on_registered(void *self, mu_agent *a, bool accepted, const char *re
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
-    note("took %s %s %s\n", mu_agent_name(a), mail->src, mail->content);
+    record_line(record, "took %s %s %s", mu_agent_name(a), mail->src, mail->content);
 }
 
 static void on_receipt(void *self, mu_agent *a, uint64_t first, uint64_t last,
                        enum mu_outcome outcome)
 {
     struct sender *s = self;
-    note("told %s - %llu %llu %s\n", mu_agent_name(a), (unsigned long long)(first - s->first_seq),
-         (unsigned long long)(last - s->first_seq), mu_outcome_text(outcome));
+    record_line(record, "told %s - %llu %llu %s", mu_agent_name(a),
+                (unsigned long long)(first - s->first_seq),
+                (unsigned long long)(last - s->first_seq), mu_outcome_text(outcome));
     for (uint64_t i = first - s->first_seq; i <= last - s->first_seq && i < MAILS_MAX; i++) {
         s->answered += !s->told[i];
         s->told[i] = true;
@@ -88,7 +74,8 @@ static void mail_send(struct sender *s, struct mu_random *dice, int64_t processe
     struct mu_mail mail = {.dst = to, .content = content};
     if (s->registered && s->sent < MAILS_MAX &&
         mu_agent_send(s->agent, &mail, s->sent == 0 ? &s->first_seq : NULL) == MU_OK) {
-        note("sent %s %llu %s\n", mu_agent_name(s->agent), (unsigned long long)s->sent++, to);
+        record_line(record, "sent %s %llu %s", mu_agent_name(s->agent),
+                    (unsigned long long)s->sent++, to);
     }
 }
 
@@ -109,7 +96,7 @@ int main(int argc, char **argv)
     }
     struct mu_random dice;
     mu_random_seed(&dice, (uint64_t)getpid(), argv[2]);
-    record = open(argv[5], O_WRONLY | O_CREAT | O_APPEND, 0600);
+    record = record_open(argv[5]);
     signal(SIGUSR1, on_signal);
     mu_process *p;
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
@@ -136,7 +123,7 @@ int main(int argc, char **argv)
             mail_send(&senders[mu_random_between(&dice, 0, agents - 1)], &dice,
                       strtoll(argv[3], NULL, 10), agents);
         } else if (quiet && !done && all_answered(agents)) {
-            note("done - - -\n");
+            record_line(record, "done - - -");
             done = true;
         }
     }

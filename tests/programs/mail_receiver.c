@@ -4,9 +4,10 @@
  *   mail_receiver DOMAIN NAME RECORD [BROKER [INTERFACE PEERS]]
  * The record is its memory: a later life goes on after the last whole line.
  */
+#include "record.h"
+
 #include <muster/muster.h>
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,12 +18,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     const int *record = self;
-    char line[256];
-    int len = snprintf(line, sizeof line, "%llu %s %s\n", (unsigned long long)mail->number,
-                       mail->src, mail->content);
-    if (write(*record, line, (size_t)len) != len) {
-        _exit(9);
-    }
+    record_line(*record, "%llu %s %s", (unsigned long long)mail->number, mail->src, mail->content);
 }
 
 /* @return the number at the start of the last line, 0 for an empty record */
@@ -48,7 +44,7 @@ int main(int argc, char **argv)
     if (argc < 4) {
         return 2;
     }
-    int record = open(argv[3], O_RDWR | O_CREAT | O_APPEND, 0600);
+    int record = record_open(argv[3]);
     mu_process *p;
     mu_agent *a;
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),

@@ -5,13 +5,13 @@
  * With `mixed` every third has a high priority, the next a low one.
  * Writes a line for each receipt, "FIRST LAST OUTCOME", with one write.
  */
+#include "record.h"
+
 #include <muster/muster.h>
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { IN_FLIGHT = 200, COUNT_MAX = 1000000 };
 
@@ -26,12 +26,8 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first, uint64_t last,
 {
     (void)self;
     (void)a;
-    char line[96];
-    int len = snprintf(line, sizeof line, "%llu %llu %s\n", (unsigned long long)first,
-                       (unsigned long long)last, mu_outcome_text(outcome));
-    if (write(record, line, (size_t)len) != len) {
-        _exit(9);
-    }
+    record_line(record, "%llu %llu %s", (unsigned long long)first, (unsigned long long)last,
+                mu_outcome_text(outcome));
     for (uint64_t i = first - first_seq; i <= last - first_seq && i < COUNT_MAX; i++) {
         answers += !answered[i];
         answered[i] = true;
@@ -60,7 +56,7 @@ int main(int argc, char **argv)
         return 2;
     }
     uint64_t count = strtoull(argv[4], NULL, 10);
-    record = open(argv[6], O_WRONLY | O_CREAT | O_APPEND, 0600);
+    record = record_open(argv[6]);
     mu_process *p;
     mu_agent *a;
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};

@@ -5,42 +5,27 @@
  * itself.  What it is told, it tells the group; when it is told "create", it tries to make the
  * group once more.
  */
+#include "record.h"
+
 #include <muster/muster.h>
 
-#include <fcntl.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static int record;
-
-static void note(const char *format, ...) __attribute__((format(printf, 1, 2)));
-
-static void note(const char *format, ...)
-{
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    int len = vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    if (write(record, line, (size_t)len) != len) {
-        _exit(9);
-    }
-}
 
 static void check(mu_result sent)
 {
     if (sent != MU_OK) {
-        note("not sent: %s\n", mu_result_text(sent));
+        record_line(record, "not sent: %s", mu_result_text(sent));
     }
 }
 
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
-    note("mail %s %s\n", mail->src, mail->content);
+    record_line(record, "mail %s %s", mail->src, mail->content);
     if (strcmp(mail->dst, mu_agent_name(a)) != 0) {
         return;
     }
@@ -55,15 +40,16 @@ static void on_refusal(void *self, mu_agent *a, const char *change, const char *
 {
     (void)self;
     (void)a;
-    note("refused %s %s\n", change, reason);
+    record_line(record, "refused %s %s", change, reason);
 }
 
 static void on_service(void *self, mu_agent *a, const struct mu_service *service, bool came)
 {
     mu_process *p = *(mu_process **)self;
     (void)a;
-    note("%s %s %s [%s] found %s\n", came ? "came" : "went", service->service, service->agent,
-         service->attributes, mu_process_find_service(p, "mapper", 0) ? "some" : "none");
+    record_line(record, "%s %s %s [%s] found %s", came ? "came" : "went", service->service,
+                service->agent, service->attributes,
+                mu_process_find_service(p, "mapper", 0) ? "some" : "none");
 }
 
 /* Writes the members of the group whenever they have changed. */
@@ -78,7 +64,7 @@ static void members_note(const mu_process *p)
     }
     if (strcmp(now, last) != 0) {
         snprintf(last, sizeof last, "%s", now);
-        note("members%s\n", now);
+        record_line(record, "members%s", now);
     }
 }
 
@@ -89,7 +75,7 @@ int main(int argc, char **argv)
     }
     mu_process *p;
     mu_agent *a;
-    record = open(argv[3], O_WRONLY | O_CREAT | O_APPEND, 0600);
+    record = record_open(argv[3]);
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
                                          .broker = argc > 5 ? argv[5] : NULL};
     struct mu_handlers handlers = {

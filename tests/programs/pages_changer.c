@@ -7,16 +7,14 @@
  * again, and writes "round" after each time, until it is ended.
  */
 #include "core/random.h"
+#include "record.h"
 
 #include <muster/muster.h>
 
-#include <fcntl.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 enum { LINES = 16, PATIENCE_S = 2 }; /* the even ones are groups, the others services */
 
@@ -30,22 +28,6 @@ struct changer {
     char performative[MU_FIELD_MAX + 1];
     char answer[MU_CONTENT_MAX + 1];
 };
-
-static void note(const struct changer *c, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-static void note(const struct changer *c, const char *format, ...)
-{
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    int len = vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    size_t bytes = (size_t)len < sizeof line ? (size_t)len : sizeof line - 1;
-    if (write(c->record, line, bytes) != (ssize_t)bytes) {
-        _exit(9);
-    }
-}
 
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
@@ -105,8 +87,8 @@ static bool line_check(struct changer *c, int line)
         there = there || (offer && c->version[line] == 0);
     }
     if (there != (c->version[line] > 0)) {
-        note(c, "lost %s version %llu: %s %.200s\n", content, (unsigned long long)c->version[line],
-             c->performative, c->answer);
+        record_line(c->record, "lost %s version %llu: %s %.200s", content,
+                    (unsigned long long)c->version[line], c->performative, c->answer);
     }
     return true;
 }
@@ -130,7 +112,7 @@ static bool line_change(struct changer *c, int line, uint64_t version)
                 (version == 0 && (strncmp(c->answer, "not-", 4) == 0 ||
                                   strncmp(c->answer, "unknown-group", 13) == 0));
     if (!done) {
-        note(c, "refused %s: %s %.200s\n", content, c->performative, c->answer);
+        record_line(c->record, "refused %s: %s %.200s", content, c->performative, c->answer);
     }
     c->version[line] = version;
     return true;
@@ -145,7 +127,7 @@ int main(int argc, char **argv)
     uint64_t changes = strtoull(argv[4], NULL, 10);
     struct mu_random dice;
     mu_random_seed(&dice, strtoull(argv[5], NULL, 10), argv[2]);
-    c.record = open(argv[3], O_WRONLY | O_CREAT | O_APPEND, 0600);
+    c.record = record_open(argv[3]);
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10)};
     struct mu_handlers handlers = {.self = &c, .on_mail = on_mail};
     if (c.record < 0 || mu_process_open(&c.process, &options) != MU_OK ||
@@ -159,13 +141,13 @@ int main(int argc, char **argv)
         bool there = mu_random_between(&dice, 0, 2) > 0;
         going = line_check(&c, (int)mu_random_between(&dice, 0, LINES - 1)) &&
                 line_change(&c, line, there ? i : 0);
-        note(&c, "changed\n");
+        record_line(c.record, "changed");
     }
     while (going) {
         for (int line = 0; line < LINES && going; line++) {
             going = line_check(&c, line);
         }
-        note(&c, "round\n");
+        record_line(c.record, "round");
     }
     mu_process_close(c.process);
     return 0;

@@ -9,9 +9,11 @@
 #define MUSTER_TESTS_BROKER_NET_H
 
 #include "broker/announce.h"
-#include "broker/broker.h"
 #include "broker/parts.h"
+#include "brokers.h"
 #include "core/text.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -54,22 +56,15 @@ static struct net {
 
 static const char *const net_names[NET_BROKERS] = {"a", "b", "c"};
 
-static inline char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
-
 static inline void net_broker_open(int i)
 {
-    static struct broker *all[256]; /* kept, so that leak checkers see them */
-    static unsigned count;
     net.incarnation[i] += 1000000; /* far beyond the numbers of boxes */
     struct broker_options options = {.name = net_names[i],
                                      .incarnation = net.incarnation[i],
                                      .host = "here",
                                      .pid = 9,
                                      .wall_ns = 1000};
-    net.b[i] = all[count++ % 256] = broker_open(&options);
+    net.b[i] = broker_kept(&options);
 }
 
 static inline int net_index(const char *broker)
@@ -206,38 +201,18 @@ static inline void net_leave(const char *name)
     a->at = -1;
 }
 
-static inline muster_Mail net_letter(const char *src, uint64_t seq, const char *dst,
-                                     const char *content)
-{
-    return (muster_Mail){.src = words(src),
-                         .seq = seq,
-                         .dst = words(dst),
-                         .layer = 3,
-                         .performative = words("tell"),
-                         .language = words(""),
-                         .ontology = words(""),
-                         .reply_with = words(""),
-                         .in_reply_to = words(""),
-                         .conversation = words(""),
-                         .due_ns = -1,
-                         .content = words(content)};
-}
-
 static inline void net_up(struct net_agent *a, muster_Mail *mail, uint64_t ack)
 {
-    muster_Act act = {.agent = a->name, .state = muster_STATE_RUNNING, .rules = words("")};
-    act.mails = (dds_sequence_muster_Mail){._length = 1, ._buffer = mail};
-    muster_Ack taken = {.box = a->name, .number = ack};
-    muster_Up up = {.process = a->process, .step = muster_STEP_NOW};
-    up.acts = (dds_sequence_muster_Act){._length = mail != NULL, ._buffer = &act};
-    up.acks = (dds_sequence_muster_Ack){._length = ack > 0, ._buffer = &taken};
-    broker_up(net.b[a->at], &up, net.now_ns);
+    struct one_up u;
+    one_up(&u, a->name, a->process, mail, mail != NULL, ack);
+    u.up.acts._length = mail != NULL;
+    broker_up(net.b[a->at], &u.up, net.now_ns);
 }
 
 static inline void net_send(const char *src, const char *dst, const char *content)
 {
     struct net_agent *a = net_agent(src);
-    muster_Mail m = net_letter(src, ++a->seq, dst, content);
+    muster_Mail m = letter(src, ++a->seq, dst, content);
     net_up(a, &m, 0);
 }
 
@@ -245,7 +220,7 @@ static inline void net_send(const char *src, const char *dst, const char *conten
 static inline void net_ask(const char *src, const char *performative, const char *content)
 {
     struct net_agent *a = net_agent(src);
-    muster_Mail m = net_letter(src, ++a->seq, "broker", content);
+    muster_Mail m = letter(src, ++a->seq, "broker", content);
     m.layer = 2;
     m.performative = words(performative);
     net_up(a, &m, 0);
@@ -289,9 +264,6 @@ static inline void net_parcel(struct net_agent *a, const muster_Parcel *p)
 
 static inline void net_to_agent(int broker, const muster_Delivery *d)
 {
-    static const char *const outcomes[] = {"delivered", "stored",       "expired",
-                                           "box-full",  "unknown-name", "duplicate",
-                                           "refused",   "dropped",      "no-store"};
     char line[160];
     for (uint32_t i = 0; i < net.agents_count; i++) {
         struct net_agent *a = &net.agents[i];
@@ -305,7 +277,7 @@ static inline void net_to_agent(int broker, const muster_Delivery *d)
         for (uint32_t k = 0; k < d->receipts._length; k++) {
             const muster_Receipt *r = &d->receipts._buffer[k];
             snprintf(line, sizeof line, "%llu-%llu %s", (unsigned long long)r->first_seq,
-                     (unsigned long long)r->last_seq, outcomes[r->result]);
+                     (unsigned long long)r->last_seq, outcome_word(r->result));
             net_note(a->told, sizeof a->told, line);
         }
         for (uint32_t k = 0; k < d->verdicts._length; k++) {
@@ -426,27 +398,21 @@ static inline void net_begin(void)
 static inline const char *net_lives(int broker, const char *name)
 {
     static char line[80];
-    static const char *const states[] = {"standby", "running", "suspended", "moving", "absent"};
     muster_Member m;
-    snprintf(line, sizeof line, "nobody");
-    for (uint32_t i = 0; broker_member(net.b[broker], i, &m); i++) {
-        if (strcmp(m.name, name) == 0) {
-            snprintf(line, sizeof line, "%s %s", m.broker, states[m.state]);
-        }
+    if (!broker_knows(net.b[broker], name, &m)) {
+        return "nobody";
     }
+    snprintf(line, sizeof line, "%s %s", m.broker, state_word(m.state));
     return line;
 }
 
 #define LIVES(broker, name, wanted) CU_ASSERT_STRING_EQUAL(net_lives(broker, name), wanted)
 
 /* What is in a text is exactly this, and it is read. */
-#define READ(text, wanted)                                              \
-    do {                                                                \
-        if (strcmp((text), (wanted)) != 0) {                            \
-            printf("\n  wanted: %s\n  got:    %s\n", (wanted), (text)); \
-        }                                                               \
-        CU_ASSERT_STRING_EQUAL((text), (wanted));                       \
-        (text)[0] = '\0';                                               \
+#define READ(text, wanted)   \
+    do {                     \
+        READS(text, wanted); \
+        (text)[0] = '\0';    \
     } while (0)
 #define HEARD(name, wanted) READ(net_agent(name)->heard, wanted)
 #define TOLD(name, wanted)  READ(net_agent(name)->told, wanted)

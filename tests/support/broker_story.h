@@ -18,9 +18,11 @@
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
 
-#include "broker/broker.h"
+#include "brokers.h"
 #include "core/table.h"
 #include "core/text.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -40,16 +42,8 @@ struct story {
 
 static struct story story;
 
-/* idlc makes no const members; the broker writes to none. */
-static inline char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
-
 static inline void story_begin_with(uint64_t delivery_interval_ns, bool audit)
 {
-    static struct broker *all[64]; /* kept, so that leak checkers see them */
-    static unsigned count;
     struct broker_options options = {.name = "alpha",
                                      .incarnation = 5,
                                      .host = "here",
@@ -57,7 +51,7 @@ static inline void story_begin_with(uint64_t delivery_interval_ns, bool audit)
                                      .wall_ns = 1000,
                                      .delivery_interval_ns = delivery_interval_ns,
                                      .audit = audit};
-    story.b = all[count++ % 64] = broker_open(&options);
+    story.b = broker_kept(&options);
     story.now_ns = 0;
     mu_text_init(&story.text, story.buffer, sizeof story.buffer);
 }
@@ -155,13 +149,6 @@ static inline void story_gone(const char *process)
 
 /* --- what the broker hands out ---------------------------------------------------------------- */
 
-static inline const char *outcome_word(muster_Outcome o)
-{
-    static const char *const all[] = {"delivered", "stored",  "expired", "box-full", "unknown-name",
-                                      "duplicate", "refused", "dropped", "no-store"};
-    return all[o];
-}
-
 static inline void story_line(const char *line)
 {
     mu_text_add(&story.text, story.text.len ? "; " : "");
@@ -226,14 +213,7 @@ static inline const char *story_collect(void)
 }
 
 /* What is ready is exactly this. */
-#define EXPECT(wanted)                                                \
-    do {                                                              \
-        const char *got_ = story_collect();                           \
-        if (strcmp(got_, (wanted)) != 0) {                            \
-            printf("\n  wanted: %s\n  got:    %s\n", (wanted), got_); \
-        }                                                             \
-        CU_ASSERT_STRING_EQUAL(got_, (wanted));                       \
-    } while (0)
+#define EXPECT(wanted) READS(story_collect(), wanted)
 
 static inline void story_join(const char *name)
 {
@@ -261,35 +241,15 @@ static inline muster_BrokerStatus story_status(void)
 static inline const char *story_member(const char *name)
 {
     static char line[160];
-    static const char *const states[] = {"standby", "running", "suspended", "moving", "absent"};
     muster_Member m;
-    snprintf(line, sizeof line, "nobody");
-    for (uint32_t i = 0; broker_member(story.b, i, &m); i++) {
-        if (strcmp(m.name, name) == 0) {
-            snprintf(line, sizeof line, "%s %s %s", m.name, states[m.state], m.process);
-        }
+    if (!broker_knows(story.b, name, &m)) {
+        return "nobody";
     }
+    snprintf(line, sizeof line, "%s %s %s", m.name, state_word(m.state), m.process);
     return line;
 }
 
 /* --- what agents say -------------------------------------------------------------------------- */
-
-static inline muster_Mail letter(const char *src, uint64_t seq, const char *dst,
-                                 const char *content)
-{
-    return (muster_Mail){.src = words(src),
-                         .seq = seq,
-                         .dst = words(dst),
-                         .layer = 3,
-                         .performative = words("tell"),
-                         .language = words(""),
-                         .ontology = words(""),
-                         .reply_with = words(""),
-                         .in_reply_to = words(""),
-                         .conversation = words(""),
-                         .due_ns = -1,
-                         .content = words(content)};
-}
 
 /* The Up of a process with one agent in it. */
 static inline void story_up(const char *name, int64_t step, muster_State state, muster_Mail *mails,
@@ -297,13 +257,11 @@ static inline void story_up(const char *name, int64_t step, muster_State state, 
 {
     char process[MU_PROCESS_MAX + 1];
     snprintf(process, sizeof process, "p-%s", name);
-    muster_Act act = {.agent = words(name), .state = state, .rules = words("")};
-    act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
-    muster_Ack taken = {.box = words(name), .number = ack};
-    muster_Up up = {.process = process, .step = step};
-    up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
-    up.acks = (dds_sequence_muster_Ack){._length = ack > 0, ._buffer = &taken};
-    broker_up(story.b, &up, story.now_ns);
+    struct one_up u;
+    one_up(&u, name, process, mails, count, ack);
+    u.act.state = state;
+    u.up.step = step;
+    broker_up(story.b, &u.up, story.now_ns);
 }
 
 static inline void story_mail(muster_Mail m)
@@ -319,18 +277,6 @@ static inline void story_send(const char *src, uint64_t seq, const char *dst, co
 static inline void story_ack(const char *name, uint64_t number)
 {
     story_up(name, muster_STEP_NOW, muster_STATE_RUNNING, NULL, 0, number);
-}
-
-static inline int story_run(const char *suite, CU_TestInfo *tests)
-{
-    CU_SuiteInfo suites[] = {{suite, NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 #endif

@@ -3,6 +3,7 @@
  * The library's behaviours in a closed loop: four minds drive discs on wheels on a walled floor
  * with boxes and pillars.  No physics: a move into something does not happen, and stalls the robot.
  */
+#include "../support/suite.h"
 #include "agent/mind.h"
 #include "muster/limits.h"
 
@@ -323,13 +324,5 @@ int main(void)
         {"gohome reaches the corners", test_go_home},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"agent/behaviour", NULL, NULL, NULL, NULL, tests},
-                             CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("agent/behaviour", tests);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The text that minds are fed, damaged: the readers of clips_text.c end, and stay inside it. */
 #include "../support/garble.h"
+#include "../support/suite.h"
 #include "agent/clips_text.h"
 
 #include <CUnit/Basic.h>
 #include <float.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { ROUNDS = 3000, TEXT_MAX = 2048 };
 
@@ -189,12 +189,5 @@ int main(void)
         {"floats and symbols read back", test_floats_and_symbols_read_back},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"agent: garbage", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("agent: garbage", tests);
 }

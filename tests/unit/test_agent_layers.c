@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Handlers of layers, events and refusals from C: their limits, and what a robot has without them.
  */
+#include "../support/suite.h"
 #include "agent/mind.h"
 #include "muster/limits.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { HANDLERS = 32, REFUSED = 64, TEXT = 65536 };
@@ -222,12 +222,5 @@ int main(void)
         {"limit: receivers and attributes", test_limit_words},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"agent/layers", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("agent/layers", tests);
 }

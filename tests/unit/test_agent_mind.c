@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The mind from C: its limits, its globals, and the fragment of rules that the paper publishes. */
+#include "../support/suite.h"
 #include "agent/mind.h"
 #include "muster/limits.h"
 
@@ -489,12 +490,5 @@ int main(void)
         {"the same seed gives the same numbers", test_same_seed_same_numbers},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"agent/mind", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("agent/mind", tests);
 }

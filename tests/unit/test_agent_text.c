@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "agent/clips_text.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void rewrites(const char *from, const char *want)
@@ -124,12 +124,5 @@ int main(void)
         {"numbers and symbols read back", test_numbers_and_symbols_read_back},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"agent/text", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("agent/text", tests);
 }

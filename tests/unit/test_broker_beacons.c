@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "broker/beacons.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
-
-/* idlc makes no const members; nobody writes there. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static struct beacons own(void)
 {
@@ -96,12 +91,5 @@ int main(void)
         {"limit: brokers", test_limit_brokers},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"broker/beacons", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("broker/beacons", tests);
 }

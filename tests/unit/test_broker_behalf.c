@@ -220,5 +220,5 @@ int main(void)
         {"mail to a group of members", test_mail_to_a_group_of_members},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/behalf", tests);
+    return suite_run("broker/behalf", tests);
 }

@@ -455,5 +455,5 @@ int main(void)
         {"events", test_events},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/box", tests);
+    return suite_run("broker/box", tests);
 }

@@ -108,5 +108,5 @@ int main(void)
         {"lines that are no more", test_lines_that_are_no_more},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/changes", tests);
+    return suite_run("broker/changes", tests);
 }

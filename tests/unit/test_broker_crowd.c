@@ -354,5 +354,5 @@ int main(void)
         {"a crowd is inherited", test_a_crowd_is_inherited},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/crowd", tests);
+    return suite_run("broker/crowd", tests);
 }

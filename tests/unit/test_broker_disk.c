@@ -22,8 +22,6 @@ static const char *file(const char *name)
 
 static uint64_t life_begin(const char *name, uint64_t wall_ns)
 {
-    static struct broker *all[64];
-    static unsigned count;
     CU_ASSERT_EQUAL_FATAL(disk_open(&disk, file(name), wall_ns), MU_OK);
     struct broker_options options = {.name = "alpha",
                                      .incarnation = disk_incarnation(disk),
@@ -31,7 +29,7 @@ static uint64_t life_begin(const char *name, uint64_t wall_ns)
                                      .host = "here",
                                      .wall_ns = wall_ns,
                                      .has_store = true};
-    story.b = all[count++ % 64] = broker_open(&options);
+    story.b = broker_kept(&options);
     story.now_ns = 0;
     mu_text_init(&story.text, story.buffer, sizeof story.buffer);
     uint64_t refused = 99;
@@ -210,7 +208,7 @@ int main(void)
     if (!mkdtemp(folder)) {
         return EXIT_FAILURE;
     }
-    int result = story_run("disk", tests);
+    int result = suite_run("disk", tests);
     static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         unlink(file(files[i]));

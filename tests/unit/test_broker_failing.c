@@ -381,5 +381,5 @@ int main(void)
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
         CU_TEST_INFO_NULL,
     };
-    return story_run("failing", tests);
+    return suite_run("failing", tests);
 }

@@ -367,5 +367,5 @@ int main(void)
         {"garbage", test_garbage},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/groups", tests);
+    return suite_run("broker/groups", tests);
 }

@@ -8,6 +8,7 @@
  * Each history is a process of its own, so that one that trips an assertion is one that failed.
  */
 #include "../support/history/history.h"
+#include "../support/suite.h"
 #include "core/clock.h"
 
 #include <CUnit/Basic.h>
@@ -100,12 +101,5 @@ static void test_histories(void)
 int main(void)
 {
     CU_TestInfo tests[] = {{"random histories", test_histories}, CU_TEST_INFO_NULL};
-    CU_SuiteInfo suites[] = {{"broker/history", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("broker/history", tests);
 }

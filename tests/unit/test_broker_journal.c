@@ -501,5 +501,5 @@ int main(void)
         {"a full box comes back in order", test_a_full_box_comes_back_in_order},
         CU_TEST_INFO_NULL,
     };
-    return story_run("journal", tests);
+    return suite_run("journal", tests);
 }

@@ -424,14 +424,14 @@ static void test_limit_hops(void)
 {
     two();
     muster_Parcel p = {
-        .box = words("blue"), .number = 1, .letter = net_letter("red", 1, "blue", "one")};
+        .box = words("blue"), .number = 1, .letter = letter("red", 1, "blue", "one")};
     muster_Delivery d = delivery_to_b(&p);
     p.letter.hops = MU_HOPS_MAX - 1;
     broker_delivery(net.b[B], &d, net.now_ns);
     net_settle();
     HEARD("blue", "one");
     p = (muster_Parcel){
-        .box = words("blue"), .number = 2, .letter = net_letter("red", 2, "blue", "two")};
+        .box = words("blue"), .number = 2, .letter = letter("red", 2, "blue", "two")};
     p.letter.hops = MU_HOPS_MAX;
     broker_delivery(net.b[B], &d, net.now_ns);
     net_settle();
@@ -445,7 +445,7 @@ static void test_what_is_malformed_is_counted(void)
     two();
     uint64_t before = net.b[B]->counters.malformed;
     muster_Parcel p = {
-        .box = words("broker"), .number = 1, .letter = net_letter("red", 1, "broker", "x")};
+        .box = words("broker"), .number = 1, .letter = letter("red", 1, "broker", "x")};
     muster_Delivery d = delivery_to_b(&p);
     broker_delivery(net.b[B], &d, net.now_ns);
     p.box = words("who is that");
@@ -605,12 +605,5 @@ int main(void)
         {"a lone broker", test_a_lone_broker_announces_nothing},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"broker/liaison", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("broker/liaison", tests);
 }

@@ -233,5 +233,5 @@ int main(void)
         {"limit: bytes of one delivery", test_limit_bytes_of_one_delivery},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/limits", tests);
+    return suite_run("broker/limits", tests);
 }

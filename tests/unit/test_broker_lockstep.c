@@ -606,5 +606,5 @@ int main(void)
         {"limit: bytes from outside", test_limit_bytes_from_outside},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/lockstep", tests);
+    return suite_run("broker/lockstep", tests);
 }

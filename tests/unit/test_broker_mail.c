@@ -488,5 +488,5 @@ int main(void)
          test_a_sender_that_was_silent_is_told_what_it_has_missed},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/mail", tests);
+    return suite_run("broker/mail", tests);
 }

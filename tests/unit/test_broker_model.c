@@ -231,5 +231,5 @@ int main(void)
         {"random lives", test_random_lives},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/model", tests);
+    return suite_run("broker/model", tests);
 }

@@ -114,5 +114,5 @@ int main(void)
         {"a long listing comes in several mails", test_long_listing_comes_in_several_mails},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/query", tests);
+    return suite_run("broker/query", tests);
 }

@@ -317,5 +317,5 @@ int main(void)
         {"refused strangers make way", test_refused_strangers_make_way},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/registry", tests);
+    return suite_run("broker/registry", tests);
 }

@@ -507,5 +507,5 @@ int main(void)
         {"a lock step ends", test_a_lock_step_ends},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker: resolve", tests);
+    return suite_run("broker: resolve", tests);
 }

@@ -355,5 +355,5 @@ int main(void)
          test_an_agent_that_leaves_the_run_takes_its_services},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/services", tests);
+    return suite_run("broker/services", tests);
 }

@@ -363,5 +363,5 @@ int main(void)
          test_in_lock_step_the_audit_has_the_run_s_time},
         CU_TEST_INFO_NULL,
     };
-    return story_run("broker/trust", tests);
+    return suite_run("broker/trust", tests);
 }

@@ -3,6 +3,8 @@
  * The network, on loopback: readers and writers of one participant, and another process that holds
  * the simulator's place.
  */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "wire.h"
@@ -28,12 +30,6 @@ static pid_t holder;   /* of the simulator's place */
 static int domain(void)
 {
     return 100 + (int)(getpid() % 100);
-}
-
-/* idlc makes no const members; the bus writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
 }
 
 /* Starts before this process touches DDS, which does not survive a fork. */
@@ -348,11 +344,5 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"bus/bus", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

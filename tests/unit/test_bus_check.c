@@ -3,6 +3,7 @@
  * The border, topic by topic: a whole sample passes, and each of its fields is spoilt once in every
  * way that its kind knows.
  */
+#include "../support/suite.h"
 #include "bus/check.h"
 #include "bus/topics.h"
 #include "muster/limits.h"
@@ -13,7 +14,6 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
@@ -436,11 +436,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"bus/check", lists_fill, NULL, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "bus/config.h"
 #include "muster/limits.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static char xml[4096];
@@ -234,12 +234,5 @@ int main(void)
         {"limit: a text too small", test_limit_a_text_too_small_is_cut},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"bus/config", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("bus/config", tests);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/address.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void test_addresses(void)
@@ -76,12 +76,5 @@ int main(void)
         {"limit: name", test_limit_name},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/address", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/address", tests);
 }

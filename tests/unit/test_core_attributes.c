@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/garble.h"
+#include "../support/suite.h"
 #include "core/attributes.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char offer[] = "role=scout battery=0.8 x=3 y=-4 site=a=b port=007 \"q\\";
@@ -182,13 +182,5 @@ int main(void)
         {"attributes", test_attributes},   {"limits", test_limits},
         {"garbage", test_garbage},         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/attributes", NULL, NULL, NULL, NULL, tests},
-                             CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/attributes", tests);
 }

@@ -2,6 +2,7 @@
 /* The configuration file beyond test_core_options.c: where it is, its limits, and garbage in it. */
 #include "../support/capture.h"
 #include "../support/garble.h"
+#include "../support/suite.h"
 #include "core/options_config.h"
 
 #include <CUnit/Basic.h>
@@ -226,11 +227,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"core/config", folder_make, folder_remove, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How things end and what is said about it: exit codes, words for results, faults, log, memory. */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/fault.h"
@@ -217,12 +218,5 @@ int main(void)
         {"bugs abort", test_bugs_abort},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/exits", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/exits", tests);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/json.h"
 #include "core/utf8.h"
 
@@ -158,12 +159,5 @@ int main(void)
         {"to a file", test_file},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/json", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/json", tests);
 }

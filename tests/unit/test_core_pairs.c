@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/pairs.h"
 #include "core/random.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct mu_pairs kept[4]; /* static: leak checkers see their memory */
@@ -87,12 +87,5 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"order", test_order}, {"limit", test_limit}, {"model", test_model}, CU_TEST_INFO_NULL};
-    CU_SuiteInfo suites[] = {{"core/pairs", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/pairs", tests);
 }

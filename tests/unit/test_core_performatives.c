@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The words of KQML and FIPA: each is found, nothing else is, and the answers are marked. */
+#include "../support/suite.h"
 #include "core/performatives.h"
 #include "muster/kind.h"
 #include "muster/limits.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void test_every_row_is_found_and_fits_a_mail(void)
@@ -67,15 +67,12 @@ static void test_which_words_answer(void)
 
 int main(void)
 {
-    CU_initialize_registry();
-    CU_pSuite suite = CU_add_suite("core/performatives", NULL, NULL);
-    CU_add_test(suite, "every row is found and fits a mail",
-                test_every_row_is_found_and_fits_a_mail);
-    CU_add_test(suite, "whose word it is", test_whose_word_it_is);
-    CU_add_test(suite, "no other word is known", test_no_other_word_is_known);
-    CU_add_test(suite, "which words answer", test_which_words_answer);
-    CU_basic_run_tests();
-    unsigned failed = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+    CU_TestInfo tests[] = {
+        {"every row is found and fits a mail", test_every_row_is_found_and_fits_a_mail},
+        {"whose word it is", test_whose_word_it_is},
+        {"no other word is known", test_no_other_word_is_known},
+        {"which words answer", test_which_words_answer},
+        CU_TEST_INFO_NULL,
+    };
+    return suite_run("core/performatives", tests);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/random.h"
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
-#include <stdlib.h>
 
 /* The generator's reference output for the state 1234567, as published with xoshiro. */
 static void test_reference_values(void)
@@ -135,12 +135,5 @@ int main(void)
         {"between everything, and nothing", test_between_everything_and_nothing},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/random", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/random", tests);
 }

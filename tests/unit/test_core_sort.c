@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "core/sort.h"
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { ITEMS = 1025 };
@@ -114,12 +114,5 @@ int main(void)
         {"what it costs", test_what_it_costs},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/sort", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("core/sort", tests);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "core/text.h"
 #include "core/utf8.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void test_text_grows_and_is_cleared(void)
@@ -178,11 +178,5 @@ int main(void)
     CU_SuiteInfo suites[] = {{"core/text", NULL, NULL, NULL, NULL, texts},
                              {"core/utf8", NULL, NULL, NULL, NULL, utf8},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

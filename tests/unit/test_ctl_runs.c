@@ -4,6 +4,7 @@
  * its process; XDG_RUNTIME_DIR is a folder of this test's own.
  */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "bus/bus.h"
 #include "ctl/runs.h"
 
@@ -241,11 +242,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"ctl/runs", folder_make, folder_remove, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

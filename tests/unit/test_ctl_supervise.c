@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Real children, all of them /bin/sh: an absolute path stands for itself. */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "core/clock.h"
 #include "ctl/supervise.h"
 
@@ -302,11 +303,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"ctl/supervise", NULL, NULL, set_up, tear_down, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

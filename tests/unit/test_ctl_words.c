@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What people type: words, receivers, envelopes. */
+#include "../support/suite.h"
 #include "ctl/envelope.h"
 #include "ctl/receivers.h"
 #include "ctl/words.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void test_join(void)
@@ -95,12 +95,5 @@ int main(void)
         {"envelope", test_envelope}, {"limit: fields of an envelope", test_limit_envelope},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"ctl/words", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("ctl/words", tests);
 }

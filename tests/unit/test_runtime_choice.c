@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "runtime/choice.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct choice choice;
-
-/* idlc makes no const members; nobody writes there. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static muster_Beacon beacon(const char *name, const char *host, uint32_t index)
 {
@@ -134,12 +129,5 @@ int main(void)
         {"limit: brokers", test_limit_brokers},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/choice", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/choice", tests);
 }

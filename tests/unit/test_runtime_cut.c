@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that the network had lost for a while, and that is accepted again. */
 #include "../support/capture.h"
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static mu_process process;
 static char heard_buffer[1024];
 static struct mu_text heard;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
@@ -50,18 +45,7 @@ static void accept_at(uint64_t incarnation, uint64_t last_seq, const uint64_t *n
     muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW, .broker = words("b")};
     for (uint32_t i = 0; i < count; i++) {
         parcels[i] = (muster_Parcel){.box = words("red"), .number = numbers[i]};
-        parcels[i].letter = (muster_Mail){.src = words("blue"),
-                                          .seq = numbers[i],
-                                          .dst = words("red"),
-                                          .layer = 3,
-                                          .performative = words("tell"),
-                                          .language = words(""),
-                                          .ontology = words(""),
-                                          .reply_with = words(""),
-                                          .in_reply_to = words(""),
-                                          .conversation = words(""),
-                                          .due_ns = -1,
-                                          .content = words("x")};
+        parcels[i].letter = letter("blue", numbers[i], "red", "x");
     }
     d.verdicts._buffer = &v;
     d.verdicts._length = 1;
@@ -152,12 +136,5 @@ int main(void)
         {"what is pending does not move", test_what_is_pending_does_not_move},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/cut", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/cut", tests);
 }

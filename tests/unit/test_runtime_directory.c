@@ -4,12 +4,13 @@
  * and what agents send lies in their outboxes.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/random.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static mu_process process;
@@ -18,12 +19,6 @@ static unsigned kept_count;
 static char heard_buffer[4096];
 static struct mu_text heard;
 static mu_agent *red;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_service(void *self, mu_agent *a, const struct mu_service *service, bool came)
 {
@@ -428,11 +423,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"runtime/directory", NULL, NULL, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -4,11 +4,11 @@
  * network.  What happens is one line of text, and answers are read from the outbox.
  */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static mu_process process;
@@ -524,12 +524,5 @@ int main(void)
         {"events of mobility", test_events_of_mobility_go_through_the_chain},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/kind", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/kind", tests);
 }

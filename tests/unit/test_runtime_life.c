@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "runtime/life.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { STATES = MU_GONE + 1 };
@@ -90,12 +90,5 @@ int main(void)
         {"words for kinds, states, outcomes", test_words},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/life", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/life", tests);
 }

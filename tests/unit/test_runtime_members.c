@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/random.h"
 #include "runtime/members.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct members members; /* static: leak checkers see its memory */
@@ -12,12 +13,6 @@ static struct members members; /* static: leak checkers see its memory */
 static void set_up(void)
 {
     members_init(&members);
-}
-
-/* idlc makes no const members; members_set writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
 }
 
 static void set(const char *name, muster_State state, uint32_t pid)
@@ -163,11 +158,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"runtime/members", NULL, NULL, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "runtime/outbox.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -482,11 +482,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"runtime/outbox", NULL, NULL, set_up, tear_down, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "runtime/owed.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 
 static const uint64_t T_NS = 7000000000;
 
@@ -84,12 +84,5 @@ int main(void)
         {"a steady taker speaks at intervals", test_a_steady_taker_speaks_at_intervals},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/owed", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime/owed", tests);
 }

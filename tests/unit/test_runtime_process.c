@@ -3,6 +3,8 @@
  * A process on a real network, loopback alone.  This test is the broker and the simulator: its
  * readers and writers share the participant of the process under test.
  */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/clock.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -43,12 +45,6 @@ static struct {
 
 static char heard_buffer[1024];
 static struct mu_text heard;
-
-/* idlc makes no const members; the bus writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -558,11 +554,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"runtime/process", begin, NULL, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

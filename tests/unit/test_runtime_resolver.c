@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that resolves addresses, and a process that watches, without a network. */
 #include "../support/capture.h"
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static mu_process process;
@@ -14,12 +15,6 @@ static struct mu_text heard;
 static uint32_t mails_read;
 static const char *name_added = "green";
 static unsigned times_added = 1;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static bool resolve(void *self, mu_agent *a, const char *rest, const char *sender, mu_resolution *r)
 {
@@ -266,13 +261,5 @@ int main(void)
         {"a body and the world do not go together", test_a_body_and_the_world_do_not_go_together},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime: resolver", NULL, NULL, NULL, NULL, tests},
-                             CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("runtime: resolver", tests);
 }

@@ -4,23 +4,18 @@
  * all of them are.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { AGENTS = 2 * MU_PART_AGENTS + 1 };
 
 static mu_process process;
 static const struct mu_handlers handlers;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void set_up(void)
 {
@@ -158,11 +153,5 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/roll", NULL, NULL, set_up, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -4,12 +4,13 @@
  * memory, its writers are not open, and what handlers hear is one line of text.
  */
 #include "../support/capture.h"
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PARCELS_MAX = PROCESS_PARCELS + 1 };
@@ -22,12 +23,6 @@ static muster_Sense sense;
 static muster_Delivery delivery;
 static char heard_buffer[1024];
 static struct mu_text heard;
-
-/* idlc makes no const members; the runtime writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -767,11 +762,5 @@ int main(void)
                              {"runtime/step: notices", NULL, NULL, set_up, NULL, notices},
                              {"runtime/step: answers", NULL, NULL, set_up, NULL, answers},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

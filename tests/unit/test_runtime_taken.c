@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/suite.h"
 #include "runtime/taken.h"
 
 #include "core/hash.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 
 static muster_Mail mail_of(const char *src, uint64_t seq, uint32_t layer, int32_t priority)
 {
@@ -101,12 +101,5 @@ int main(void)
         {"hashes are the published ones", test_hashes_are_the_published_ones},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"taken", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("taken", tests);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Driving, pushing, stalling and seeing, in worlds small enough to compute by hand. */
+#include "../support/suite.h"
 #include "sim/engine.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Their memory lives as long as the process: kept here, so that leak checkers see it. */
@@ -368,12 +368,5 @@ int main(void)
         {"out in the open", test_out_in_the_open},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/engine", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/engine", tests);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays and neighbours through the grid, against looking at everything. */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "sim/grid.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { STILL = 150, MOVING = 60, RAYS = 20000 };
@@ -168,7 +168,6 @@ int main(void)
         {"limit: cells", test_limit_cells},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/grid", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
     mu_random_seed(&dice, 1, "grid");
     for (size_t i = 0; i < STILL; i++) {
         still[i] = any_solid(9);
@@ -177,11 +176,5 @@ int main(void)
         moving[i] = any_solid(9);
     }
     grid_init(&grid, still, STILL, moving, MOVING);
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/grid", tests);
 }

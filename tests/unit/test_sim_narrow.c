@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts: hand-computed ones, and thousands of any pairs against libccd. */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "sim/narrow.h"
 
@@ -7,7 +8,6 @@
 #include <ccd/vec3.h>
 #include <CUnit/Basic.h>
 #include <math.h>
-#include <stdlib.h>
 
 /* libccd walks round shapes by steps: it may miss an overlap that is shallower than this. */
 #define CCD_ROUND_M 2e-3
@@ -162,12 +162,5 @@ int main(void)
         {"any pair, as libccd", test_any_pair_as_libccd},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/narrow", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/narrow", tests);
 }

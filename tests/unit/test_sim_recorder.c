@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "sim/recorder.h"
 
 #include <CUnit/Basic.h>
@@ -202,11 +203,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"sim/recorder", folder_make, folder_remove, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "../support/samples.h"
+#include "../support/suite.h"
 #include "sim/runhash.h"
 
 #include <CUnit/Basic.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct runhash *hash; /* static: leak checkers see its memory */
@@ -11,12 +12,6 @@ static int begin(void)
 {
     hash = runhash_open();
     return hash == NULL;
-}
-
-/* idlc makes no const members; the hash writes to none. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
 }
 
 static muster_Mail mails[2];
@@ -273,11 +268,5 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"sim/runhash", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The grammar of world files: what is read, what is refused and where, and that garbage ends. */
+#include "../support/hush.h"
+#include "../support/suite.h"
 #include "core/random.h"
 #include "world/worldfile.h"
 
@@ -13,24 +15,6 @@
 static struct world_file file;
 static struct mu_fault fault;
 static char big[WORLDFILE_TEXT_MAX];
-
-/* Faults leave a trace on standard error: of use to a person, not in thousands. */
-static int hush(void)
-{
-    fflush(stderr);
-    int kept = dup(STDERR_FILENO);
-    int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-    return kept;
-}
-
-static void unhush(int kept)
-{
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-}
 
 static mu_result parse(const char *text)
 {
@@ -247,14 +231,6 @@ int main(void)
         {"garbage is refused or read", test_garbage_is_refused_or_read},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"world/worldfile", NULL, NULL, NULL, NULL, tests},
-                             CU_SUITE_INFO_NULL};
     worldfile_init(&file);
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("world/worldfile", tests);
 }

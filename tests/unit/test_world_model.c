@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
+#include "../support/hush.h"
+#include "../support/suite.h"
 #include "world/world.h"
 #include "world/worldfile.h"
 
@@ -18,23 +20,6 @@
 static struct world worlds[160];
 static size_t worlds_used;
 static struct mu_fault fault;
-
-static int hush(void)
-{
-    fflush(stderr);
-    int kept = dup(STDERR_FILENO);
-    int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-    return kept;
-}
-
-static void unhush(int kept)
-{
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-}
 
 /* Puts bytes into a new file. */
 static void put(char *path, const char *bytes, size_t len)
@@ -439,12 +424,5 @@ int main(void)
         {"Stage's own worlds", test_stage_worlds},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"world/world", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("world/world", tests);
 }

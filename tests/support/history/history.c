@@ -28,11 +28,6 @@ bool history_chance(uint32_t one_in)
     return history_roll(one_in) == 0;
 }
 
-char *history_words(const char *s)
-{
-    return (char *)(uintptr_t)s; /* idlc makes no const members; the broker writes to none */
-}
-
 const char *history_name(int index)
 {
     static char names_text[NAMES][4];
@@ -207,7 +202,7 @@ static bool all_is_done(void)
 static void check_holders(void)
 {
     for (int name = 0; name < NAMES; name++) {
-        muster_Member m = {.process = history_words("")};
+        muster_Member m = {.process = words("")};
         bool known = life_member(name, &m);
         uint32_t holders = 0;
         for (int i = 0; i < PROCESSES; i++) {
@@ -267,7 +262,7 @@ void history_live(uint64_t seed, uint32_t steps)
     }
     history_note("%s store, %s, boxes of %lu", history.has_store ? "a" : "no",
                  history.loses ? "losses" : "no losses", (unsigned long)history.box_mails);
-    platter_clear();
+    disk_clear();
     life_begin();
     for (uint32_t i = 0; i < steps && history.mails + SEATS * PROCESSES < MAILS; i++) {
         step();

@@ -12,14 +12,15 @@
  *   history_agent.c   processes and agents: numbers, sending again, taking, acknowledging
  *   history_net.c     registrations, Ups and Deliveries on their way
  *   history_life.c    the lives of a broker
- *   history_platter.c    its disk
+ *   history_disk.c    its disk
  *   history_ledger.c  every mail: who is to have it, who has it, what its sender was told
  *   history_pages.c   groups and services as they ought to be
  */
 #ifndef MUSTER_TESTS_HISTORY_H
 #define MUSTER_TESTS_HISTORY_H
 
-#include "broker/broker.h"
+#include "../brokers.h"
+#include "../samples.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -248,7 +249,6 @@ void history_live(uint64_t seed, uint32_t steps);
 
 uint32_t history_roll(uint32_t sides);
 bool history_chance(uint32_t one_in);
-char *history_words(const char *s);
 
 /** The name of that index, and back; NOBODY: it is none. */
 const char *history_name(int index);
@@ -289,10 +289,10 @@ void life_check(void);
 /** Nothing is kept that nobody waits for. */
 void life_check_empty(void);
 
-/* history_platter.c */
-void platter_clear(void);
-void platter_commit(void);
-void platter_restore(void);
+/* history_disk.c */
+void disk_clear(void);
+void disk_write(void);
+void disk_restore(void);
 
 /* history_ledger.c */
 uint32_t ledger_open(int src, uint32_t sender_life);

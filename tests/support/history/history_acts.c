@@ -180,25 +180,24 @@ static void act_nonsense(void)
         return;
     }
     struct process *p = any_process();
-    const char *const words[] = {"", "n", far_too_long, "\xff\xfe", p->name, "na,,nb"};
-    muster_Ack ack = {.box = history_words(words[history_roll(6)]), .number = UINT64_MAX - 1};
-    muster_Up up = {.process = history_words(words[history_roll(6)]), .step = muster_STEP_NOW};
+    const char *const bad[] = {"", "n", far_too_long, "\xff\xfe", p->name, "na,,nb"};
+    muster_Ack ack = {.box = words(bad[history_roll(6)]), .number = UINT64_MAX - 1};
+    muster_Up up = {.process = words(bad[history_roll(6)]), .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
-    muster_Entry entry = {.name = history_words(words[2]),
+    muster_Entry entry = {.name = words(bad[2]),
                           .kind = (muster_Kind)99,
                           .state = (muster_State)history_roll(9),
-                          .home = history_words("")};
-    muster_Registration r = {.process = history_words(words[history_roll(4)]),
-                             .broker = history_words(words[history_roll(4)]),
+                          .home = words("")};
+    muster_Registration r = {.process = words(bad[history_roll(4)]),
+                             .broker = words(bad[history_roll(4)]),
                              .incarnation = 1,
-                             .host = history_words("")};
+                             .host = words("")};
     r.agents._buffer = &entry;
     r.agents._length = r.agents._maximum = 1;
     muster_BrokerStatus was = life_status();
     broker_up(history.life.b, &up, life_now_ns());
     broker_registration(history.life.b, &r, life_now_ns());
-    broker_gone(history.life.b, words[history_roll(4)], UINT32_MAX, history_chance(2),
-                life_now_ns());
+    broker_gone(history.life.b, bad[history_roll(4)], UINT32_MAX, history_chance(2), life_now_ns());
     HOLD(life_status().malformed > was.malformed && life_status().sent == was.sent);
 }
 

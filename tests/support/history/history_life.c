@@ -34,13 +34,12 @@ bool life_member(int name, muster_Member *out)
 static void run_begin(void)
 {
     muster_Roster r = {
-        .simulator = history_words("sim"), .step = (int64_t)(history.now_ns / MS), .step_ns = MS};
+        .simulator = words("sim"), .step = (int64_t)(history.now_ns / MS), .step_ns = MS};
     broker_roster(history.life.b, &r, life_now_ns());
 }
 
 void life_begin(void)
 {
-    static struct broker *all[64]; /* kept, so that leak checkers see them */
     uint64_t wall_ns = WALL + history.now_ns;
     history.life = (struct life){.number = ++history.lives,
                                  .incarnation = wall_ns + history.lives,
@@ -55,9 +54,9 @@ void life_begin(void)
                                          history.has_store ? history.life.incarnation : 0,
                                      .box_policy = history.box_policy,
                                      .box_mails = history.box_mails};
-    history.life.b = all[history.lives % 64] = broker_open(&options);
+    history.life.b = broker_kept(&options);
     if (history.has_store) {
-        platter_restore();
+        disk_restore();
     }
     run_begin();
     history_note("the broker begins its life %lu", (unsigned long)history.life.number);
@@ -87,7 +86,7 @@ void life_round(void)
     broker_tick(history.life.b, life_now_ns());
     book_expire();
     if (history.has_store) {
-        platter_commit();
+        disk_write();
     }
     net_deliver();
 }

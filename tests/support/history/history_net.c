@@ -14,20 +14,20 @@ void net_register(struct process *p)
 {
     muster_Entry entries[SEATS];
     muster_Registration r = {.process = p->name,
-                             .broker = history_words(""),
+                             .broker = words(""),
                              .incarnation = p->incarnation,
-                             .host = history_words("here"),
+                             .host = words("here"),
                              .pid = 1};
     for (int seat = 0; seat < SEATS; seat++) {
         const struct actor *a = &p->seats[seat];
         bool said = a->name != NOBODY;
         entries[seat] = (muster_Entry){
-            .name = history_words(said ? history_name(a->name) : ""),
+            .name = words(said ? history_name(a->name) : ""),
             .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
             .state = said && !a->leaving && !a->refused ? a->state : muster_STATE_ABSENT,
             .full = a->policy,
             .box_mails = a->box_mails,
-            .home = history_words("")};
+            .home = words("")};
     }
     r.agents._buffer = entries;
     r.agents._length = r.agents._maximum = SEATS;
@@ -124,25 +124,25 @@ static void feed_mail(struct process *p, const struct up_mail *from)
     if (asks && e->asks == ASK_FIND) {
         snprintf(reply_with, sizeof reply_with, "%lu", (unsigned long)mail);
     }
-    muster_Mail m = {.src = history_words(history_name(e->src)),
+    muster_Mail m = {.src = words(history_name(e->src)),
                      .seq = from->seq,
                      .dst = dst,
                      .layer = e->layer,
-                     .performative = history_words(asks ? performatives[e->asks] : "do"),
-                     .language = history_words(""),
-                     .ontology = history_words(""),
+                     .performative = words(asks ? performatives[e->asks] : "do"),
+                     .language = words(""),
+                     .ontology = words(""),
                      .reply_with = reply_with,
-                     .in_reply_to = history_words(""),
-                     .conversation = history_words(""),
+                     .in_reply_to = words(""),
+                     .conversation = words(""),
                      .priority = e->priority,
                      .level = e->level,
                      .again = from->again,
                      .due_ns = e->due_ns,
                      .ttl_ns = asks ? 0 : e->ttl_ns,
                      .content = content};
-    muster_Act act = {.agent = history_words(history_name(name)),
+    muster_Act act = {.agent = words(history_name(name)),
                       .state = muster_STATE_RUNNING,
-                      .rules = history_words(""),
+                      .rules = words(""),
                       .first_seq = from->first_seq};
     act.mails = (dds_sequence_muster_Mail){._length = 1, ._maximum = 1, ._buffer = &m};
     muster_Up up = {.process = p->name, .step = muster_STEP_NOW};
@@ -170,8 +170,8 @@ static void feed_mail(struct process *p, const struct up_mail *from)
 
 static void feed_ack(const struct process *p, int name, uint64_t number, uint64_t handed)
 {
-    muster_Ack ack = {.box = history_words(history_name(name)), .number = number, .handed = handed};
-    muster_Up up = {.process = history_words(p->name), .step = muster_STEP_NOW};
+    muster_Ack ack = {.box = words(history_name(name)), .number = number, .handed = handed};
+    muster_Up up = {.process = words(p->name), .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
     history_note("%s has up to %llu", ack.box, (unsigned long long)number);
     broker_up(history.life.b, &up, life_now_ns());
