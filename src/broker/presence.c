@@ -20,6 +20,12 @@ bool presence_in_lockstep(const struct broker *b, uint32_t agent)
     return place != MU_NONE && b->places.at[place].rostered;
 }
 
+bool presence_is_beyond(const struct broker *b, uint32_t agent)
+{
+    uint32_t place = b->registry.agents[agent].process;
+    return place != MU_NONE && b->places.at[place].is_broker;
+}
+
 /* The white pages have changed: whoever may be told at any time is. */
 static void presence_changed(struct broker *b)
 {
