@@ -232,15 +232,16 @@ static void query_lookup(struct broker *b, const struct mail *question)
         query_send(b, question, "failure");
         return;
     }
-    const struct agent *a = &b->registry.agents[agent];
+    muster_Member m;
+    registry_line(&b->registry, agent, b->name, &m);
     query_begin(b, &t, "member");
-    mu_fields_add(&t, a->name);
-    mu_fields_add(&t, registry_kind_word(a->is.kind));
-    mu_fields_add(&t, registry_state_word(a->is.state));
-    mu_fields_add(&t, b->name);
+    mu_fields_add(&t, m.name);
+    mu_fields_add(&t, registry_kind_word(m.kind));
+    mu_fields_add(&t, registry_state_word(m.state));
+    mu_fields_add(&t, m.broker);
     bool inside = presence_in_lockstep(b, question->sender);
-    mu_fields_add(&t, inside ? "nil" : a->is.host);
-    mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
+    mu_fields_add(&t, inside ? "nil" : m.host);
+    mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     query_send(b, question, "inform");
 }
 
