@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/broker.h"
 
+#include "broker/admission.h"
 #include "broker/announce.h"
 #include "broker/border.h"
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/relay.h"
@@ -157,7 +159,7 @@ static uint32_t agent_at(const struct broker *b, uint32_t place, const char *nam
 static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *letter,
                       enum up_effect effect)
 {
-    struct mail *m = router_admit(b, sender, letter);
+    struct mail *m = admission_take(b, sender, letter);
     if (!m) {
         return;
     }
@@ -310,7 +312,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     broker_enter(b, now_ns);
     presence_tick(b);
     resend_tick(b);
-    router_tick(b);
+    outcome_tick(b);
     courier_tick(b);
     journal_tick(b);
     liaison_tick(b);

@@ -90,14 +90,10 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
     return true;
 }
 
-bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent)
+bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m)
 {
-    return l->turns[agent].addresses > 0;
-}
-
-bool lockstep_keeps_durable(const struct lockstep *l, uint32_t agent)
-{
-    return l->turns[agent].durable > 0;
+    const struct turn *turn = &l->turns[m->sender];
+    return turn->addresses > 0 || (mail_is_durable(m) && turn->durable > 0);
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)

@@ -88,11 +88,11 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
 
-/** @return whether mail of the agent waits here whose receivers nobody knows yet */
-bool lockstep_keeps_address(const struct lockstep *l, uint32_t agent);
-
-/** @return whether mail of the agent for the store waits here: it is to go there in order */
-bool lockstep_keeps_durable(const struct lockstep *l, uint32_t agent);
+/**
+ * @return whether mail of the same sender waits here that a mail must not overtake: its receivers
+ *         are not known yet, or both are for the disk, where they are to go in order
+ */
+bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m);
 
 /** The simulator has been told of the mails from outside. */
 void lockstep_told(struct broker *b);

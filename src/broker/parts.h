@@ -5,9 +5,14 @@
  *
  *   presence   registrations: names come, are claimed, and go     registry, places,
  *                                                                  tenants, claims
- *   router     a mail's way into boxes, and what becomes of it     guard, desk, store, share,
- *                                                                  mailbox, boxroom, booking,
- *                                                                  events, pacer
+ *   admission  a mail comes in from the wire, once                 border, journal, store
+ *   router     a mail's way, and its end                           audience, guard, resolve,
+ *                                                                  posting, outcome
+ *   audience   whom a mail is for                                  registry, groups
+ *   posting    a mail goes into boxes                              mailbox, boxroom, booking,
+ *                                                                  desk, schedule
+ *   outcome    what becomes of a mail, and that its sender is      receipts, pacer, booking,
+ *              told                                                journal
  *   resolve    mail to SCHEME:REST waits while somebody is asked    pages, query, router
  *   guard      whose directives go on to whom                      trust, audit
  *   desk       mail to the broker itself and its parts             directive, query, counters

@@ -20,6 +20,12 @@ bool presence_in_lockstep(const struct broker *b, uint32_t agent)
     return place != MU_NONE && b->places.at[place].rostered;
 }
 
+bool presence_is_beyond(const struct broker *b, uint32_t agent)
+{
+    uint32_t place = b->registry.agents[agent].process;
+    return place != MU_NONE && b->places.at[place].is_broker;
+}
+
 /* The white pages have changed: whoever may be told at any time is. */
 static void presence_changed(struct broker *b)
 {
@@ -161,19 +167,35 @@ static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_
     }
 }
 
-/* Ends the claims of a place, or (part not MU_NONE) of a part of it. */
-static void claims_end(struct broker *b, uint32_t place, uint32_t part)
+/* @return whether the part says that the slot bears another name than this */
+static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
+{
+    uint32_t index = slot % MU_PART_AGENTS;
+    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
+        return false;
+    }
+    const char *now = r->agents._buffer[index].name;
+    return now[0] != '\0' && strcmp(now, name) != 0;
+}
+
+/* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
+ * bears another name now, if the part is given; nobody would take what is given to such a one. */
+static void claims_end(struct broker *b, uint32_t place, uint32_t part,
+                       const muster_Registration *now)
 {
     uint32_t next = MU_NONE;
     uint32_t left = b->places.at[place].claims;
     for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
         const struct claim *claim = &b->claims.pool[i];
         next = claim->next;
-        if (claim->process == place) {
-            left--;
-            if (part == MU_NONE || claim->slot / MU_PART_AGENTS == part) {
-                claim_end(b, i);
-            }
+        if (claim->process != place) {
+            continue;
+        }
+        left--;
+        const char *name = b->registry.agents[claim->agent].name;
+        if ((part == MU_NONE || claim->slot / MU_PART_AGENTS == part) &&
+            (!now || slot_is_others(now, claim->slot, name))) {
+            claim_end(b, i);
         }
     }
 }
@@ -323,67 +345,34 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     presence_admit(b, agent, place, slot, &is);
 }
 
-/* @return whether the part says that the slot bears another name than this */
-static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
-{
-    uint32_t index = slot % MU_PART_AGENTS;
-    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
-        return false;
-    }
-    const char *now = r->agents._buffer[index].name;
-    return now[0] != '\0' && strcmp(now, name) != 0;
-}
-
-/* Ends the claims of slots that bear other names now: nobody would take what is given to them. */
-static void claims_displace(struct broker *b, uint32_t place, const muster_Registration *r)
-{
-    uint32_t next = MU_NONE;
-    uint32_t left = b->places.at[place].claims;
-    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
-        const struct claim *claim = &b->claims.pool[i];
-        next = claim->next;
-        if (claim->process == place) {
-            left--;
-            if (slot_is_others(r, claim->slot, b->registry.agents[claim->agent].name)) {
-                claim_end(b, i);
-            }
-        }
-    }
-}
-
-/* Lets go of agents whose slots bear other names now. */
-static void part_displace(struct broker *b, uint32_t place, const muster_Registration *r)
+/* Lets go of the agents of a part; if that is given, of those whose slots bear other names now. */
+static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
+                         const muster_Registration *now)
 {
     uint32_t next = TENANTS_NONE;
-    claims_displace(b, place, r);
-    for (uint32_t agent = tenants_first_of(&b->places, place, r->part); agent != TENANTS_NONE;
+    for (uint32_t agent = tenants_first_of(&b->places, place, part); agent != TENANTS_NONE;
          agent = next) {
         next = tenants_next_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
-        if (slot_is_others(r, a->tenant.slot, a->name)) {
+        if (!now || slot_is_others(now, a->tenant.slot, a->name)) {
             presence_leave(b, agent);
         }
     }
 }
 
-static void place_leave(struct broker *b, uint32_t place)
+static void part_leave(struct broker *b, uint32_t place, uint32_t part,
+                       const muster_Registration *now)
 {
-    uint32_t next = TENANTS_NONE;
-    claims_end(b, place, MU_NONE);
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE; agent = next) {
-        next = tenants_next(&b->registry, &b->places, agent);
-        presence_leave(b, agent);
-    }
+    claims_end(b, place, part, now);
+    agents_leave(b, place, part, now);
 }
 
-static void part_leave(struct broker *b, uint32_t place, uint32_t part)
+static void place_leave(struct broker *b, uint32_t place)
 {
-    uint32_t next = TENANTS_NONE;
-    claims_end(b, place, part);
-    for (uint32_t agent = tenants_first_of(&b->places, place, part); agent != TENANTS_NONE;
-         agent = next) {
-        next = tenants_next_of(&b->registry, agent);
-        presence_leave(b, agent);
+    uint32_t top = b->places.at[place].parts_top;
+    claims_end(b, place, MU_NONE, NULL);
+    for (uint32_t part = 0; part < top; part++) {
+        agents_leave(b, place, part, NULL);
     }
 }
 
@@ -427,7 +416,7 @@ void presence_register(struct broker *b, const muster_Registration *r)
     if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
         uint32_t left = places_find(&b->places, r->process);
         if (left != MU_NONE) {
-            part_leave(b, left, r->part);
+            part_leave(b, left, r->part, NULL);
         }
         return;
     }
@@ -435,7 +424,7 @@ void presence_register(struct broker *b, const muster_Registration *r)
     if (place == MU_NONE) {
         return;
     }
-    part_displace(b, place, r);
+    part_leave(b, place, r->part, r);
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
         if (!border_entry(e, false)) {
@@ -456,7 +445,7 @@ void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed
         b->places.at[place].lost = true;
         place_leave(b, place);
     } else if (part < PLACES_PARTS) {
-        part_leave(b, place, part);
+        part_leave(b, place, part, NULL);
     }
 }
 

@@ -15,6 +15,9 @@ uint64_t presence_wall_ns(const struct broker *b);
 /** @return whether the agent's process is in a lock step that is on */
 bool presence_in_lockstep(const struct broker *b, uint32_t agent);
 
+/** @return whether the agent lives beyond another broker */
+bool presence_is_beyond(const struct broker *b, uint32_t agent);
+
 /** Takes what a process says of one part of its agents. */
 void presence_register(struct broker *b, const muster_Registration *r);
 

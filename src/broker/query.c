@@ -93,9 +93,21 @@ bool query_field_optional(const char **content, char *to, size_t size)
     return mu_fields_end(*content) || mu_fields_next(content, &read);
 }
 
+bool query_read_name(struct broker *b, const struct mail *question, query_name name)
+{
+    struct mu_text read;
+    mu_text_init(&read, name, sizeof(query_name));
+    if (query_field(question->letter.content, &read)) {
+        return true;
+    }
+    query_not_understood(b, question);
+    return false;
+}
+
 void query_not_understood(struct broker *b, const struct mail *question)
 {
     struct mu_text t;
+    b->counters.malformed++;
     query_begin(b, &t, question->letter.performative);
     query_send(b, question, "not-understood");
 }
@@ -140,6 +152,62 @@ const char *query_actor(struct broker *b, const struct mail *question, const cha
     return b->registry.agents[agent].name;
 }
 
+/* --- lists ------------------------------------------------------------------------------------ */
+
+static void list_open(struct broker *b, struct query_list *l)
+{
+    query_begin(b, &l->text, l->word);
+    if (l->of[0]) {
+        mu_fields_add(&l->text, l->of);
+    }
+}
+
+void query_list_begin(struct broker *b, struct query_list *l, const struct mail *question,
+                      const char *word, const char *of)
+{
+    *l = (struct query_list){.question = question, .word = word, .of = of};
+    list_open(b, l);
+}
+
+void query_list_room(struct broker *b, struct query_list *l, size_t bytes)
+{
+    if (l->text.len + bytes > MU_CONTENT_MAX) {
+        query_list_end(b, l);
+        list_open(b, l);
+    }
+}
+
+void query_list_add(struct broker *b, struct query_list *l, const char *name)
+{
+    query_list_room(b, l, 1 + strlen(name));
+    mu_fields_add(&l->text, name);
+}
+
+void query_list_end(struct broker *b, const struct query_list *l)
+{
+    query_send(b, l->question, "inform");
+}
+
+/* --- changes ---------------------------------------------------------------------------------- */
+
+void query_make_change(struct broker *b, const struct mail *question, query_change *change)
+{
+    query_name name, named;
+    const char *content = question->letter.content;
+    if (!query_field_optional(&content, name, sizeof name) || name[0] == '\0' ||
+        !query_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
+        query_not_understood(b, question);
+        return;
+    }
+    const char *agent = query_actor(b, question, named);
+    if (agent) {
+        struct said said = pages_said(b);
+        const char *refusal = change(b, name, agent, &said);
+        pages_tell(b);
+        query_changed(b, question, refusal, name);
+    }
+}
+
 /* --- the white pages -------------------------------------------------------------------------- */
 
 /* Who asks in lock step is told of its members, and of nothing that another run would have
@@ -152,11 +220,9 @@ static bool is_shown(const struct broker *b, const struct mail *question, uint32
 
 static void query_lookup(struct broker *b, const struct mail *question)
 {
-    char name[MU_FIELD_MAX + 1];
-    struct mu_text read, t;
-    mu_text_init(&read, name, sizeof name);
-    if (!query_field(question->letter.content, &read)) {
-        query_not_understood(b, question);
+    query_name name;
+    struct mu_text t;
+    if (!query_read_name(b, question, name)) {
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
@@ -166,34 +232,30 @@ static void query_lookup(struct broker *b, const struct mail *question)
         query_send(b, question, "failure");
         return;
     }
-    const struct agent *a = &b->registry.agents[agent];
+    muster_Member m;
+    registry_line(&b->registry, agent, b->name, &m);
     query_begin(b, &t, "member");
-    mu_fields_add(&t, a->name);
-    mu_fields_add(&t, registry_kind_word(a->is.kind));
-    mu_fields_add(&t, registry_state_word(a->is.state));
-    mu_fields_add(&t, b->name);
+    mu_fields_add(&t, m.name);
+    mu_fields_add(&t, registry_kind_word(m.kind));
+    mu_fields_add(&t, registry_state_word(m.state));
+    mu_fields_add(&t, m.broker);
     bool inside = presence_in_lockstep(b, question->sender);
-    mu_fields_add(&t, inside ? "nil" : a->is.host);
-    mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)a->is.pid);
+    mu_fields_add(&t, inside ? "nil" : m.host);
+    mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     query_send(b, question, "inform");
 }
 
 static void query_listing(struct broker *b, const struct mail *question)
 {
-    struct mu_text t;
-    query_begin(b, &t, "members");
+    struct query_list list;
+    query_list_begin(b, &list, question, "members", "");
     for (uint32_t i = 0; i < b->registry.count; i++) {
-        const char *name = b->registry.agents[b->registry.order[i]].name;
-        if (!is_shown(b, question, b->registry.order[i])) {
-            continue;
+        uint32_t agent = b->registry.order[i];
+        if (is_shown(b, question, agent)) {
+            query_list_add(b, &list, b->registry.agents[agent].name);
         }
-        if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_send(b, question, "inform");
-            query_begin(b, &t, "members");
-        }
-        mu_fields_add(&t, name);
     }
-    query_send(b, question, "inform");
+    query_list_end(b, &list);
 }
 
 void query_refuse(struct broker *b, uint32_t own, const struct mail *question)

@@ -28,6 +28,7 @@
 #ifndef MUSTER_BROKER_QUERY_H
 #define MUSTER_BROKER_QUERY_H
 
+#include "broker/groups.h"
 #include "broker/store.h"
 #include "core/text.h"
 
@@ -43,6 +44,20 @@ void query_reply(struct broker *b, uint32_t own, const struct mail *question,
                  const char *performative, char *content);
 
 /* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
+
+/* Room for a field that is no name, too, so that it can be told. */
+typedef char query_name[MU_FIELD_MAX + 1];
+
+/* An answer that may not fit one mail. */
+struct query_list {
+    const struct mail *question;
+    const char *word, *of; /* each mail begins so; of: "" for nothing */
+    struct mu_text text;
+};
+
+/* Changes a line of groups or services in an agent's name.  @return why not, or NULL: done */
+typedef const char *query_change(struct broker *b, const char *name, const char *agent,
+                                 const struct said *said);
 
 /** Begins an answer with a word. */
 void query_begin(struct broker *b, struct mu_text *t, const char *word);
@@ -64,6 +79,9 @@ bool query_changes_member(const struct broker *b, const struct mail *question);
 /** Reads content that is one field.  @return false if it is not */
 bool query_field(const char *content, struct mu_text *out);
 
+/** Reads a question that is one field, into query_name.  @return false: answered, and counted */
+bool query_read_name(struct broker *b, const struct mail *question, query_name name);
+
 /** Reads the next field, if there is one, else "".  @return false: what is there is no field */
 bool query_field_optional(const char **content, char *to, size_t size);
 
@@ -75,12 +93,27 @@ bool query_field_optional(const char **content, char *to, size_t size);
  */
 const char *query_actor(struct broker *b, const struct mail *question, const char *named);
 
-/** Answers that the question could not be read. */
+/** Answers that the question could not be read, and counts it. */
 void query_not_understood(struct broker *b, const struct mail *question);
 
 /** Answers a change; refusal: NULL when it is done. */
 void query_changed(struct broker *b, const struct mail *question, const char *refusal,
                    const char *name);
+
+/** Makes a change that NAME or NAME AGENT asks for, and answers it. */
+void query_make_change(struct broker *b, const struct mail *question, query_change *change);
+
+void query_list_begin(struct broker *b, struct query_list *l, const struct mail *question,
+                      const char *word, const char *of);
+
+/** Sends what there is if it has no room for so many bytes more, and begins anew. */
+void query_list_room(struct broker *b, struct query_list *l, size_t bytes);
+
+/** Adds a name to a list. */
+void query_list_add(struct broker *b, struct query_list *l, const char *name);
+
+/** Sends what is left of a list, or that there is nothing. */
+void query_list_end(struct broker *b, const struct query_list *l);
 
 /* query_groups.c */
 void query_groups(struct broker *b, const struct mail *question);

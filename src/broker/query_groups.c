@@ -6,27 +6,12 @@
 
 #include <string.h>
 
-/* Room for a name that is none, so that it can be told. */
-typedef char name_read[MU_FIELD_MAX + 1];
-
-static bool group_read(struct broker *b, const struct mail *question, name_read name)
-{
-    struct mu_text read;
-    mu_text_init(&read, name, sizeof(name_read));
-    if (query_field(question->letter.content, &read)) {
-        return true;
-    }
-    b->counters.malformed++;
-    query_not_understood(b, question);
-    return false;
-}
-
 /* --- changes ---------------------------------------------------------------------------------- */
 
 void query_group_create(struct broker *b, const struct mail *question)
 {
-    name_read group;
-    if (group_read(b, question, group)) {
+    query_name group;
+    if (query_read_name(b, question, group)) {
         struct said said = pages_said(b);
         const char *refusal = groups_create(&b->pages.groups, group, &said);
         pages_tell(b);
@@ -34,85 +19,66 @@ void query_group_create(struct broker *b, const struct mail *question)
     }
 }
 
-typedef const char *group_change(struct groups *g, const char *group, const char *agent,
-                                 const struct said *said);
-
-/* GROUP, and whom it is about, if that is not the sender. */
-static void member_change(struct broker *b, const struct mail *question, group_change *change)
+static const char *member_join(struct broker *b, const char *group, const char *agent,
+                               const struct said *said)
 {
-    name_read group, named;
-    const char *content = question->letter.content;
-    if (!query_field_optional(&content, group, sizeof group) || group[0] == '\0' ||
-        !query_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
-        b->counters.malformed++;
-        query_not_understood(b, question);
-        return;
-    }
-    const char *agent = query_actor(b, question, named);
-    if (agent) {
-        struct said said = pages_said(b);
-        const char *refusal = change(&b->pages.groups, group, agent, &said);
-        pages_tell(b);
-        query_changed(b, question, refusal, group);
-    }
+    return groups_join(&b->pages.groups, group, agent, said);
 }
 
 void query_group_join(struct broker *b, const struct mail *question)
 {
-    member_change(b, question, groups_join);
+    query_make_change(b, question, member_join);
+}
+
+static const char *member_leave(struct broker *b, const char *group, const char *agent,
+                                const struct said *said)
+{
+    return groups_leave(&b->pages.groups, group, agent, said);
 }
 
 void query_group_leave(struct broker *b, const struct mail *question)
 {
-    member_change(b, question, groups_leave);
+    query_make_change(b, question, member_leave);
 }
 
 /* --- questions -------------------------------------------------------------------------------- */
 
 void query_groups(struct broker *b, const struct mail *question)
 {
-    struct mu_text t;
+    struct query_list list;
     bool inside = pages_inside(b, question->sender);
     uint32_t place = 0;
-    query_begin(b, &t, "groups");
+    query_list_begin(b, &list, question, "groups", "");
     for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
-        if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_send(b, question, "inform");
-            query_begin(b, &t, "groups");
-        }
-        mu_fields_add(&t, name);
+        query_list_add(b, &list, name);
     }
-    query_send(b, question, "inform");
+    query_list_end(b, &list);
 }
 
-static void members_begin(struct broker *b, struct mu_text *t, const char *group)
+static void group_unknown(struct broker *b, const struct mail *question, const char *group)
 {
-    query_begin(b, t, "members-of");
-    mu_fields_add(t, group);
+    struct mu_text t;
+    query_begin(b, &t, "unknown-group");
+    mu_fields_add(&t, group);
+    query_send(b, question, "failure");
 }
 
 void query_members(struct broker *b, const struct mail *question)
 {
-    name_read group;
-    struct mu_text t;
+    query_name group;
+    struct query_list list;
     bool inside = pages_inside(b, question->sender);
-    if (!group_read(b, question, group)) {
+    uint32_t place = 0;
+    if (!query_read_name(b, question, group)) {
         return;
     }
     if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
-        query_begin(b, &t, "unknown-group");
-        mu_fields_add(&t, group);
-        query_send(b, question, "failure");
+        group_unknown(b, question, group);
         return;
     }
-    uint32_t place = 0;
-    members_begin(b, &t, group);
+    query_list_begin(b, &list, question, "members-of", group);
     for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
-        if (t.len + 1 + strlen(name) > MU_CONTENT_MAX) {
-            query_send(b, question, "inform");
-            members_begin(b, &t, group);
-        }
-        mu_fields_add(&t, name);
+        query_list_add(b, &list, name);
     }
-    query_send(b, question, "inform");
+    query_list_end(b, &list);
 }

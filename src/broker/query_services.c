@@ -41,7 +41,6 @@ void query_advertise(struct broker *b, const struct mail *question)
     struct advert a;
     struct offer offer = {.attributes = a.attributes, .mail_ns = runclock_mail_ns(&b->clock)};
     if (!advert_read(question->letter.content, &a) || !lease_read(a.seconds, &offer.lease_ns)) {
-        b->counters.malformed++;
         query_not_understood(b, question);
         return;
     }
@@ -55,23 +54,15 @@ void query_advertise(struct broker *b, const struct mail *question)
     query_changed(b, question, refusal, a.service);
 }
 
+static const char *offer_withdraw(struct broker *b, const char *service, const char *agent,
+                                  const struct said *said)
+{
+    return services_withdraw(&b->pages.services, service, agent, said);
+}
+
 void query_withdraw(struct broker *b, const struct mail *question)
 {
-    char service[MU_FIELD_MAX + 1], named[MU_FIELD_MAX + 1];
-    const char *content = question->letter.content;
-    if (!query_field_optional(&content, service, sizeof service) || service[0] == '\0' ||
-        !query_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
-        b->counters.malformed++;
-        query_not_understood(b, question);
-        return;
-    }
-    const char *agent = query_actor(b, question, named);
-    if (agent) {
-        struct said said = pages_said(b);
-        const char *refusal = services_withdraw(&b->pages.services, service, agent, &said);
-        pages_tell(b);
-        query_changed(b, question, refusal, service);
-    }
+    query_make_change(b, question, offer_withdraw);
 }
 
 /* --- queries ---------------------------------------------------------------------------------- */
@@ -88,7 +79,6 @@ static bool query_read(struct broker *b, const struct mail *question, char text[
     if (good && mu_attributes_query(query, text) == MU_OK) {
         return true;
     }
-    b->counters.malformed++;
     query_not_understood(b, question);
     return false;
 }
@@ -99,13 +89,13 @@ void query_find_service(struct broker *b, const struct mail *question)
     enum { LINE_MAX_BYTES = 2 * (MU_NAME_MAX + 3) + 2 * MU_ATTRIBUTES_MAX + 3 };
     char text[MU_QUERY_MAX + 1];
     struct mu_query query;
-    struct mu_text t;
+    struct query_list list;
     const struct services *s = &b->pages.services;
     bool inside = pages_inside(b, question->sender);
     if (!query_read(b, question, text, &query)) {
         return;
     }
-    query_begin(b, &t, "services");
+    query_list_begin(b, &list, question, "services", "");
     for (uint32_t i = 0; i < s->pairs.count; i++) {
         uint32_t line = s->pairs.order[i];
         const char *service = mu_pairs_first(&s->pairs, line);
@@ -113,15 +103,12 @@ void query_find_service(struct broker *b, const struct mail *question)
             !pages_shows(b, line, inside)) {
             continue;
         }
-        if (t.len + LINE_MAX_BYTES > MU_CONTENT_MAX) {
-            query_send(b, question, "inform");
-            query_begin(b, &t, "services");
-        }
-        mu_fields_add(&t, service);
-        mu_fields_add(&t, mu_pairs_second(&s->pairs, line));
-        mu_fields_add_string(&t, s->lines[line].attributes);
+        query_list_room(b, &list, LINE_MAX_BYTES);
+        mu_fields_add(&list.text, service);
+        mu_fields_add(&list.text, mu_pairs_second(&s->pairs, line));
+        mu_fields_add_string(&list.text, s->lines[line].attributes);
     }
-    query_send(b, question, "inform");
+    query_list_end(b, &list);
 }
 
 /* A subscriber that is absent makes room, the oldest first. */

@@ -10,15 +10,13 @@
 
 void query_state_answer(struct broker *b, uint32_t own, const struct mail *question)
 {
-    char *content = b->text;
     struct mu_text t;
-    mu_text_init(&t, content, sizeof b->text);
     if (presence_in_lockstep(b, question->sender)) {
-        mu_text_add(&t, "in-lock-step");
-        query_reply(b, own, question, "failure", content);
+        query_begin(b, &t, "in-lock-step");
+        query_reply(b, own, question, "failure", b->text);
         return;
     }
-    mu_text_add(&t, counters_part_name(own));
+    query_begin(b, &t, counters_part_name(own));
     const struct counter *c;
     for (size_t i = 0; (c = counters_at(i)); i++) {
         if (own == REGISTRY_BROKER) {
@@ -29,5 +27,5 @@ void query_state_answer(struct broker *b, uint32_t own, const struct mail *quest
         }
     }
     MU_ASSERT(!t.cut);
-    query_reply(b, own, question, "inform", content);
+    query_reply(b, own, question, "inform", b->text);
 }

@@ -4,6 +4,7 @@
 #include "broker/announce.h"
 #include "broker/booking.h"
 #include "broker/border.h"
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -53,7 +54,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     letter.due_ns = -1; /* it has waited for its time already */
     muster_Outcome objection = objection_to(b, &letter);
     if (objection != muster_OUTCOME_DELIVERED) {
-        router_tell(b, sender, letter.seq, letter.seq, objection);
+        outcome_tell(b, sender, letter.seq, letter.seq, objection);
         return;
     }
     struct mail *m = store_put(&b->store, &letter);
@@ -61,7 +62,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
         b->counters.sent++;
         b->counters.box_full++;
         booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
-        router_tell(b, sender, letter.seq, letter.seq, muster_OUTCOME_BOX_FULL);
+        outcome_tell(b, sender, letter.seq, letter.seq, muster_OUTCOME_BOX_FULL);
         return;
     }
     m->sender = sender;
@@ -150,7 +151,7 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
     b->liaison.count.receipts_in++;
     bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
     if (!goes_back && !presence_in_lockstep(b, agent)) {
-        router_tell(b, agent, r->first_seq, r->last_seq, r->result);
+        outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
     }
 }
 

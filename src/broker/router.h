@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file router.h
- * A mail's way: admitted once, routed to the boxes of its receivers, settled by each of them.
+ * A mail's way: routed to the boxes of its receivers, acknowledged by each of them, or expired.
  */
 #ifndef MUSTER_BROKER_ROUTER_H
 #define MUSTER_BROKER_ROUTER_H
@@ -9,13 +9,6 @@
 #include "broker/mailbox.h"
 
 struct broker;
-
-/**
- * Takes a mail of an agent from the wire into the store.
- *
- * @return the mail, to be routed or dropped; or NULL: refused, counted, and the sender told
- */
-struct mail *router_admit(struct broker *b, uint32_t sender, const muster_Mail *letter);
 
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool router_route(struct broker *b, struct mail *m);
@@ -52,10 +45,6 @@ bool router_restore(struct broker *b, struct mail *m, const char *waiting, uint6
 /** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
 void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 
-/** Tells an agent what became of its mails, by way of another broker if it lives beyond one. */
-void router_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
-                 muster_Outcome result);
-
 /** @return whether the mail is for an agent in the lock step, or changes what is said of one */
 bool router_meets_lockstep(struct broker *b, const struct mail *m);
 
@@ -67,9 +56,6 @@ void router_admit_due(struct broker *b, uint64_t run_ns);
 
 /** Ends the wait of mail whose time to live is over. */
 void router_expire(struct broker *b, uint64_t mail_ns);
-
-/** Tells senders that pressed what became of their mail, when it is time. */
-void router_tick(struct broker *b);
 
 /** @return what may be handed to the agent just now */
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent);

@@ -43,6 +43,17 @@ static void test_agents_are_known_everywhere(void)
     CU_ASSERT_EQUAL(net.b[B]->liaison.peers_there, 1);
 }
 
+static void test_a_lookup_names_the_broker_at_which_an_agent_lives(void)
+{
+    two();
+    net_ask("red", "lookup", "blue");
+    net_settle();
+    HEARD("red", "member blue agent running b here 1");
+    net_ask("red", "lookup", "red");
+    net_settle();
+    HEARD("red", "member red agent running a here 1");
+}
+
 static void test_mail_crosses(void)
 {
     two();
@@ -601,6 +612,7 @@ int main(void)
         {"limit: distance", test_limit_distance},
         {"what is ours", test_what_is_ours_is_no_news},
         {"limit: brokers", test_limit_brokers},
+        {"a lookup", test_a_lookup_names_the_broker_at_which_an_agent_lives},
         {"changes alone", test_only_what_has_changed_is_announced},
         {"a lone broker", test_a_lone_broker_announces_nothing},
         CU_TEST_INFO_NULL,

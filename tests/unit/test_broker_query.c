@@ -61,6 +61,7 @@ static void test_answers_are_mails_with_an_envelope(void)
         CU_ASSERT_EQUAL(m->layer, 2);
         broker_delivered(story.b, 0);
     }
+    CU_ASSERT_EQUAL(story_status().malformed, 3); /* what could not be read */
 }
 
 static void test_speech_to_the_broker_is_not_understood(void)
