@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "agent/robot.h"
+
+#include "core/fault.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
+{
+    for (size_t i = 0; i < globals->count; i++) {
+        char name[MU_FIELD_MAX + 1];
+        const char *equals = strchr(globals->items[i], '=');
+        size_t len = equals ? (size_t)(equals - globals->items[i]) : 0;
+        if (len == 0 || len >= sizeof name) {
+            fprintf(stderr, "--global %s: expected NAME=VALUE\n", globals->items[i]);
+            return MU_FAULT_USAGE;
+        }
+        memcpy(name, globals->items[i], len);
+        name[len] = '\0';
+        if (mind_set_global(mind, name, equals + 1) != MU_OK) {
+            fprintf(stderr, "--global %s: no such global, or not a CLIPS field\n",
+                    globals->items[i]);
+            return MU_FAULT_USAGE;
+        }
+    }
+    return MU_OK;
+}
+
+mu_result robot_think(struct robot *r, const char *folder)
+{
+    const struct settings *set = r->crew->set;
+    struct mind_options options = {.name = r->name,
+                                   .seed = (uint64_t)set->seed,
+                                   .rules_folder = folder,
+                                   .firings_max = (uint32_t)set->firings_max,
+                                   .ports = robot_ports(r)};
+    struct mu_fault fault;
+    mu_result made = mind_open(&r->mind, &options, &fault);
+    made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
+    if (made != MU_OK) {
+        mu_fault_print(&fault);
+        return made;
+    }
+    return globals_set(r->mind, &set->globals);
+}
+
+mu_result robot_join(struct robot *r)
+{
+    struct mu_handlers handlers = {.self = r,
+                                   .on_registered = robot_on_registered,
+                                   .on_mail = robot_on_mail,
+                                   .on_directive = robot_on_directive,
+                                   .on_state = robot_on_state,
+                                   .on_step = robot_on_step,
+                                   .on_act = robot_on_act,
+                                   .on_refusal = robot_on_refusal};
+    mu_process *p = r->crew->process;
+    MU_TRY(mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers));
+    mu_agent_be(r->agent, &robot_kind);
+    return MU_OK;
+}

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file robot.h
+ * A robot's controller: a mind, and the agent that it speaks and drives through.
+ *
+ * One process has a crew of them, which share its place on the bus and nothing else.  robot_ports.c
+ * is what the mind asks for, robot_mail.c what others write to it, robot_life.c its steps and
+ * states.
+ */
+#ifndef MUSTER_AGENT_ROBOT_H
+#define MUSTER_AGENT_ROBOT_H
+
+#include "agent/mind.h"
+#include "agent/settings.h"
+#include "muster/muster.h"
+
+enum { ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2, ROBOT_PRINT_MAX = 1024 };
+
+/* The robots of one process. */
+struct crew {
+    const struct settings *set;
+    mu_process *process;
+    struct robot *robots;
+    uint32_t count;
+    bool refused; /* the broker has refused a name */
+    /* Of whoever answers a question; one robot does at a time. */
+    char answer[ROBOT_ANSWER_MAX];
+    char quoted[MU_CONTENT_MAX];
+};
+
+struct robot {
+    struct crew *crew;
+    char name[MU_NAME_MAX + 1];
+    struct mind *mind;
+    mu_agent *agent;
+    bool out;            /* it takes no part: it is disposed of, or its name is refused */
+    bool box_full;       /* said once */
+    uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
+    uint64_t mails;      /* that the rules have seen */
+    bool numbered;       /* the mail at hand is among them */
+    char print[ROBOT_PRINT_MAX]; /* a line that rules have begun */
+    size_t print_len;
+};
+
+/* robot.c */
+
+/**
+ * Makes its mind: the shared library, its rules, its globals.
+ *
+ * @param folder  of the shared rules
+ * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
+
+/** Lets it join its crew's process.  @return as mu_agent_join */
+MU_MUST_USE mu_result robot_join(struct robot *r);
+
+/* robot_ports.c */
+
+/** @return what its mind may ask of it */
+struct mind_ports robot_ports(struct robot *r);
+
+/** Ends the line that its rules have begun to print. */
+void robot_print_rest(struct robot *r);
+
+/* robot_mail.c */
+
+/** Offers a mail to the rules' handlers of its layer: for the kind of agents that robots are. */
+enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/** Answers what it knows: all facts, or those of the relation that is named. */
+enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
+
+void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail);
+void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/* robot_life.c */
+
+/** What robots do beside their rules, and with which events their rules hear of their life. */
+extern const struct mu_agent_kind robot_kind;
+
+void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
+void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
+void robot_on_state(void *self, mu_agent *a, enum mu_state state);
+void robot_on_step(void *self, mu_agent *a, const struct mu_percept *percept);
+void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept);
+
+#endif

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a robot lives through: its registration, states and control steps. */
+#include "agent/robot.h"
+#include "core/log.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void pages_enter(const struct robot *r, mu_agent *a)
+{
+    const struct settings *set = r->crew->set;
+    char name[MU_NAME_MAX + 2];
+    mu_result done = MU_OK;
+    for (size_t i = 0; i < set->groups.count && done == MU_OK; i++) {
+        done = mu_agent_group_join(a, set->groups.items[i]);
+    }
+    for (size_t i = 0; i < set->services.count && done == MU_OK; i++) {
+        const char *attributes = settings_service(set->services.items[i], name);
+        done = mu_agent_advertise(a, name, attributes, 0);
+    }
+    if (done != MU_OK) {
+        mu_log(MU_LOG_WARNING, "pages-refused", "why=%s", mu_result_text(done));
+    }
+}
+
+/* Takes no part any more; the process ends with the last one. */
+static void robot_leave(struct robot *r)
+{
+    r->out = true;
+    for (uint32_t i = 0; i < r->crew->count; i++) {
+        if (!r->crew->robots[i].out) {
+            return;
+        }
+    }
+    mu_process_stop(r->crew->process);
+}
+
+void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    struct robot *r = self;
+    if (accepted) {
+        r->out = false;
+        mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
+        pages_enter(r, a);
+        return;
+    }
+    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    r->crew->refused = true;
+    robot_leave(r);
+}
+
+static void on_create(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_CREATE);
+}
+
+static void on_run(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_RUN);
+}
+
+static void on_arrive(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_ARRIVE);
+}
+
+static void on_clone(void *self, mu_agent *a)
+{
+    (void)a;
+    mind_event(((struct robot *)self)->mind, MU_ON_CLONE);
+}
+
+/* There is no next step: the rules fire once more, and what they send still goes out. */
+static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
+{
+    struct mind_act act;
+    mind_event_now(r->mind, event, &act);
+    mu_agent_fired(a, act.firings, act.rules);
+}
+
+static void on_leave(void *self, mu_agent *a)
+{
+    fire_last(self, a, MU_ON_LEAVE);
+}
+
+static void on_dispose(void *self, mu_agent *a)
+{
+    fire_last(self, a, MU_ON_DISPOSE);
+}
+
+static const struct mu_layer_handler robot_handlers[] = {
+    {MU_LAYER_SYSTEM, NULL, robot_take_by_rules},
+    {MU_LAYER_QUERY, NULL, robot_take_by_rules},
+    {MU_LAYER_SPEECH, NULL, robot_take_by_rules},
+    {MU_LAYER_QUERY, "facts", robot_take_facts},
+    {0, NULL, NULL},
+};
+const struct mu_agent_kind robot_kind = {.name = "robot",
+                                         .handlers = robot_handlers,
+                                         .hooks = {[MU_ON_CREATE] = on_create,
+                                                   [MU_ON_RUN] = on_run,
+                                                   [MU_ON_ARRIVE] = on_arrive,
+                                                   [MU_ON_LEAVE] = on_leave,
+                                                   [MU_ON_CLONE] = on_clone,
+                                                   [MU_ON_DISPOSE] = on_dispose}};
+
+void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason)
+{
+    struct robot *r = self;
+    mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a),
+           change, reason);
+    mind_refused(r->mind, change, reason);
+}
+
+void robot_on_state(void *self, mu_agent *a, enum mu_state state)
+{
+    struct robot *r = self;
+    r->rules_left = 0;
+    mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
+    if (state == MU_GONE) {
+        robot_leave(r);
+    }
+}
+
+/* A suspended mind keeps still, so that a person can look at it. */
+void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    if (mu_agent_state(a) == MU_SUSPENDED) {
+        return;
+    }
+    struct mind_percept percept = {.time_ns = p->time_ns,
+                                   .x_m = p->x_m,
+                                   .y_m = p->y_m,
+                                   .heading_rad = p->heading_rad,
+                                   .forward_m_s = p->forward_m_s,
+                                   .turn_rad_s = p->turn_rad_s,
+                                   .stalled = p->stalled,
+                                   .sonar_count = p->sonar_count,
+                                   .sonar_m = p->sonar_m};
+    mind_percept(r->mind, &percept);
+}
+
+void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)percept;
+    struct robot *r = self;
+    struct mind_act act;
+    uint32_t left = r->rules_left;
+    mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
+    if (act.end == MIND_STOPPED) {
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
+    }
+    if (act.drives && mu_agent_drive(a, act.forward_m_s, act.turn_rad_s) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
+    }
+    mu_agent_fired(a, act.firings, act.rules);
+    if (left > 0 && act.firings < left) {
+        r->rules_left = left - act.firings;
+    } else if (left > 0) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+    }
+}

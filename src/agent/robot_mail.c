@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What reaches a robot: mail, questions, directives. */
+#include "agent/robot.h"
+#include "core/log.h"
+#include "runtime/kind.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The mind's queue is full: who wrote to this robot in person hears of it. */
+static void mail_refuse(struct robot *r, const struct mu_mail *refused)
+{
+    if (!r->box_full) {
+        mu_log(MU_LOG_WARNING, "box-full", "name=%s from=%s: the rules take no mail",
+               mu_agent_name(r->agent), refused->src);
+        r->box_full = true;
+    }
+    /* never a failure for a failure: two full boxes would write to each other for ever */
+    if (strcmp(refused->dst, mu_agent_name(r->agent)) != 0 ||
+        strcmp(refused->performative, "failure") == 0) {
+        return;
+    }
+    struct mu_mail mail = {.dst = refused->src,
+                           .layer = refused->layer,
+                           .performative = "failure",
+                           .in_reply_to = refused->reply_with,
+                           .conversation = refused->conversation,
+                           .content = "box-full"};
+    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", refused->src);
+    }
+}
+
+/* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
+static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
+{
+    return (struct mind_mail){.id = id,
+                              .src = mail->src,
+                              .performative = mail->performative,
+                              .language = mail->language,
+                              .ontology = mail->ontology,
+                              .reply_with = mail->reply_with,
+                              .in_reply_to = mail->in_reply_to,
+                              .conversation = mail->conversation,
+                              .content = mail->content,
+                              .layer = mail->layer};
+}
+
+/* What rules have said of a layer comes before what a robot does by itself. */
+enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct robot *r = self;
+    r->numbered = mind_has_layer(r->mind, mail->layer);
+    if (!r->numbered) {
+        return MU_PASS;
+    }
+    struct mind_mail letter = letter_of(mail, ++r->mails);
+    return mind_handle(r->mind, &letter) ? MU_TAKEN : MU_PASS;
+}
+
+/* What no kind takes: layers 1 to 3 have asked the rules already, higher ones have not. */
+void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    struct robot *r = self;
+    if (mail->layer > MU_LAYER_SPEECH && robot_take_by_rules(self, a, mail) != MU_PASS) {
+        return;
+    }
+    struct mind_mail letter = letter_of(mail, r->mails);
+    if (!mind_understands(r->mind, &letter)) {
+        kind_not_understood(a, mail);
+        return;
+    }
+    letter.id = r->numbered ? r->mails : ++r->mails;
+    if (mind_take_mail(r->mind, &letter) == MU_FULL) {
+        mail_refuse(r, mail);
+    }
+}
+
+/* Answers who asked, with the output of a line as one CLIPS string. */
+static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
+{
+    struct mu_text quoted;
+    mu_text_init(&quoted, r->crew->quoted, sizeof r->crew->quoted);
+    mu_text_add(&quoted, "\"");
+    for (const char *c = r->crew->answer; *c && quoted.len < sizeof r->crew->quoted - 3; c++) {
+        if (*c == '"' || *c == '\\') {
+            mu_text_add(&quoted, "\\");
+        }
+        mu_text_add_bytes(&quoted, c, 1);
+    }
+    mu_text_add(&quoted, "\"");
+    if (mu_agent_reply(r->agent, asked, done ? "inform" : "failure", r->crew->quoted) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+    }
+}
+
+/* What this robot knows, for whoever asks: all facts, or those of the relation that is named. */
+enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct robot *r = self;
+    struct mu_text answer;
+    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
+    line_answer(r, mail, done);
+    return MU_TAKEN;
+}
+
+static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    struct mu_text answer;
+    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    bool done = mind_line(r->mind, mail->content, &answer) == MU_OK;
+    if (!done) {
+        mu_log(MU_LOG_WARNING, "line-refused", "from=%s line=%s answer=%s", mail->src,
+               mail->content, r->crew->answer);
+    }
+    if (mail->reply_with[0]) {
+        line_answer(r, mail, done);
+    }
+    if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
+        mu_agent_set_state(a, MU_RUNNING);
+    }
+}
+
+/* N rules, in as many control steps as that takes. */
+static void directive_step(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    char *end;
+    long long rules = strtoll(mail->content, &end, 10);
+    bool good = end != mail->content && *end == '\0' && rules >= 1 && rules <= UINT32_MAX;
+    if (good) {
+        mu_agent_set_state(a, MU_RUNNING);
+        r->rules_left = (uint32_t)rules;
+    } else {
+        mu_log(MU_LOG_WARNING, "step-refused", "from=%s rules=%s", mail->src, mail->content);
+    }
+    mu_result sent = MU_OK;
+    if (mail->reply_with[0]) {
+        sent = mu_agent_reply(a, mail, good ? "agree" : "refuse", "step");
+    }
+    if (sent != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
+void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    static const struct {
+        const char *performative;
+        void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
+    } directives[] = {{"do", directive_do}, {"step", directive_step}};
+    for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
+        if (strcmp(mail->performative, directives[i].performative) == 0) {
+            directives[i].carry_out(self, a, mail);
+            return;
+        }
+    }
+    mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative, mail->src);
+}

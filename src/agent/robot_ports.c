@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a mind asks of its robot. */
+#include "agent/pages.h"
+#include "agent/robot.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+static mu_result port_send(void *self, const struct mind_letter *letter)
+{
+    struct robot *r = self;
+    struct mu_mail mail = {.dst = letter->dst,
+                           .directive = letter->directive,
+                           .performative = letter->performative,
+                           .language = letter->language,
+                           .ontology = letter->ontology,
+                           .reply_with = letter->reply_with,
+                           .in_reply_to = letter->in_reply_to,
+                           .conversation = letter->conversation,
+                           .content = letter->content,
+                           .layer = letter->layer,
+                           .priority = letter->priority,
+                           .level = letter->level,
+                           .reply_by_ns = letter->reply_by_ns,
+                           .ttl_ns = letter->ttl_ns};
+    return mu_agent_send(r->agent, &mail, NULL);
+}
+
+static void member_fill(struct mind_member *to, const struct mu_member *from)
+{
+    *to = (struct mind_member){.name = from->name,
+                               .kind = mu_kind_text(from->kind),
+                               .state = mu_state_text(from->state),
+                               .host = from->host};
+}
+
+static mu_result port_lookup(void *self, const char *name, struct mind_member *out)
+{
+    struct robot *r = self;
+    const struct mu_member *member = mu_process_lookup(r->crew->process, name);
+    if (!member) {
+        return MU_ABSENT;
+    }
+    member_fill(out, member);
+    return MU_OK;
+}
+
+static mu_result port_listing(void *self, size_t index, struct mind_member *out)
+{
+    struct robot *r = self;
+    const struct mu_member *member = mu_process_member(r->crew->process, index);
+    if (!member) {
+        return MU_DONE;
+    }
+    member_fill(out, member);
+    return MU_OK;
+}
+
+static mu_result port_change(void *self, enum mind_change change, const char *name,
+                             const char *attributes)
+{
+    struct robot *r = self;
+    return pages_change(r->agent, change, name, attributes);
+}
+
+static const char *port_entry(void *self, enum mind_list list, const char *of, size_t index)
+{
+    struct robot *r = self;
+    return pages_entry(r->crew->process, list, of, index);
+}
+
+/* One write, so that the lines of robots that share a terminal do not mix. */
+static void print_flush(struct robot *r)
+{
+    r->print[r->print_len++] = '\n';
+    ssize_t written = write(STDERR_FILENO, r->print, r->print_len);
+    (void)written; /* nobody to tell */
+    r->print_len = 0;
+}
+
+/* Rules print in pieces; whole lines go out, each with the robot's name. */
+static void port_print(void *self, const char *text)
+{
+    struct robot *r = self;
+    for (const char *c = text; *c; c++) {
+        if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
+            print_flush(r);
+        }
+        if (r->print_len == 0) {
+            r->print_len = (size_t)snprintf(r->print, sizeof r->print, "%s: ", r->name);
+        }
+        if (*c == '\n') {
+            print_flush(r);
+        } else {
+            r->print[r->print_len++] = *c;
+        }
+    }
+}
+
+struct mind_ports robot_ports(struct robot *r)
+{
+    return (struct mind_ports){.self = r,
+                               .send = port_send,
+                               .lookup = port_lookup,
+                               .listing = port_listing,
+                               .change = port_change,
+                               .entry = port_entry,
+                               .print = port_print};
+}
+
+void robot_print_rest(struct robot *r)
+{
+    if (r->print_len > 0) {
+        print_flush(r);
+    }
+}

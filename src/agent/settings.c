@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "agent/settings.h"
+
+#include "core/attributes.h"
+#include "core/name.h"
+#include "core/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *settings_service(const char *service, char name[MU_NAME_MAX + 2])
+{
+    size_t len = strcspn(service, " ");
+    snprintf(name, MU_NAME_MAX + 2, "%.*s", (int)(len < MU_NAME_MAX + 1 ? len : MU_NAME_MAX + 1),
+             service);
+    return service + len + strspn(service + len, " ");
+}
+
+static mu_result pages_check(const struct settings *set)
+{
+    char name[MU_NAME_MAX + 2];
+    for (size_t i = 0; i < set->groups.count; i++) {
+        if (!mu_name_of_group(set->groups.items[i])) {
+            fprintf(stderr, "muster robot --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}, and not "
+                            "all, robots, special, broker\n");
+            return MU_FAULT_USAGE;
+        }
+    }
+    for (size_t i = 0; i < set->services.count; i++) {
+        const char *attributes = settings_service(set->services.items[i], name);
+        if (!mu_name_valid(name) || !mu_attributes_valid(attributes)) {
+            fprintf(stderr, "muster robot --service: expected a service and its attributes, such "
+                            "as 'mapper role=scout'\n");
+            return MU_FAULT_USAGE;
+        }
+    }
+    return MU_OK;
+}
+
+uint32_t settings_robots(const struct settings *set)
+{
+    return set->count > 0 ? (uint32_t)set->count : 1;
+}
+
+void settings_robot(const struct settings *set, uint32_t index, char name[MU_NAME_MAX + 1])
+{
+    if (set->count > 0) {
+        snprintf(name, MU_NAME_MAX + 1, "%s_%lld", set->name, (long long)set->first + index);
+    } else {
+        mu_text_copy(name, MU_NAME_MAX + 1, set->name);
+    }
+}
+
+/* The last of many has the longest name. */
+static bool names_fit(const struct settings *set)
+{
+    int len = snprintf(NULL, 0, "%s_%lld", set->name, (long long)(set->first + set->count - 1));
+    return set->count == 0 || len <= MU_NAME_MAX;
+}
+
+static mu_result settings_check(const struct settings *set)
+{
+    if (!set->name || !set->rules) {
+        fprintf(stderr, "muster robot: give it a name and rules, for example: "
+                        "muster robot red --rules rules/follower.clp\n");
+        return MU_FAULT_USAGE;
+    }
+    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
+        fprintf(stderr,
+                "muster robot: '%s' cannot be a robot's name: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
+                set->name);
+        return MU_FAULT_USAGE;
+    }
+    if (!names_fit(set)) {
+        fprintf(stderr,
+                "muster robot --count: the names of so many, such as %s_%lld, are longer "
+                "than %d bytes\n",
+                set->name, (long long)(set->first + set->count - 1), MU_NAME_MAX);
+        return MU_FAULT_USAGE;
+    }
+    return pages_check(set);
+}
+
+static struct settings settings;
+
+static struct mu_option settings_table[] = {
+    MU_JOIN_OPTIONS(settings.network),
+    {.name = "rules",
+     .letter = 'r',
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "the robot's behaviour, a CLIPS file",
+     .target = &settings.rules},
+    {.name = "count",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "robots in one process, NAME_0 to NAME_(N-1); 0: one robot, NAME",
+     .target = &settings.count,
+     .max = MU_ROBOTS_MAX},
+    {.name = "first",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "K",
+     .fallback = "0",
+     .help = "with --count: the number of the first, for one of several processes",
+     .target = &settings.first,
+     .max = MU_ROBOTS_MAX},
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .environment = "MUSTER_SEED",
+     .help = "seed of (random), together with the name",
+     .target = &settings.seed},
+    {.name = "firings",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "200",
+     .help = "rules that fire in one control step at most",
+     .target = &settings.firings_max,
+     .min = 1,
+     .max = 1000000},
+    {.name = "global",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME=VALUE",
+     .help = "set a global, for example mate=red",
+     .target = &settings.globals},
+    {.name = "group",
+     .kind = MU_OPTION_LIST,
+     .unit = "G",
+     .help = "join a group when the broker knows the robot",
+     .target = &settings.groups},
+    {.name = "service",
+     .kind = MU_OPTION_LIST,
+     .unit = "'S KEY=VALUE...'",
+     .help = "offer a service, likewise, for example 'mapper role=scout'",
+     .target = &settings.services},
+    {.name = "functions",
+     .kind = MU_OPTION_FLAG,
+     .help = "print the functions that rules may call, and exit",
+     .target = &settings.functions},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &settings.verbose},
+};
+
+mu_result settings_parse(const struct settings **out, int argc, char **argv)
+{
+    static struct mu_options options = {
+        .program = "muster robot",
+        .usage = "NAME --rules FILE [OPTION...]",
+        .about = "Controls robots by CLIPS rules; they wait in standby until told to start.",
+        .table = settings_table,
+        .count = sizeof settings_table / sizeof settings_table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    *out = &settings;
+    if (parsed != MU_OK || settings.functions) {
+        return parsed;
+    }
+    settings.name = options.words_count == 1 ? options.words[0] : NULL;
+    return settings_check(&settings);
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file settings.h
+ * What the command line of muster-robot says.
+ */
+#ifndef MUSTER_AGENT_SETTINGS_H
+#define MUSTER_AGENT_SETTINGS_H
+
+#include "core/network.h"
+#include "core/options.h"
+#include "muster/limits.h"
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct settings {
+    struct mu_network network;
+    const char *name, *rules;
+    int64_t count,
+        first; /* of robots, and the number of the first; count 0: one, without a number */
+    int64_t seed, firings_max;
+    struct mu_option_list globals; /* "mate=red" */
+    struct mu_option_list groups, services;
+    bool verbose, functions;
+};
+
+/**
+ * Reads and checks the command line; what it says lives as long as the process.
+ *
+ * @return MU_OK; MU_DONE: help was asked for and given; MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result settings_parse(const struct settings **set, int argc, char **argv);
+
+/** @return how many robots are wanted */
+uint32_t settings_robots(const struct settings *set);
+
+/** The name of the index-th of them: the one that was given, or that with a number behind it. */
+void settings_robot(const struct settings *set, uint32_t index, char name[MU_NAME_MAX + 1]);
+
+/**
+ * Takes a service's name off "mapper role=scout".
+ *
+ * @param name  MU_NAME_MAX + 2 bytes; longer than MU_NAME_MAX: no service has it
+ * @return its attributes, in the same text
+ */
+const char *settings_service(const char *service, char name[MU_NAME_MAX + 2]);
+
+#endif
