@@ -379,13 +379,8 @@ void broker_undelivered(struct broker *b)
 
 const char *broker_process(const struct broker *b, uint32_t index)
 {
-    for (uint32_t i = 0; i < b->places.used_count && index < b->places.unmatched; i++) {
-        const struct place *at = &b->places.at[b->places.used[i]];
-        if (!at->matched && index-- == 0) {
-            return at->name;
-        }
-    }
-    return NULL;
+    const struct places *p = &b->places;
+    return index < p->unmatched_count ? p->at[p->unmatched[index]].name : NULL;
 }
 
 bool broker_serves(const struct broker *b, const char *process)

@@ -52,15 +52,16 @@ struct place {
     uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */
     struct tenant_ends queues[TENANT_QUEUES];
     uint32_t refusals_count;
+    uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
     struct refusal refusals[PLACES_REFUSALS];
 };
 
 struct places {
     struct place *at; /* MU_PROCESSES_MAX of them */
     uint32_t top;     /* entries ever used */
-    uint32_t *used;   /* indices of those in use, the oldest first */
     uint32_t used_count;
-    uint32_t unmatched; /* of those in use */
+    uint32_t *unmatched; /* indices of those in use that have not matched */
+    uint32_t unmatched_count;
     uint32_t blocked;
     bool all_awake;  /* since something happened to all, none has been looked at */
     uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
