@@ -325,37 +325,46 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     }
 }
 
-uint64_t broker_deadline_ns(const struct broker *b)
+static uint64_t earliest_ns(const uint64_t *times_ns, size_t count)
 {
-    uint64_t first_ns = presence_deadline_ns(b);
-    uint64_t others[] = {resend_deadline_ns(b),
-                         courier_deadline_ns(b),
-                         UINT64_MAX,
-                         UINT64_MAX,
-                         UINT64_MAX,
-                         pacer_deadline_ns(&b->pacer),
-                         journal_deadline_ns(b),
-                         UINT64_MAX,
-                         liaison_deadline_ns(b),
-                         announce_deadline_ns(b)};
-    const struct mail *due = schedule_first(&b->due);
-    const struct mail *expiry = schedule_first(&b->expiry);
-    if (due && b->clock.runs && !b->clock.lockstep) {
-        others[2] = runclock_now_of_run_ns(&b->clock, due->at_ns[SCHEDULE_DUE]);
-    }
-    if (expiry && !b->clock.lockstep) {
-        others[3] = runclock_now_of_mail_ns(&b->clock, expiry->at_ns[SCHEDULE_EXPIRY]);
-    }
-    if (pages_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
-        others[4] = runclock_now_of_mail_ns(&b->clock, pages_deadline_mail_ns(b));
-    }
-    if (resolve_deadline_mail_ns(b) != UINT64_MAX && !b->clock.lockstep) {
-        others[7] = runclock_now_of_mail_ns(&b->clock, resolve_deadline_mail_ns(b));
-    }
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        first_ns = others[i] < first_ns ? others[i] : first_ns;
+    uint64_t first_ns = UINT64_MAX;
+    for (size_t i = 0; i < count; i++) {
+        first_ns = times_ns[i] < first_ns ? times_ns[i] : first_ns;
     }
     return first_ns;
+}
+
+/* What ends on the mail clock.  @return in broker time */
+static uint64_t mail_deadline_ns(const struct broker *b)
+{
+    const struct mail *expiry = schedule_first(&b->expiry);
+    const uint64_t times_ns[] = {expiry ? expiry->at_ns[SCHEDULE_EXPIRY] : UINT64_MAX,
+                                 pages_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
+    uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
+    return first_ns != UINT64_MAX ? runclock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
+}
+
+/* @return when held mail is due, in broker time */
+static uint64_t due_deadline_ns(const struct broker *b)
+{
+    const struct mail *due = schedule_first(&b->due);
+    return due && b->clock.runs ? runclock_now_of_run_ns(&b->clock, due->at_ns[SCHEDULE_DUE])
+                                : UINT64_MAX;
+}
+
+uint64_t broker_deadline_ns(const struct broker *b)
+{
+    bool by_steps = b->clock.lockstep; /* then the end of a step does it */
+    const uint64_t times_ns[] = {presence_deadline_ns(b),
+                                 resend_deadline_ns(b),
+                                 courier_deadline_ns(b),
+                                 pacer_deadline_ns(&b->pacer),
+                                 journal_deadline_ns(b),
+                                 liaison_deadline_ns(b),
+                                 announce_deadline_ns(b),
+                                 by_steps ? UINT64_MAX : mail_deadline_ns(b),
+                                 by_steps ? UINT64_MAX : due_deadline_ns(b)};
+    return earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
 }
 
 /* --- deliveries, and what there is to see ----------------------------------------------------- */
@@ -379,13 +388,8 @@ void broker_undelivered(struct broker *b)
 
 const char *broker_process(const struct broker *b, uint32_t index)
 {
-    for (uint32_t i = 0; i < b->places.used_count && index < b->places.unmatched; i++) {
-        const struct place *at = &b->places.at[b->places.used[i]];
-        if (!at->matched && index-- == 0) {
-            return at->name;
-        }
-    }
-    return NULL;
+    const struct places *p = &b->places;
+    return index < p->unmatched_count ? p->at[p->unmatched[index]].name : NULL;
 }
 
 bool broker_serves(const struct broker *b, const char *process)

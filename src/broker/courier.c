@@ -44,21 +44,27 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
-static bool place_is_urgent(struct broker *b, const struct place *at)
+static bool place_is_urgent(struct broker *b, uint32_t place)
 {
-    bool urgent = at->refusals_count > 0 || at->roll_call_due;
-    for (uint32_t i = at->ready_first; i != TENANTS_NONE && !urgent;
-         i = b->registry.agents[i].tenant.ready_next) {
-        urgent = b->registry.agents[i].verdict_due || box_is_urgent(b, i);
+    const struct place *at = &b->places.at[place];
+    if (at->refusals_count > 0 || at->roll_call_due) {
+        return true;
     }
-    return urgent;
+    for (uint32_t agent; (agent = tenants_stirred(&b->places, place)) != TENANTS_NONE;) {
+        if (b->registry.agents[agent].verdict_due || box_is_urgent(b, agent)) {
+            return true; /* it stays stirred until it is served */
+        }
+        tenants_calm(&b->registry, &b->places, agent);
+    }
+    return false;
 }
 
 /* @return whether the process is held until the courier wakes */
-static bool place_hold(struct broker *b, struct place *at)
+static bool place_hold(struct broker *b, uint32_t place)
 {
     struct courier *c = &b->courier;
-    if (at->rostered || at->simulator || is_awake(b, false) || place_is_urgent(b, at)) {
+    struct place *at = &b->places.at[place];
+    if (at->rostered || at->simulator || is_awake(b, false) || place_is_urgent(b, place)) {
         return false;
     }
     c->held += !at->held;
@@ -392,8 +398,8 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
     uint32_t place;
     courier_wake(b);
     while ((place = places_next(&b->places)) != MU_NONE) {
-        struct place *at = &b->places.at[place];
-        if (!at->used || !at->matched || at->blocked || place_hold(b, at)) {
+        const struct place *at = &b->places.at[place];
+        if (!at->used || !at->matched || at->blocked || place_hold(b, place)) {
             continue;
         }
         b->courier.open = place;

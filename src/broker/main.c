@@ -5,6 +5,7 @@
 #include "broker/files.h"
 #include "broker/health.h"
 #include "broker/herald.h"
+#include "broker/mailbags.h"
 #include "broker/opening.h"
 #include "broker/peers.h"
 #include "broker/settings.h"
@@ -33,14 +34,6 @@ static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 /* So long it listens for another one of its name before it answers anybody. */
 static const uint64_t DOUBT_NS = 300000000;
 
-/* The writer into one process's partition. */
-struct mailbag {
-    char process[MU_PROCESS_MAX + 1];
-    struct bus_writer writer;
-    bool matched;
-    bool heard; /* an Up of it has come */
-};
-
 struct post {
     struct bus bus;
     struct broker *broker;
@@ -51,8 +44,7 @@ struct post {
     struct herald herald;
     struct peers peers;
     struct files_audit audit;
-    struct mailbag bags[MU_PROCESSES_MAX];
-    uint32_t bag_count;
+    struct mailbags bags;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
@@ -81,21 +73,12 @@ static mu_result post_open(struct post *p, const char *name)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
+    mailbags_init(&p->bags, &p->bus, &p->ups);
     MU_TRY(peers_open(&p->peers, &p->bus, partition));
     return health_open(&p->health, &p->bus);
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
-
-static struct mailbag *bag_find(struct post *p, const char *process)
-{
-    for (uint32_t i = 0; i < p->bag_count; i++) {
-        if (strcmp(p->bags[i].process, process) == 0) {
-            return &p->bags[i];
-        }
-    }
-    return NULL;
-}
 
 /* Whatever comes late on a path delays all that comes after it, and the first samples of a DDS
  * writer can be late.  @return whether an Up of every process of a roster has come, and every
@@ -103,7 +86,7 @@ static struct mailbag *bag_find(struct post *p, const char *process)
 static bool roster_is_heard(struct post *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
-        const struct mailbag *bag = bag_find(p, roster->processes._buffer[i]);
+        const struct mailbag *bag = mailbags_find(&p->bags, roster->processes._buffer[i]);
         if (!bag || !bag->heard || !bus_drain(&bag->writer, 0)) {
             return false;
         }
@@ -143,7 +126,7 @@ static void rosters_take(struct post *p)
 
 static void up_take(struct post *p, const muster_Up *up)
 {
-    struct mailbag *bag = bag_find(p, up->process);
+    struct mailbag *bag = mailbags_find(&p->bags, up->process);
     if (bag) {
         bag->heard = true;
     }
@@ -188,71 +171,6 @@ static void post_take(struct post *p)
 
 /* --- out -------------------------------------------------------------------------------------- */
 
-static void bag_add(struct post *p, const char *process)
-{
-    if (p->bag_count == MU_PROCESSES_MAX) {
-        mu_log(MU_LOG_ERROR, "too-many-processes", "process=%s max=%d", process, MU_PROCESSES_MAX);
-        return;
-    }
-    struct mailbag *bag = &p->bags[p->bag_count];
-    *bag = (struct mailbag){0};
-    mu_text_copy(bag->process, sizeof bag->process, process);
-    if (bus_writer_open(&p->bus, BUS_DELIVERY, process, NULL, &bag->writer) == MU_OK) {
-        p->bag_count++;
-    }
-}
-
-/* Opens a bag for every new process, and closes those of processes that are gone for good. */
-static void bags_follow(struct post *p)
-{
-    const char *process;
-    for (uint32_t i = 0; (process = broker_process(p->broker, i)); i++) {
-        if (!bag_find(p, process)) {
-            bag_add(p, process);
-        }
-    }
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < p->bag_count; i++) {
-        struct mailbag *bag = &p->bags[i];
-        if (bag->matched || broker_serves(p->broker, bag->process)) {
-            p->bags[kept++] = *bag;
-        } else {
-            bus_writer_close(&bag->writer);
-        }
-    }
-    p->bag_count = kept;
-}
-
-/* Both directions must stand before a registration is confirmed; the simulator sends no mail. */
-static bool bag_stands(const struct post *p, const struct mailbag *bag)
-{
-    if (bus_writer_matches(&bag->writer) == 0) {
-        return false; /* the usual case while many processes come, and cheap to see */
-    }
-    bool mute = bag->matched || strcmp(bag->process, p->simulator) == 0;
-    return mute ? bus_writer_reaches(&bag->writer, bag->process)
-                : bus_reader_hears(&p->ups, &bag->writer, bag->process);
-}
-
-/* Tells the broker which processes have matched.  @return whether any has not */
-static bool bags_look(struct post *p, bool all)
-{
-    bool some_missing = false;
-    for (uint32_t i = 0; i < p->bag_count; i++) {
-        struct mailbag *bag = &p->bags[i];
-        if (bag->matched && !all) {
-            continue;
-        }
-        bool matched = bag_stands(p, bag);
-        if (matched != bag->matched) {
-            bag->matched = matched;
-            broker_matched(p->broker, bag->process, matched, post_now(p));
-        }
-        some_missing = some_missing || !matched;
-    }
-    return some_missing;
-}
-
 /* One that the network does not take holds up no other.  @return whether it took all */
 static bool deliveries_write(struct post *p)
 {
@@ -260,7 +178,7 @@ static bool deliveries_write(struct post *p)
     muster_Delivery delivery;
     bool all = true;
     while (broker_next(p->broker, &process, &delivery)) {
-        const struct mailbag *bag = bag_find(p, process);
+        const struct mailbag *bag = mailbags_find(&p->bags, process);
         if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
             all = false;
@@ -324,8 +242,8 @@ static void post_round(struct post *p)
     peers_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
-    bags_follow(p);
-    bool impatient = bags_look(p, look);
+    mailbags_follow(&p->bags, p->broker);
+    bool impatient = mailbags_look(&p->bags, p->broker, p->simulator, look, post_now(p));
     broker_tick(p->broker, post_now(p));
     store_write(p);
     impatient = !peers_tell(&p->peers, p->broker) || impatient;

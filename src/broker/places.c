@@ -11,7 +11,7 @@ void places_init(struct places *p)
 {
     *p = (struct places){0};
     p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
-    p->used = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->used);
+    p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
     p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
     mu_table_init(&p->names, MU_PROCESSES_MAX);
 }
@@ -46,6 +46,20 @@ static bool place_is_spare(const struct place *at)
     return !at->used || !place_is_needed(at);
 }
 
+static void unmatched_add(struct places *p, uint32_t place)
+{
+    p->at[place].unmatched_at = p->unmatched_count;
+    p->unmatched[p->unmatched_count++] = place;
+}
+
+/* The last one takes its entry. */
+static void unmatched_remove(struct places *p, uint32_t place)
+{
+    uint32_t entry = p->at[place].unmatched_at, last = p->unmatched[--p->unmatched_count];
+    p->unmatched[entry] = last;
+    p->at[last].unmatched_at = entry;
+}
+
 static void place_forget(struct places *p, uint32_t place)
 {
     struct place *at = &p->at[place];
@@ -53,13 +67,8 @@ static void place_forget(struct places *p, uint32_t place)
     MU_ASSERT(gone && !at->matched);
     places_set_blocked(p, place, false);
     at->used = false;
-    p->unmatched--;
-    uint32_t i = 0;
-    while (p->used[i] != place) {
-        i++;
-    }
     p->used_count--;
-    memmove(&p->used[i], &p->used[i + 1], (p->used_count - i) * sizeof *p->used);
+    unmatched_remove(p, place);
 }
 
 static uint32_t place_free(struct places *p)
@@ -96,8 +105,8 @@ uint32_t places_get(struct places *p, const char *name)
     *at = (struct place){.used = true, .queued = queued, .step_had = INT64_MIN};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
-    p->used[p->used_count++] = place;
-    p->unmatched++;
+    p->used_count++;
+    unmatched_add(p, place);
     return place;
 }
 
@@ -112,7 +121,11 @@ void places_tidy(struct places *p, uint32_t place)
 void places_set_matched(struct places *p, uint32_t place, bool matched)
 {
     struct place *at = &p->at[place];
-    p->unmatched += (uint32_t)at->matched - (uint32_t)matched;
+    if (matched && !at->matched) {
+        unmatched_remove(p, place);
+    } else if (!matched && at->matched) {
+        unmatched_add(p, place);
+    }
     at->matched = matched;
     places_set_blocked(p, place, false);
 }

@@ -6,11 +6,7 @@
 #ifndef MUSTER_BROKER_PLACES_H
 #define MUSTER_BROKER_PLACES_H
 
-#include "core/table.h"
-#include "muster/limits.h"
-
-#include <stdbool.h>
-#include <stdint.h>
+#include "broker/registry.h"
 
 enum {
     PLACES_PARTS = MU_PARTS_MAX,
@@ -23,6 +19,11 @@ _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole p
 struct refusal {
     char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
     const char *reason;
+};
+
+/* Agents of a place: see tenants.h. */
+struct tenant_ends {
+    uint32_t first, last;
 };
 
 struct place {
@@ -49,17 +50,18 @@ struct place {
     uint32_t agents_count;
     uint32_t parts_top;           /* parts ever used */
     uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */
-    uint32_t ready_first, ready_last;
+    struct tenant_ends queues[TENANT_QUEUES];
     uint32_t refusals_count;
+    uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
     struct refusal refusals[PLACES_REFUSALS];
 };
 
 struct places {
     struct place *at; /* MU_PROCESSES_MAX of them */
     uint32_t top;     /* entries ever used */
-    uint32_t *used;   /* indices of those in use, the oldest first */
     uint32_t used_count;
-    uint32_t unmatched; /* of those in use */
+    uint32_t *unmatched; /* indices of those in use that have not matched */
+    uint32_t unmatched_count;
     uint32_t blocked;
     bool all_awake;  /* since something happened to all, none has been looked at */
     uint32_t *queue; /* a ring of MU_PROCESSES_MAX */

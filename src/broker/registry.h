@@ -41,12 +41,20 @@ struct presence {
     char host[MU_FIELD_MAX + 1];
 };
 
+/* Queues of a place, for agents that may have something to be told: until they are served, and
+ * until somebody has looked at how urgent it is. */
+enum tenant_queue { TENANT_READY, TENANT_STIRRED, TENANT_QUEUES };
+
+struct tenant_link {
+    uint32_t next, prev;
+    bool queued;
+};
+
 /* An agent in a place: see tenants.h. */
 struct tenant {
     uint32_t place, slot;
     uint32_t next, prev; /* of the same part */
-    uint32_t ready_next, ready_prev;
-    bool ready; /* it may have something to be told */
+    struct tenant_link links[TENANT_QUEUES];
 };
 
 struct agent {

@@ -2,6 +2,7 @@
 #include "broker/settings.h"
 
 #include "broker/counters.h"
+#include "broker/courier.h"
 #include "core/exits.h"
 #include "core/name.h"
 #include "core/options.h"
@@ -43,7 +44,7 @@
      .environment = "MUSTER_DELIVERY_INTERVAL",                                                   \
      .help = "hand a process mail at most this often; 0: at once",                                \
      .target = &(s)->delivery_interval_ms,                                                        \
-     .max = 60000},                                                                               \
+     .max = COURIER_INTERVAL_MAX_MS},                                                             \
         {.name = "policy",                                                                        \
          .kind = MU_OPTION_STRING,                                                                \
          .unit = "FILE",                                                                          \

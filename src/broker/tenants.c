@@ -22,28 +22,49 @@ void tenants_add(struct registry *r, struct places *p, uint32_t place, uint32_t 
     at->agents_count++;
 }
 
-static void ready_unlink(struct registry *r, struct place *at, struct tenant *t)
+static void queue_add(struct registry *r, struct place *at, enum tenant_queue queue, uint32_t agent)
 {
-    if (t->ready_prev == TENANTS_NONE) {
-        at->ready_first = t->ready_next;
-    } else {
-        tenant_of(r, t->ready_prev)->ready_next = t->ready_next;
+    struct tenant_ends *ends = &at->queues[queue];
+    struct tenant_link *link = &tenant_of(r, agent)->links[queue];
+    if (link->queued) {
+        return;
     }
-    if (t->ready_next == TENANTS_NONE) {
-        at->ready_last = t->ready_prev;
+    *link = (struct tenant_link){.queued = true, .next = TENANTS_NONE, .prev = ends->last};
+    if (ends->last == TENANTS_NONE) {
+        ends->first = agent;
     } else {
-        tenant_of(r, t->ready_next)->ready_prev = t->ready_prev;
+        tenant_of(r, ends->last)->links[queue].next = agent;
     }
-    t->ready = false;
+    ends->last = agent;
+}
+
+static void queue_remove(struct registry *r, struct place *at, enum tenant_queue queue,
+                         uint32_t agent)
+{
+    struct tenant_ends *ends = &at->queues[queue];
+    struct tenant_link *link = &tenant_of(r, agent)->links[queue];
+    if (!link->queued) {
+        return;
+    }
+    if (link->prev == TENANTS_NONE) {
+        ends->first = link->next;
+    } else {
+        tenant_of(r, link->prev)->links[queue].next = link->next;
+    }
+    if (link->next == TENANTS_NONE) {
+        ends->last = link->prev;
+    } else {
+        tenant_of(r, link->next)->links[queue].prev = link->prev;
+    }
+    link->queued = false;
 }
 
 void tenants_remove(struct registry *r, struct places *p, uint32_t agent)
 {
     struct tenant *t = tenant_of(r, agent);
     struct place *at = &p->at[t->place];
-    if (t->ready) {
-        ready_unlink(r, at, t);
-    }
+    queue_remove(r, at, TENANT_READY, agent);
+    queue_remove(r, at, TENANT_STIRRED, agent);
     if (t->prev == TENANTS_NONE) {
         at->parts[t->slot / MU_PART_AGENTS] = t->next;
     } else {
@@ -91,28 +112,29 @@ void tenants_wake(struct registry *r, struct places *p, uint32_t agent)
     if (r->agents[agent].process == MU_NONE) {
         return;
     }
-    struct tenant *t = tenant_of(r, agent);
-    struct place *at = &p->at[t->place];
-    if (!t->ready) {
-        t->ready = true;
-        t->ready_next = TENANTS_NONE;
-        t->ready_prev = at->ready_last;
-        if (at->ready_last == TENANTS_NONE) {
-            at->ready_first = agent;
-        } else {
-            tenant_of(r, at->ready_last)->ready_next = agent;
-        }
-        at->ready_last = agent;
-    }
-    places_wake(p, t->place);
+    uint32_t place = tenant_of(r, agent)->place;
+    queue_add(r, &p->at[place], TENANT_READY, agent);
+    queue_add(r, &p->at[place], TENANT_STIRRED, agent);
+    places_wake(p, place);
 }
 
 uint32_t tenants_pop(struct registry *r, struct places *p, uint32_t place)
 {
     struct place *at = &p->at[place];
-    uint32_t agent = at->ready_first;
+    uint32_t agent = at->queues[TENANT_READY].first;
     if (agent != TENANTS_NONE) {
-        ready_unlink(r, at, tenant_of(r, agent));
+        queue_remove(r, at, TENANT_READY, agent);
+        queue_remove(r, at, TENANT_STIRRED, agent);
     }
     return agent;
+}
+
+uint32_t tenants_stirred(const struct places *p, uint32_t place)
+{
+    return p->at[place].queues[TENANT_STIRRED].first;
+}
+
+void tenants_calm(struct registry *r, struct places *p, uint32_t agent)
+{
+    queue_remove(r, &p->at[tenant_of(r, agent)->place], TENANT_STIRRED, agent);
 }

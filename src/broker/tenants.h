@@ -30,6 +30,15 @@ uint32_t tenants_next_of(const struct registry *r, uint32_t agent);
 /** The agent may have something to be told, and its place with it; without a place, nothing. */
 void tenants_wake(struct registry *r, struct places *p, uint32_t agent);
 
+/**
+ * @return an agent of the place that was woken since it was last served or calmed, or TENANTS_NONE:
+ *         so nobody who waits has to be looked at twice
+ */
+uint32_t tenants_stirred(const struct places *p, uint32_t place);
+
+/** What the agent has to be told can wait, until it is woken again. */
+void tenants_calm(struct registry *r, struct places *p, uint32_t agent);
+
 /** Takes the agent that waits longest out of a place's queue.  @return TENANTS_NONE: none waits */
 uint32_t tenants_pop(struct registry *r, struct places *p, uint32_t place);
 

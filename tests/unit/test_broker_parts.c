@@ -403,6 +403,12 @@ static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
     story_send("red", 1, "blue", "hello");
     story_mail(directive(++seq, "green", "(wander)"));
     EXPECT("");
+    uint32_t place = places_find(&story.b->places, "p-green");
+    CU_ASSERT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
+    story_ack("green", 1); /* which makes room for the directive */
+    CU_ASSERT_NOT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
+    EXPECT("green #209 operator/209 (wander)");
+    CU_ASSERT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
     CU_ASSERT_EQUAL(courier_deadline_ns(story.b), story.b->courier.wake_ns);
     story.now_ns = story.b->courier.wake_ns - 1;
     story_tick(1);

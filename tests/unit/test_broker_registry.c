@@ -264,6 +264,42 @@ static void test_limit_agents(void)
     EXPECT("r7 welcome 0");
 }
 
+static bool is_unmatched(const char *process)
+{
+    unsigned found = 0;
+    const char *name;
+    for (uint32_t i = 0; (name = broker_process(story.b, i)); i++) {
+        found += strcmp(name, process) == 0;
+    }
+    CU_ASSERT(found <= 1);
+    return found == 1;
+}
+
+static void test_who_has_not_matched(void)
+{
+    static const char *const processes[] = {"p0", "p1", "p2", "p3"};
+    char name[16];
+    story_begin();
+    for (unsigned i = 0; i < 4; i++) {
+        snprintf(name, sizeof name, "r%u", i);
+        story_register(name, processes[i]);
+    }
+    story_match("p1");
+    story_match("p3");
+    story_match("p3");
+    story_gone("p0"); /* its place is free, and p2 has an entry that was another's */
+    CU_ASSERT_FALSE(is_unmatched("p0") || is_unmatched("p1") || is_unmatched("p3"));
+    CU_ASSERT_TRUE(is_unmatched("p2"));
+    broker_matched(story.b, "p1", false, story.now_ns);
+    broker_matched(story.b, "p1", false, story.now_ns);
+    story_match("p2");
+    CU_ASSERT_TRUE(is_unmatched("p1"));
+    CU_ASSERT_FALSE(is_unmatched("p2"));
+    story_register("r0", "p0");
+    CU_ASSERT_TRUE(is_unmatched("p0"));
+    CU_ASSERT_PTR_NULL(broker_process(story.b, 2));
+}
+
 static void test_limit_processes(void)
 {
     char name[16], process[16];
@@ -313,6 +349,7 @@ int main(void)
         {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
         {"pages are told with the first agent", test_pages_are_told_with_the_first_agent},
         {"limit: agents", test_limit_agents},
+        {"who has not matched", test_who_has_not_matched},
         {"limit: processes", test_limit_processes},
         {"refused strangers make way", test_refused_strangers_make_way},
         CU_TEST_INFO_NULL,

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mailbags.h"
+
+#include "core/text.h"
+
+#include <string.h>
+
+void mailbags_init(struct mailbags *m, struct bus *bus, const struct bus_reader *ups)
+{
+    *m = (struct mailbags){.bus = bus, .ups = ups};
+    mu_table_init(&m->names, MU_PROCESSES_MAX);
+    for (uint32_t i = 0; i < MU_PROCESSES_MAX; i++) {
+        m->order[i] = i;
+    }
+}
+
+struct mailbag *mailbags_find(struct mailbags *m, const char *process)
+{
+    uint32_t index = mu_table_find(&m->names, process);
+    return index != MU_NONE ? &m->at[index] : NULL;
+}
+
+/* --- opening and closing ---------------------------------------------------------------------- */
+
+static void bag_open(struct mailbags *m, const char *process)
+{
+    MU_ASSERT(m->count < MU_PROCESSES_MAX); /* the broker serves no more, and each bag is for one */
+    uint32_t index = m->order[m->count];
+    struct mailbag *bag = &m->at[index];
+    *bag = (struct mailbag){0};
+    mu_text_copy(bag->process, sizeof bag->process, process);
+    if (bus_writer_open(m->bus, BUS_DELIVERY, process, NULL, &bag->writer) == MU_OK) {
+        mu_result entered = mu_table_put(&m->names, bag->process, index);
+        MU_ASSERT(entered == MU_OK);
+        m->count++;
+    }
+}
+
+static void bag_close(struct mailbags *m, struct mailbag *bag)
+{
+    mu_result gone = mu_table_remove(&m->names, bag->process);
+    MU_ASSERT(gone == MU_OK);
+    bus_writer_close(&bag->writer);
+}
+
+void mailbags_follow(struct mailbags *m, const struct broker *b)
+{
+    const char *process;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < m->count; i++) {
+        uint32_t index = m->order[i];
+        struct mailbag *bag = &m->at[index];
+        if (bag->matched || broker_serves(b, bag->process)) {
+            m->order[i] = m->order[kept];
+            m->order[kept++] = index;
+        } else {
+            bag_close(m, bag);
+        }
+    }
+    m->count = kept;
+    for (uint32_t i = 0; (process = broker_process(b, i)); i++) {
+        if (!mailbags_find(m, process)) {
+            bag_open(m, process);
+        }
+    }
+}
+
+/* --- matching --------------------------------------------------------------------------------- */
+
+/* Both directions must stand before a registration is confirmed. */
+static bool bag_stands(const struct mailbags *m, const struct mailbag *bag, const char *mute)
+{
+    if (bus_writer_matches(&bag->writer) == 0) {
+        return false; /* the usual case while many processes come, and cheap to see */
+    }
+    bool one_way = bag->matched || strcmp(bag->process, mute) == 0;
+    return one_way ? bus_writer_reaches(&bag->writer, bag->process)
+                   : bus_reader_hears(m->ups, &bag->writer, bag->process);
+}
+
+bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
+                   uint64_t now_ns)
+{
+    bool some_missing = false;
+    for (uint32_t i = 0; i < m->count; i++) {
+        struct mailbag *bag = &m->at[m->order[i]];
+        if (bag->matched && !all) {
+            continue;
+        }
+        bool matched = bag_stands(m, bag, mute);
+        if (matched != bag->matched) {
+            bag->matched = matched;
+            broker_matched(b, bag->process, matched, now_ns);
+        }
+        some_missing = some_missing || !matched;
+    }
+    return some_missing;
+}

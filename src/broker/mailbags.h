@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file mailbags.h
+ * The writers of Deliveries: one into the partition of each process that the broker serves.
+ */
+#ifndef MUSTER_BROKER_MAILBAGS_H
+#define MUSTER_BROKER_MAILBAGS_H
+
+#include "broker/broker.h"
+#include "bus/bus.h"
+#include "core/table.h"
+
+struct mailbag {
+    char process[MU_PROCESS_MAX + 1];
+    struct bus_writer writer;
+    bool matched;
+    bool heard; /* an Up of it has come */
+};
+
+struct mailbags {
+    struct bus *bus;
+    const struct bus_reader *ups;
+    struct mailbag at[MU_PROCESSES_MAX];
+    uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */
+    uint32_t count;
+    struct mu_table names;
+};
+
+/**
+ * Takes the memory for the index, at start-up.
+ *
+ * @param ups  the broker's reader of Ups; stays the caller's
+ */
+void mailbags_init(struct mailbags *m, struct bus *bus, const struct bus_reader *ups);
+
+/** @return the bag of a process, or NULL: it has none */
+struct mailbag *mailbags_find(struct mailbags *m, const char *process);
+
+/** Closes the bags of processes that are gone for good, and opens one for every new process. */
+void mailbags_follow(struct mailbags *m, const struct broker *b);
+
+/**
+ * Tells the broker which processes have matched, or have not any more.
+ *
+ * @param mute  a process that gets mail and sends none
+ * @param all   false: only those that had not matched are looked at
+ * @return whether any has not
+ */
+bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
+                   uint64_t now_ns);
+
+#endif
