@@ -298,6 +298,13 @@ static void test_explored_floor_ends_at_walls(void)
     world.shape_count = 5;
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.25,0.25,0,0,0,0\n"), MU_OK);
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 8, 1e-12);
+    /* A cell that is mostly wall is none, unless a robot was in what is left of it. */
+    split[4] = (struct world_shape){
+        .kind = WORLD_BOX, .pose = {0.175, 0.25, 0}, .half_x_m = 0.175, .half_y_m = 0.25};
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.75,0.25,0,0,0,0\n"), MU_OK);
+    CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 31, 1e-12);
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.45,0.25,0,0,0,0\n"), MU_OK);
+    CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 32, 1e-12);
     world.shapes = walls;
     world.shape_count = 4;
 }
