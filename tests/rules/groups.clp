@@ -25,7 +25,7 @@
 ; expect: [ARGACCES4] Function group-leave expected exactly 1 argument(s)
 ; expect: refused
 ; line: (groups) (members north) (members scouts) (members nowhere)
-; expect: (north scouts)
+; expect: (north observer scouts)
 ; expect: (blue red)
 ; expect: (green)
 ; expect: ()
@@ -172,6 +172,12 @@
 ; expect: do all "(stay)"
 ; expect: TRUE
 ; expect: TRUE
+; expect: TRUE
+; expect: TRUE
+; A name that is reserved is an agent's, whether that is there or not.
+; line: (you-do observer wander) (you-do group:observer wander)
+; expect: do observer "(wander)"
+; expect: do group:observer "(wander)"
 ; expect: TRUE
 ; expect: TRUE
 ; line: (you-do (create$ red group:north) wander)

@@ -167,8 +167,8 @@ static mu_result lookup(void *self, const char *name, struct mind_member *out)
 
 /* Its groups, and its yellow pages in order of service and agent. */
 static const char *const group_members[][2] = {
-    {"north", "blue"}, {"north", "red"}, {"scouts", "green"}};
-static const char *const group_names[] = {"north", "scouts"};
+    {"north", "blue"}, {"north", "red"}, {"observer", "red"}, {"scouts", "green"}};
+static const char *const group_names[] = {"north", "observer", "scouts"};
 static const char *const offers[][3] = {{"camera", "green", "x=1 y=2"},
                                         {"mapper", "green", "role=scout battery=0.8"},
                                         {"mapper", "red", "role=digger battery=0.4 x=5 y=5"}};

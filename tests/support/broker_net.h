@@ -34,7 +34,7 @@ struct net_agent {
     char process[MU_PROCESS_MAX + 1];
     int at; /* its broker; -1: it is not there */
     uint64_t since_wall_ns, incarnation, seq, last_number;
-    bool in_order;
+    bool in_order, no_broadcasts;
     struct net_taken taken[NET_TAKEN];
     uint32_t taken_count;
     char heard[4096], told[4096], refused[128];
@@ -142,6 +142,7 @@ static inline void net_register(struct net_agent *a, muster_State state)
     muster_Entry entry = {.name = a->name,
                           .kind = muster_KIND_AGENT,
                           .state = state,
+                          .no_broadcasts = a->no_broadcasts,
                           .home = words(""),
                           .via = words(""),
                           .host = words(""),

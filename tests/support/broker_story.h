@@ -119,6 +119,20 @@ static inline void story_register(const char *name, const char *process)
     broker_registration(story.b, &r, story.now_ns);
 }
 
+static inline void story_match(const char *process)
+{
+    broker_matched(story.b, process, true, story.now_ns);
+}
+
+/* An onlooker registers: it wants no broadcasts. */
+static inline void story_look_on(const char *name, const char *process)
+{
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->no_broadcasts = true;
+    broker_registration(story.b, &r, story.now_ns);
+    story_match(process);
+}
+
 /* An agent leaves its process. */
 static inline void story_leave(const char *name, const char *process)
 {
@@ -134,11 +148,6 @@ static inline void story_state(const char *name, muster_State state)
     muster_Registration r = registration(name, process);
     entry_of(&r)->state = state;
     broker_registration(story.b, &r, story.now_ns);
-}
-
-static inline void story_match(const char *process)
-{
-    broker_matched(story.b, process, true, story.now_ns);
 }
 
 /* A process crashes. */

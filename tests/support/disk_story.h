@@ -87,6 +87,29 @@ static inline void team(void)
     CU_ASSERT_FALSE(commit(true));
 }
 
+/* A team, and rita, who says whom near: stands for. */
+static inline void team_with_resolver(void)
+{
+    team();
+    story_join("rita");
+    muster_Mail offer = letter("rita", 1, "broker", "resolver \"scheme=near\"");
+    offer.layer = 2;
+    offer.performative = words("advertise");
+    story_mail(offer);
+    (void)story_collect();
+    CU_ASSERT_TRUE(commit(true));
+}
+
+/* rita answers the first question of a broker's life. */
+static inline void resolve_as(const char *names)
+{
+    muster_Mail answer = letter("rita", 2, "broker", names);
+    answer.layer = 2;
+    answer.performative = words("inform");
+    answer.in_reply_to = words("resolve-4611686018427387905");
+    story_mail(answer);
+}
+
 static inline void send_at(muster_Level at, uint64_t seq, const char *dst, const char *content)
 {
     muster_Mail m = letter("red", seq, dst, content);

@@ -17,26 +17,15 @@ static void lockstep_of(const char *process)
 /* Admitted while the disk works, routed when it does not. */
 static void test_what_waits_for_an_address_meets_a_failing_disk(void)
 {
-    team();
-    story_join("rita");
-    muster_Mail offer = letter("rita", 1, "broker", "resolver \"scheme=near\"");
-    offer.layer = 2;
-    offer.performative = words("advertise");
-    story_mail(offer);
-    (void)story_collect();
-    CU_ASSERT_TRUE(commit(true));
+    team_with_resolver();
     log_mail(1, "near:2", "one");
     log_mail(2, "red", "two");
     (void)story_collect();
     story_ack("rita", 1);
     story_join("pink");
     CU_ASSERT_TRUE(commit(false));
-    muster_Mail answer = letter("rita", 2, "broker", "green red");
-    answer.layer = 2;
-    answer.performative = words("inform");
-    answer.in_reply_to = words("resolve-4611686018427387905");
     (void)story_collect();
-    story_mail(answer);
+    resolve_as("green red");
     CU_ASSERT_FALSE(commit(true));
     EXPECT("red 1-2 no-store; rita 2-2 delivered");
     CU_ASSERT_EQUAL(story_status().no_store, 2);

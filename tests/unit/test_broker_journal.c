@@ -96,14 +96,7 @@ static void test_a_kind_that_changes_is_kept(void)
 
 static void test_an_address_is_kept_when_it_is_resolved(void)
 {
-    team();
-    story_join("rita");
-    muster_Mail offer = letter("rita", 1, "broker", "resolver \"scheme=near\"");
-    offer.layer = 2;
-    offer.performative = words("advertise");
-    story_mail(offer);
-    (void)story_collect();
-    CU_ASSERT_TRUE(commit(true));
+    team_with_resolver();
     log_mail(1, "near:2", "one");
     log_mail(2, "green", "two");
     CU_ASSERT_FALSE(commit(true));
@@ -116,12 +109,8 @@ static void test_an_address_is_kept_when_it_is_resolved(void)
     EXPECT("red 1-1 stored");
     log_mail(2, "near:2", "two");
     CU_ASSERT_FALSE(commit(true));
-    muster_Mail answer = letter("rita", 2, "broker", "green blue");
-    answer.layer = 2;
-    answer.performative = words("inform");
-    answer.in_reply_to = words("resolve-4611686018427387905");
     (void)story_collect();
-    story_mail(answer);
+    resolve_as("green blue");
     EXPECT("rita 2-2 delivered");
     CU_ASSERT_TRUE(commit(true));
     CU_ASSERT_EQUAL_FATAL(disk.rows_count, 2);

@@ -126,6 +126,21 @@ static void test_what_a_neighbour_did_not_hear(void)
     CU_ASSERT_TRUE(net.b[B]->counters.gaps > 0);
 }
 
+/* That it wants no broadcasts is known at the other brokers, too. */
+static void test_who_wants_no_broadcasts(void)
+{
+    two();
+    net_join("green", B);
+    net_agent("blue")->no_broadcasts = true;
+    net_register(net_agent("blue"), muster_STATE_RUNNING);
+    net_settle();
+    net_send("red", "all", "hello");
+    net_send("red", "blue", "you");
+    net_settle();
+    HEARD("green", "hello");
+    HEARD("blue", "you");
+}
+
 static void test_broadcasts_and_groups(void)
 {
     two();
@@ -580,8 +595,10 @@ static void test_a_lone_broker_announces_nothing(void)
     net_link(A, B, true);
     net_settle();
     net.announcements = 0;
+    uint64_t counted = net.b[A]->liaison.count.announced;
     net_tick(300 * MS);
     CU_ASSERT_EQUAL(net.announcements, 2); /* heartbeats */
+    CU_ASSERT_EQUAL(net.b[A]->liaison.count.announced, counted + 1);
 }
 
 int main(void)
@@ -591,6 +608,7 @@ int main(void)
         {"mail crosses", test_mail_crosses},
         {"mail waits for who is absent", test_mail_waits_for_who_is_absent},
         {"what is lost or comes twice", test_what_is_lost_or_comes_twice},
+        {"who wants no broadcasts", test_who_wants_no_broadcasts},
         {"broadcasts and groups", test_broadcasts_and_groups},
         {"services", test_services},
         {"groups of before", test_groups_of_before_are_told_to_who_comes_later},

@@ -139,6 +139,22 @@ static void test_white_pages_of_a_step_do_not_show_outsiders(void)
     CU_ASSERT_EQUAL(story.members, 4); /* blue, to each of the three and to the simulator */
 }
 
+/* Nor do those in it see who looked on before the first step. */
+static void test_white_pages_of_a_step_do_not_show_onlookers(void)
+{
+    story_begin();
+    story_join("green");
+    story_join("red");
+    story_join("blue");
+    story_look_on("ada", "p-ada");
+    story_match("sim");
+    (void)story_collect();
+    roster_say(true, 0, "p-green p-red");
+    EXPECT("p-green@-1; p-red@-1; sim@-1");
+    /* The broker, green, red and blue: to each of two, and to the simulator. */
+    CU_ASSERT_EQUAL(story.members, 3 * 4);
+}
+
 static void test_deaths_are_the_simulators_business(void)
 {
     run_begin();
@@ -582,6 +598,7 @@ int main(void)
         {"an untrusted directive from outside", test_an_untrusted_directive_from_outside},
         {"states come from acts", test_states_come_from_acts},
         {"white pages change between steps", test_white_pages_of_a_step_do_not_show_outsiders},
+        {"onlookers are not shown", test_white_pages_of_a_step_do_not_show_onlookers},
         {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
         {"the missing one is dropped", test_the_missing_one_is_dropped},
         {"a process joins a run", test_a_process_joins_a_run},

@@ -72,6 +72,27 @@ static void test_broadcast_reaches_who_is_there(void)
     EXPECT("operator 2-2 delivered");
 }
 
+/* Mail to all passes it by; its name, its kind and directives find it. */
+static void test_who_wants_no_broadcasts(void)
+{
+    team();
+    story_join("operator");
+    story_look_on("ada", "p-ada");
+    (void)story_collect();
+    story_send("red", 1, "all", "hi");
+    EXPECT("blue #1 red/1 hi; green #1 red/1 hi; operator #1 red/1 hi");
+    story_send("red", 2, "ada", "hi");
+    EXPECT("ada #1 red/2 hi");
+    story_send("operator", 1, "robots", "go");
+    EXPECT("ada #2 operator/1 go; blue #2 operator/1 go; green #2 operator/1 go; "
+           "red #1 operator/1 go");
+    muster_Mail stop = letter("operator", 2, "all", "(stop)");
+    stop.layer = 0;
+    story_mail(stop);
+    EXPECT("ada #3 operator/2 (stop); blue #3 operator/2 (stop); green #3 operator/2 (stop); "
+           "red #2 operator/2 (stop)");
+}
+
 static void test_mail_waits_for_the_absent(void)
 {
     team();
@@ -335,8 +356,10 @@ static void test_the_network_refuses(void)
     broker_undelivered(story.b);
     CU_ASSERT_FALSE(broker_next(story.b, &process, &d));
     CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1 * MS);
+    story_tick(1 * MS - 1);
+    EXPECT("");                                   /* not before */
     story_state("green", muster_STATE_SUSPENDED); /* it never went out: it waits again */
-    story_tick(1 * MS);
+    story_tick(1);
     EXPECT("");
     story_state("green", muster_STATE_RUNNING);
     EXPECT("green #1 red/1 one");
@@ -467,6 +490,7 @@ int main(void)
         {"mail by name, and its receipt", test_mail_by_name_and_its_receipt},
         {"lists of names", test_lists_of_names},
         {"a broadcast reaches who is there", test_broadcast_reaches_who_is_there},
+        {"who wants no broadcasts", test_who_wants_no_broadcasts},
         {"mail waits for the absent", test_mail_waits_for_the_absent},
         {"moving and suspended agents wait", test_moving_and_suspended_wait},
         {"directives", test_directives},

@@ -184,6 +184,13 @@ static void test_merge(void)
     o.offered = false;
     o.stamp_ns = 79;
     CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_EXISTS);
+    o.offered = true;
+    o.stamp_ns = 80; /* said at two brokers at once: the later name stands everywhere */
+    o.origin = words("theme");
+    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_EXISTS);
+    o.origin = words("thorn");
+    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_STRING_EQUAL(line->origin, "thorn");
     services_expire(s, 46);
     CU_ASSERT_TRUE(line->offered);
     services_expire(s, 47);

@@ -123,6 +123,18 @@ static void test_statistics(void)
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 7.0 / 32, 1e-12);
 }
 
+/* red goes farther, blue gets farther in the time in which nothing stops it. */
+static void test_the_most_efficient(void)
+{
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER
+                                       "0,red,0.25,0.25,0,1,0,0\n0,blue,0.25,1.25,0,1,0,0\n"
+                                       "1,red,1.25,0.25,0,1,0,0\n1,blue,2.25,1.25,0,1,0,0\n"
+                                       "2,red,2.25,0.25,0,1,0,0\n2,blue,2.25,1.25,0,1,0,1\n"
+                                       "3,red,3.25,0.25,0,1,0,0\n3,blue,2.25,1.25,0,1,0,1\n"),
+                          MU_OK);
+    CU_ASSERT_STRING_EQUAL(result.most_efficient, "blue");
+}
+
 static void test_expectations(void)
 {
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -286,6 +298,13 @@ static void test_explored_floor_ends_at_walls(void)
     world.shape_count = 5;
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.25,0.25,0,0,0,0\n"), MU_OK);
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 8, 1e-12);
+    /* A cell that is mostly wall is none, unless a robot was in what is left of it. */
+    split[4] = (struct world_shape){
+        .kind = WORLD_BOX, .pose = {0.175, 0.25, 0}, .half_x_m = 0.175, .half_y_m = 0.25};
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.75,0.25,0,0,0,0\n"), MU_OK);
+    CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 31, 1e-12);
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.45,0.25,0,0,0,0\n"), MU_OK);
+    CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 32, 1e-12);
     world.shapes = walls;
     world.shape_count = 4;
 }
@@ -548,6 +567,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"statistics", test_statistics},
+        {"the most efficient", test_the_most_efficient},
         {"expectations", test_expectations},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},

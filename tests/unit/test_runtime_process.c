@@ -45,6 +45,7 @@ static struct {
 
 static char heard_buffer[1024];
 static struct mu_text heard;
+static bool idle; /* who acts sets no speed */
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -63,7 +64,9 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)self;
     mu_text_format(&heard, "%s acts in %lld; ", mu_agent_name(a), (long long)percept->step);
-    CU_ASSERT_EQUAL(mu_agent_drive(a, 0.25, 0.0), MU_OK);
+    if (!idle) {
+        CU_ASSERT_EQUAL(mu_agent_drive(a, 0.25, 0.0), MU_OK);
+    }
 }
 
 static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
@@ -484,6 +487,19 @@ static void test_free_running(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "robot#2 blue hi; ");
 }
 
+/* The simulator counts the steps in which nobody has set a speed. */
+static void test_a_speed_is_said_once(void)
+{
+    idle = true;
+    forget();
+    seen.drives = true;
+    sense(&body, 12, false, false);
+    SPIN_UNTIL(&body, seen.step == 12);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot acts in 12; ");
+    CU_ASSERT_FALSE(seen.drives);
+    idle = false;
+}
+
 static void test_lock_step_waits_for_its_mail(void)
 {
     forget();
@@ -548,6 +564,7 @@ int main(void)
         {"closing takes the agents back", test_closing_takes_the_agents_back},
         {"a body is ready when all have matched", test_a_body_is_ready_when_all_have_matched},
         {"free running", test_free_running},
+        {"a speed is said once", test_a_speed_is_said_once},
         {"lock step waits for its mail", test_lock_step_waits_for_its_mail},
         {"the end of the run", test_the_end_of_the_run},
         CU_TEST_INFO_NULL,
