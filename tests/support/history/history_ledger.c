@@ -191,6 +191,21 @@ static struct entry *entry_of(const struct actor *a, uint64_t seq)
     return NULL;
 }
 
+/*
+ * Whom a mail has reached as far as they can tell: a broker that keeps nothing lets a sender's next
+ * life begin with numbers that have been, and one that has taken them takes them for old.
+ */
+static uint32_t reached(const struct entry *e)
+{
+    uint32_t had = e->taken;
+    for (uint32_t i = 0; !history.has_store && i < history.mails; i++) {
+        const struct entry *o = &history.ledger[i];
+        bool same = o->src == e->src && o->seq == e->seq && o->sender_life != e->sender_life;
+        had |= same ? o->taken : 0;
+    }
+    return had;
+}
+
 /* What is told can be so. */
 static void check_told(const struct entry *e, muster_Outcome result)
 {
@@ -198,7 +213,7 @@ static void check_told(const struct entry *e, muster_Outcome result)
                               e->forbidden_some || e->unknown_some);
     switch (result) {
     case muster_OUTCOME_DELIVERED:
-        HOLD(vague || !(e->live & ~e->taken));
+        HOLD(vague || !(e->live & ~reached(e)));
         HOLD(vague || !(e->refused_some || e->undone || e->forbidden_some || e->unknown_some));
         break;
     case muster_OUTCOME_EXPIRED: HOLD(e->ttl_ns > 0); break;
@@ -265,7 +280,7 @@ void ledger_check_end(void)
         bool may_end =
             e->refused_some || e->undone || may_drop(e) || e->ttl_ns || e->forbidden_some;
         bool lost = e->stored && e->stored_life != history.life.number;
-        bool kept_word = !kept || may_end || !(e->live & ~e->taken);
+        bool kept_word = !kept || may_end || !(e->live & ~reached(e));
         /* What has an answer goes out again with what was sent before it and has none. */
         bool in_vain = e->heard && e->life != history.life.number;
         bool had_word = !sender_is_there(e) || e->told || lost || in_vain || e->vague ||
