@@ -94,6 +94,8 @@ static void engine_add_robot(struct engine *e, const struct world *world, size_t
     drive_init(&r->drive, robot, inertia, engine_speed_max(e, world, robot));
     sonar_init(&r->sonars, robot);
     e->outlines[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
+    e->outlines[i].owner = (int32_t)i;
+    solid_look(&e->outlines[i], &robot->look);
     engine_follow(e, i);
     r->last_good = r->motion;
 }

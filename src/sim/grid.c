@@ -158,85 +158,110 @@ void grid_update(struct grid *grid)
     grid_build(grid, &grid->moving);
 }
 
-static double grid_ray_layer(const struct grid_layer *layer, int self, const double from[2],
-                             const double along[2], double best)
+/* A ray on its way: what it has met so far, and how far off. */
+struct grid_flight {
+    const double *from, *along;
+    double best_m;
+    const struct solid *hit;
+};
+
+static inline void grid_try(struct grid_flight *flight, const struct solid *solid)
 {
-    for (uint32_t k = 0; k < layer->count; k++) {
-        if ((int)k != self) {
-            best = solid_ray(&layer->solids[k], from, along, best);
-        }
-    }
-    return best;
+    double range = solid_ray(solid, flight->from, flight->along, flight->best_m);
+    flight->hit = range < flight->best_m ? solid : flight->hit;
+    flight->best_m = range;
 }
 
-static double grid_ray_cell(const struct grid *grid, int cell, int self, const double from[2],
-                            const double along[2], double best)
+static inline bool grid_sees(struct grid_eye eye, const struct solid *solid)
 {
-    const struct grid_layer *still = &grid->still;
-    const struct grid_layer *moving = &grid->moving;
-    for (uint32_t k = still->start[cell]; k < still->start[cell + 1]; k++) {
-        best = solid_ray(&still->solids[still->entries[k]], from, along, best);
-    }
-    for (uint32_t k = moving->start[cell]; k < moving->start[cell + 1]; k++) {
-        if ((int)moving->entries[k] != self) {
-            best = solid_ray(&moving->solids[moving->entries[k]], from, along, best);
+    return (solid->returns & eye.returns) && solid->owner != eye.self;
+}
+
+static void grid_try_layer(const struct grid_layer *layer, struct grid_eye eye,
+                           struct grid_flight *flight)
+{
+    for (uint32_t k = 0; k < layer->count; k++) {
+        if (grid_sees(eye, &layer->solids[k])) {
+            grid_try(flight, &layer->solids[k]);
         }
     }
-    return best;
+}
+
+static inline void grid_try_cell(const struct grid_layer *layer, size_t cell, struct grid_eye eye,
+                                 struct grid_flight *flight)
+{
+    for (uint32_t k = layer->start[cell]; k < layer->start[cell + 1]; k++) {
+        const struct solid *solid = &layer->solids[layer->entries[k]];
+        if (grid_sees(eye, solid)) {
+            grid_try(flight, solid);
+        }
+    }
 }
 
 /* Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
-static double grid_walk(const struct grid *grid, int self, const double from[2],
-                        const double along[2], double best)
+static void grid_walk(const struct grid *grid, struct grid_eye eye, struct grid_flight *flight)
 {
-    double gx = (from[0] - grid->x0) * grid->per_m;
-    double gy = (from[1] - grid->y0) * grid->per_m;
+    double gx = (flight->from[0] - grid->x0) * grid->per_m;
+    double gy = (flight->from[1] - grid->y0) * grid->per_m;
     int i = (int)gx;
     int j = (int)gy;
-    double slope_x = fabs(along[0]);
-    double slope_y = fabs(along[1]);
+    double slope_x = fabs(flight->along[0]);
+    double slope_y = fabs(flight->along[1]);
     double per_x = grid->cell_m / (slope_x > 1e-12 ? slope_x : 1e-12);
     double per_y = grid->cell_m / (slope_y > 1e-12 ? slope_y : 1e-12);
-    double next_x = (along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
-    double next_y = (along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
-    int step_x = along[0] > 0 ? 1 : -1;
-    int step_y = along[1] > 0 ? 1 : -1;
-    int end_x = along[0] > 0 ? grid->nx : -1;
-    int end_y = along[1] > 0 ? grid->ny : -1;
+    double next_x = (flight->along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
+    double next_y = (flight->along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
+    int step_x = flight->along[0] > 0 ? 1 : -1;
+    int step_y = flight->along[1] > 0 ? 1 : -1;
+    int end_x = flight->along[0] > 0 ? grid->nx : -1;
+    int end_y = flight->along[1] > 0 ? grid->ny : -1;
     for (;;) {
-        best = grid_ray_cell(grid, j * grid->nx + i, self, from, along, best);
+        size_t cell = (size_t)j * (size_t)grid->nx + (size_t)i;
+        grid_try_cell(&grid->still, cell, eye, flight);
+        grid_try_cell(&grid->moving, cell, eye, flight);
         if (next_x < next_y) {
             i += step_x;
-            if (best <= next_x || i == end_x) {
-                return best;
+            if (flight->best_m <= next_x || i == end_x) {
+                return;
             }
             next_x += per_x;
         } else {
             j += step_y;
-            if (best <= next_y || j == end_y) {
-                return best;
+            if (flight->best_m <= next_y || j == end_y) {
+                return;
             }
             next_y += per_y;
         }
     }
 }
 
-double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
-                double range_m)
+double grid_find(const struct grid *grid, struct grid_eye eye, const double from[2],
+                 const double along[2], double range_m, const struct solid **hit)
 {
+    struct grid_flight flight = {.from = from, .along = along, .best_m = range_m};
     double gx = (from[0] - grid->x0) * grid->per_m;
     double gy = (from[1] - grid->y0) * grid->per_m;
     if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
-        double best = grid_ray_layer(&grid->still, GRID_NOBODY, from, along, range_m);
-        return grid_ray_layer(&grid->moving, self, from, along, best);
-    }
-    double best = range_m;
-    for (uint32_t k = 0; k < grid->moving.outside_count; k++) {
-        if ((int)grid->moving.outside[k] != self) {
-            best = solid_ray(&grid->moving.solids[grid->moving.outside[k]], from, along, best);
+        grid_try_layer(&grid->still, eye, &flight);
+        grid_try_layer(&grid->moving, eye, &flight);
+    } else {
+        for (uint32_t k = 0; k < grid->moving.outside_count; k++) {
+            const struct solid *solid = &grid->moving.solids[grid->moving.outside[k]];
+            if (grid_sees(eye, solid)) {
+                grid_try(&flight, solid);
+            }
         }
+        grid_walk(grid, eye, &flight);
     }
-    return grid_walk(grid, self, from, along, best);
+    *hit = flight.hit;
+    return flight.best_m;
+}
+
+double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
+                double range_m)
+{
+    const struct solid *hit;
+    return grid_find(grid, (struct grid_eye){self, SOLID_ECHOES}, from, along, range_m, &hit);
 }
 
 static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k, uint32_t *list,
