@@ -6,7 +6,7 @@
 #include "sim/grid.h"
 #include "sim/narrow.h"
 #include "sim/ode_world.h"
-#include "sim/sonar.h"
+#include "sim/senses.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,12 +21,11 @@ struct engine_robot {
     struct ode_motion motion;        /* as of now */
     struct ode_motion last_good;     /* as of the last control step */
     double outline_x_m, outline_y_m; /* the outline's middle in the robot's frame */
-    struct sonar_ring sonars;
-    float sonar_m[MU_SONARS_MAX];
 };
 
 struct engine {
     uint64_t seed, substeps; /* substeps since the start */
+    uint64_t steps;          /* control steps since the start */
     unsigned substeps_per_step;
     double dt_s;
     size_t robot_count;
@@ -35,6 +34,8 @@ struct engine {
     struct solid *shapes;
     struct grid grid;
     struct grid_near near;
+    struct senses *senses;
+    struct engine_percept *percepts; /* of engine_sense_all */
 };
 
 /* splitmix64's last stage: neighbouring steps get seeds that have nothing in common. */
@@ -92,7 +93,6 @@ static void engine_add_robot(struct engine *e, const struct world *world, size_t
     r->outline_x_m = robot->origin_x_m;
     r->outline_y_m = robot->origin_y_m;
     drive_init(&r->drive, robot, inertia, engine_speed_max(e, world, robot));
-    sonar_init(&r->sonars, robot);
     e->outlines[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
     e->outlines[i].owner = (int32_t)i;
     solid_look(&e->outlines[i], &robot->look);
@@ -123,12 +123,19 @@ struct engine *engine_open(const struct world *world, const struct engine_option
         engine_add_robot(e, world, i);
     }
     grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, robots);
+    e->senses = senses_open(&(struct senses_scene){.world = world,
+                                                   .grid = &e->grid,
+                                                   .seed = options->seed,
+                                                   .step_ns = options->step_ns,
+                                                   .threads = options->threads});
+    e->percepts = mu_startup_array(robots, sizeof *e->percepts);
     return e;
 }
 
 void engine_close(struct engine *e)
 {
     if (e) {
+        senses_close(e->senses);
         ode_world_close();
     }
 }
@@ -214,12 +221,19 @@ void engine_step(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_mend(e, i);
     }
+    e->steps++;
 }
 
-void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
+static void engine_place_senses(struct engine *e, size_t robot)
 {
-    MU_ASSERT(robot < e->robot_count);
-    struct engine_robot *r = &e->robots[robot];
+    const struct ode_motion *m = &e->robots[robot].motion;
+    senses_place(e->senses, robot, &(struct frame){m->x, m->y, m->c, m->s});
+}
+
+/* What a robot feels of its own body. */
+static void engine_feel(const struct engine *e, size_t robot, struct engine_percept *out)
+{
+    const struct engine_robot *r = &e->robots[robot];
     const struct ode_motion *m = &r->motion;
     struct drive_motion motion = engine_own_motion(m);
     double heading = atan2(m->s, m->c);
@@ -234,10 +248,28 @@ void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
     out->forward_m_s = motion.forward_m_s;
     out->turn_rad_s = motion.turn_rad_s;
     out->stalled = drive_stalled(&r->drive);
-    out->sonar_count = r->sonars.count;
-    struct sonar_frame frame = {m->x, m->y, m->c, m->s};
-    sonar_read(&r->sonars, &e->grid, (int)robot, &frame, r->sonar_m);
-    out->sonar_m = r->sonar_m;
+}
+
+const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[])
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_place_senses(e, i);
+    }
+    senses_read_all(e->senses, wanted, e->steps);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_feel(e, i, &e->percepts[i]);
+        senses_tell(e->senses, i, wanted[i], &e->percepts[i]);
+    }
+    return e->percepts;
+}
+
+void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
+{
+    MU_ASSERT(robot < e->robot_count);
+    engine_place_senses(e, robot);
+    senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
+    engine_feel(e, robot, out);
+    senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);
 }
 
 void engine_state(const struct engine *e, size_t robot, double state[ENGINE_STATE_DOUBLES])

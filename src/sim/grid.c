@@ -158,110 +158,119 @@ void grid_update(struct grid *grid)
     grid_build(grid, &grid->moving);
 }
 
-/* A ray on its way: what it has met so far, and how far off. */
+/* A ray on its way: what it has met so far, and how far off.  Passed by value: it stays in
+ * registers. */
 struct grid_flight {
-    const double *from, *along;
+    double from[2], along[2];
     double best_m;
     const struct solid *hit;
 };
-
-static inline void grid_try(struct grid_flight *flight, const struct solid *solid)
-{
-    double range = solid_ray(solid, flight->from, flight->along, flight->best_m);
-    flight->hit = range < flight->best_m ? solid : flight->hit;
-    flight->best_m = range;
-}
 
 static inline bool grid_sees(struct grid_eye eye, const struct solid *solid)
 {
     return (solid->returns & eye.returns) && solid->owner != eye.self;
 }
 
-static void grid_try_layer(const struct grid_layer *layer, struct grid_eye eye,
-                           struct grid_flight *flight)
+static inline struct grid_flight grid_try(struct grid_flight flight, const struct solid *solid)
 {
-    for (uint32_t k = 0; k < layer->count; k++) {
-        if (grid_sees(eye, &layer->solids[k])) {
-            grid_try(flight, &layer->solids[k]);
-        }
-    }
+    double range = solid_ray(solid, flight.from, flight.along, flight.best_m);
+    flight.hit = range < flight.best_m ? solid : flight.hit;
+    flight.best_m = range;
+    return flight;
 }
 
-static inline void grid_try_cell(const struct grid_layer *layer, size_t cell, struct grid_eye eye,
-                                 struct grid_flight *flight)
+static inline struct grid_flight grid_try_some(struct grid_flight flight,
+                                               const struct grid_layer *layer, struct grid_eye eye,
+                                               const uint32_t *some, size_t count)
 {
-    for (uint32_t k = layer->start[cell]; k < layer->start[cell + 1]; k++) {
-        const struct solid *solid = &layer->solids[layer->entries[k]];
+    for (size_t k = 0; k < count; k++) {
+        const struct solid *solid = &layer->solids[some ? some[k] : k];
         if (grid_sees(eye, solid)) {
-            grid_try(flight, solid);
+            flight = grid_try(flight, solid);
         }
     }
+    return flight;
+}
+
+static inline struct grid_flight grid_try_cell(struct grid_flight flight,
+                                               const struct grid_layer *layer, struct grid_eye eye,
+                                               size_t cell)
+{
+    uint32_t first = layer->start[cell];
+    return grid_try_some(flight, layer, eye, layer->entries + first,
+                         layer->start[cell + 1] - first);
 }
 
 /* Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
-static void grid_walk(const struct grid *grid, struct grid_eye eye, struct grid_flight *flight)
+static inline struct grid_flight grid_walk(struct grid_flight flight, const struct grid *grid,
+                                           struct grid_eye eye)
 {
-    double gx = (flight->from[0] - grid->x0) * grid->per_m;
-    double gy = (flight->from[1] - grid->y0) * grid->per_m;
+    double gx = (flight.from[0] - grid->x0) * grid->per_m;
+    double gy = (flight.from[1] - grid->y0) * grid->per_m;
     int i = (int)gx;
     int j = (int)gy;
-    double slope_x = fabs(flight->along[0]);
-    double slope_y = fabs(flight->along[1]);
+    double slope_x = fabs(flight.along[0]);
+    double slope_y = fabs(flight.along[1]);
     double per_x = grid->cell_m / (slope_x > 1e-12 ? slope_x : 1e-12);
     double per_y = grid->cell_m / (slope_y > 1e-12 ? slope_y : 1e-12);
-    double next_x = (flight->along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
-    double next_y = (flight->along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
-    int step_x = flight->along[0] > 0 ? 1 : -1;
-    int step_y = flight->along[1] > 0 ? 1 : -1;
-    int end_x = flight->along[0] > 0 ? grid->nx : -1;
-    int end_y = flight->along[1] > 0 ? grid->ny : -1;
+    double next_x = (flight.along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
+    double next_y = (flight.along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
+    int step_x = flight.along[0] > 0 ? 1 : -1;
+    int step_y = flight.along[1] > 0 ? 1 : -1;
+    int end_x = flight.along[0] > 0 ? grid->nx : -1;
+    int end_y = flight.along[1] > 0 ? grid->ny : -1;
+    ptrdiff_t row = step_y > 0 ? grid->nx : -grid->nx;
+    ptrdiff_t cell = (ptrdiff_t)j * grid->nx + i;
     for (;;) {
-        size_t cell = (size_t)j * (size_t)grid->nx + (size_t)i;
-        grid_try_cell(&grid->still, cell, eye, flight);
-        grid_try_cell(&grid->moving, cell, eye, flight);
+        flight = grid_try_cell(flight, &grid->still, eye, (size_t)cell);
+        flight = grid_try_cell(flight, &grid->moving, eye, (size_t)cell);
         if (next_x < next_y) {
             i += step_x;
-            if (flight->best_m <= next_x || i == end_x) {
-                return;
+            cell += step_x;
+            if (flight.best_m <= next_x || i == end_x) {
+                return flight;
             }
             next_x += per_x;
         } else {
             j += step_y;
-            if (flight->best_m <= next_y || j == end_y) {
-                return;
+            cell += row;
+            if (flight.best_m <= next_y || j == end_y) {
+                return flight;
             }
             next_y += per_y;
         }
     }
 }
 
+static inline struct grid_flight grid_fly(struct grid_flight flight, const struct grid *grid,
+                                          struct grid_eye eye)
+{
+    const struct grid_layer *moving = &grid->moving;
+    double gx = (flight.from[0] - grid->x0) * grid->per_m;
+    double gy = (flight.from[1] - grid->y0) * grid->per_m;
+    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
+        flight = grid_try_some(flight, &grid->still, eye, NULL, grid->still.count);
+        return grid_try_some(flight, moving, eye, NULL, moving->count);
+    }
+    flight = grid_try_some(flight, moving, eye, moving->outside, moving->outside_count);
+    return grid_walk(flight, grid, eye);
+}
+
 double grid_find(const struct grid *grid, struct grid_eye eye, const double from[2],
                  const double along[2], double range_m, const struct solid **hit)
 {
-    struct grid_flight flight = {.from = from, .along = along, .best_m = range_m};
-    double gx = (from[0] - grid->x0) * grid->per_m;
-    double gy = (from[1] - grid->y0) * grid->per_m;
-    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
-        grid_try_layer(&grid->still, eye, &flight);
-        grid_try_layer(&grid->moving, eye, &flight);
-    } else {
-        for (uint32_t k = 0; k < grid->moving.outside_count; k++) {
-            const struct solid *solid = &grid->moving.solids[grid->moving.outside[k]];
-            if (grid_sees(eye, solid)) {
-                grid_try(&flight, solid);
-            }
-        }
-        grid_walk(grid, eye, &flight);
-    }
+    struct grid_flight flight = {{from[0], from[1]}, {along[0], along[1]}, range_m, NULL};
+    flight = grid_fly(flight, grid, eye);
     *hit = flight.hit;
     return flight.best_m;
 }
 
+/* The compiler sees that nobody asks for the hit, and leaves that out. */
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m)
 {
-    const struct solid *hit;
-    return grid_find(grid, (struct grid_eye){self, SOLID_ECHOES}, from, along, range_m, &hit);
+    struct grid_flight flight = {{from[0], from[1]}, {along[0], along[1]}, range_m, NULL};
+    return grid_fly(flight, grid, (struct grid_eye){self, SOLID_ECHOES}).best_m;
 }
 
 static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k, uint32_t *list,

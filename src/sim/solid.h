@@ -15,17 +15,17 @@ enum solid_returns { SOLID_STOPS = 1, SOLID_ECHOES = 2, SOLID_SHOWS = 4, SOLID_A
 
 enum { SOLID_NOBODY = -1 };
 
-/* A box (half_x, half_y) or a disc (radius). */
+/* A box (half_x, half_y) or a disc (radius).  What rays ask for comes first. */
 struct solid {
     double x, y;           /* its middle */
     double c, s;           /* cosine and sine of its heading */
     double half_x, half_y; /* of a disc: its radius, both */
-    double reach;          /* of the circle around it */
     enum world_shape_kind kind;
     uint32_t returns; /* of enum solid_returns */
     int32_t owner;    /* the number of what it moves with; SOLID_NOBODY: it stands.  A thing in a
                          gripper belongs to the robot, whose sensors then do not see it */
     int32_t fiducial; /* 0: none */
+    double reach;     /* of the circle around it */
     uint32_t rgb;     /* 0xRRGGBB */
 };
 
