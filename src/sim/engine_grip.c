@@ -36,6 +36,14 @@ static void engine_weigh(struct engine *e, size_t robot)
 
 /* --- carrying --------------------------------------------------------------------------------- */
 
+/* An object belongs to a body from now on: its own, or that of its bearer, who then does not see
+ * it. */
+static void engine_give(struct engine *e, size_t object, size_t body)
+{
+    e->parts[engine_object_part(e, object)].body = (int32_t)body;
+    e->outlines[engine_object_part(e, object)].owner = (int32_t)body;
+}
+
 static void engine_carry_object(struct engine *e, size_t robot, size_t object)
 {
     const struct engine_object *o = &e->objects[object];
@@ -83,7 +91,7 @@ static void engine_take(struct engine *e, size_t robot, size_t object)
                                 .y = m->c * y - m->s * x,
                                 .c = m->c * own->c + m->s * own->s,
                                 .s = m->c * own->s - m->s * own->c};
-    e->parts[engine_object_part(e, object)].body = (int32_t)robot;
+    engine_give(e, object, robot);
     e->bodies[body].asleep = true;
     e->bodies[body].push_substeps = 0;
     ode_world_sleep(body, true);
@@ -100,7 +108,7 @@ void engine_let_go(struct engine *e, size_t robot)
     size_t object = (size_t)(o - e->objects);
     size_t body = e->robot_count + object;
     o->bearer = ENGINE_NO_BEARER;
-    e->parts[engine_object_part(e, object)].body = (int32_t)body;
+    engine_give(e, object, body);
     e->outlines[engine_object_part(e, object)].away = false;
     e->bodies[body].asleep = false;
     ode_world_sleep(body, false);

@@ -40,10 +40,12 @@ mu_result session_open(struct session *s, const struct session_options *options,
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
+    s->senses = mu_startup_array(s->robot_count, sizeof *s->senses);
     for (size_t i = 0; i < s->robot_count; i++) {
         s->robots[i].name = world->robots[i].name;
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
+        s->senses[i] = 1u << WORLD_SONAR;
     }
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);

@@ -70,6 +70,7 @@ struct session {
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
+    uint32_t *senses;                  /* of each robot, that are read: bits of enum world_sensor */
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */

@@ -17,8 +17,9 @@ static const uint64_t DEADMAN_NS = 300000000;
 
 static void percepts_read(struct session *s)
 {
+    const struct engine_percept *percepts = engine_sense_all(s->engine, s->senses);
     for (size_t r = 0; r < s->robot_count; r++) {
-        engine_sense(s->engine, r, &s->robots[r].percept);
+        s->robots[r].percept = percepts[r];
     }
 }
 
