@@ -221,6 +221,21 @@ bench-broker-packages:
 bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosquitto and Redis: ARGS="--rounds 5 --only NAME --markdown"
 	@O=$(O) BUILD=$(BUILD) bench/broker/run $(ARGS)
 
+# Against other simulators: Box2D is asked for here, and needed nowhere else.
+RACERS := $(addprefix $(O)/bench/sim/,engine box2d)
+$(O)/bench/sim/engine: $(O)/bench/sim/engine.o $(call module_objs,sim)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_sim)
+$(O)/bench/sim/box2d: bench/sim/box2d.cc bench/sim/wander.h | bench-sim-packages
+	@mkdir -p $(@D); echo "  CXX   $@"
+	$(Q)$(CXX) -std=c++17 -O3 -Wall -Wextra -o $@ $< -lbox2d
+
+.PHONY: bench-sim bench-sim-packages
+bench-sim-packages:
+	@bench/sim/packages
+bench-sim: bench-sim-packages all $(RACERS) ## our engine against Box2D and a prototype: ARGS="--rounds 5 --robots 100,1000"
+	@O=$(O) BUILD=$(BUILD) bench/sim/run $(ARGS)
+
 # --- hygiene -------------------------------------------------------------------------------------
 .PHONY: fmt fmt-check docs install uninstall clean help
 fmt: ## format every source file in place (clang-format)
