@@ -168,6 +168,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
 
+.PHONY: soak-builds
+soak-builds: ## one hash of the simulator: gcc and clang, -O0 to -O3, every kernel of beams
+	@tests/soak/builds.py
+
 .PHONY: soak-model
 soak-model: $(O)/test/test_broker_history $(O)/test/test_broker_links ## a minute of random histories of the broker, from other seeds each time
 	@MUSTER_SECONDS=40 $(O)/test/test_broker_history
