@@ -179,6 +179,10 @@ system: all $(HELPERS) ## the system tests: real processes on loopback
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
 
+.PHONY: soak-builds
+soak-builds: ## one hash of the simulator: gcc and clang, -O0 to -O3, every kernel of beams
+	@tests/soak/builds.py
+
 .PHONY: soak-model
 soak-model: $(O)/test/test_broker_history $(O)/test/test_broker_links ## a minute of random histories of the broker, from other seeds each time
 	@MUSTER_SECONDS=40 $(O)/test/test_broker_history
@@ -231,6 +235,21 @@ bench-broker-packages:
 	@bench/broker/packages
 bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosquitto and Redis: ARGS="--rounds 5 --only NAME --markdown"
 	@O=$(O) BUILD=$(BUILD) bench/broker/run $(ARGS)
+
+# Against other simulators: Box2D is asked for here, and needed nowhere else.
+RACERS := $(addprefix $(O)/bench/sim/,engine box2d)
+$(O)/bench/sim/engine: $(O)/bench/sim/engine.o $(call module_objs,sim)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_sim)
+$(O)/bench/sim/box2d: bench/sim/box2d.cc bench/sim/wander.h | bench-sim-packages
+	@mkdir -p $(@D); echo "  CXX   $@"
+	$(Q)$(CXX) -std=c++17 -O3 -Wall -Wextra -o $@ $< -lbox2d
+
+.PHONY: bench-sim bench-sim-packages
+bench-sim-packages:
+	@bench/sim/packages
+bench-sim: bench-sim-packages all $(RACERS) ## our engine against Box2D and a prototype: ARGS="--rounds 5 --robots 100,1000"
+	@O=$(O) BUILD=$(BUILD) bench/sim/run $(ARGS)
 
 # --- hygiene -------------------------------------------------------------------------------------
 .PHONY: fmt fmt-check docs install uninstall clean help

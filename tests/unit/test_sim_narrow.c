@@ -10,7 +10,7 @@
 #include <math.h>
 
 /* libccd walks round shapes by steps: it may miss an overlap that is shallower than this. */
-#define CCD_ROUND_M 2e-3
+#define CCD_ROUND_M 5e-3
 
 #define NEAR(a, b) CU_ASSERT_DOUBLE_EQUAL(a, b, 1e-12)
 
@@ -123,7 +123,7 @@ static void test_any_pair_as_libccd(void)
     size_t touching = 0;
     size_t not_apart = 0;
     size_t too_far = 0;
-    for (size_t i = 0; i < 5000; i++) {
+    for (size_t i = 0; i < 100000; i++) {
         struct solid a = any_solid(&dice);
         struct solid b = any_solid(&dice);
         struct narrow_contact c;
@@ -150,7 +150,7 @@ static void test_any_pair_as_libccd(void)
     CU_ASSERT_EQUAL(unequal, 0);
     CU_ASSERT_EQUAL(not_apart, 0);
     CU_ASSERT_EQUAL(too_far, 0);
-    CU_ASSERT(touching > 1000);
+    CU_ASSERT(touching > 20000);
 }
 
 int main(void)
