@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Odometer, absolute place, compass, battery, bumper: against what they must say by hand. */
 #include "../support/physics.h"
+#include "../support/suite.h"
 
 static void test_the_odometer_reads_the_wheels(void)
 {
@@ -234,6 +235,5 @@ int main(void)
         {"a blocked wheel", test_a_blocked_wheel_is_told_within_half_a_second},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/devices", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/devices", tests);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Noise: its distribution, and that its streams know nothing of one another. */
+#include "../support/suite.h"
 #include "sim/draw.h"
 
 #include <CUnit/Basic.h>
@@ -113,12 +114,5 @@ int main(void)
         {"streams are independent", test_streams_are_independent},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/draw", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/draw", tests);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Fans of beams against single rays and against looking at everything; the vector units against
  * one another; what a collection must not miss. */
+#include "../support/suite.h"
 #include "core/random.h"
 #include "sim/fan.h"
 #include "sim/grid.h"
@@ -282,7 +283,6 @@ int main(void)
         {"nothing near, and a scanner inside", test_nothing_near_and_a_scanner_inside},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/fan", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
     mu_random_seed(&dice, 1, "fan");
     for (size_t i = 0; i < STILL; i++) {
         still[i] = any_solid(9, i < 10 ? 9 : 1.2);
@@ -294,11 +294,5 @@ int main(void)
     gather_init(&gather, still, STILL, moving, MOVING);
     gather_list_init(&list, &gather);
     tables_prepare();
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/fan", tests);
 }

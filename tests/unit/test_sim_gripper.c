@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Grippers: what they take, how they carry it, and where they do not let it go. */
 #include "../support/physics.h"
+#include "../support/suite.h"
 
 /* The case reaches from the robot's front, 0.22, to 0.32; its paddles from there to 0.52, and
  * their gap is 0.22 wide. */
@@ -245,6 +246,5 @@ int main(void)
         {"two robots want one thing", test_two_robots_want_one_thing},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/gripper", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/gripper", tests);
 }

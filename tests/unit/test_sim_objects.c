@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Things that can be pushed: how they slide, stand, and move others. */
 #include "../support/physics.h"
+#include "../support/suite.h"
 
 /* An impulse, and friction from the first substep on: v0 - a dt, v0 - 2 a dt, ... */
 static void test_a_shove_slides_by_friction(void)
@@ -209,6 +210,5 @@ int main(void)
         {"the same bits again, and flat", test_the_same_bits_again_and_flat},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/objects", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/objects", tests);
 }
