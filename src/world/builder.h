@@ -103,6 +103,9 @@ MU_MUST_USE mu_result solid_build(struct builder *b, const struct worldfile_enti
 MU_MUST_USE mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
                                 struct world_pose frame, struct world_robot *robot);
 
+/** Does the work of world_robot_fits. */
+bool place_fits(const struct world *world, size_t robot, double clear_m);
+
 /** Does the work of world_check_places. */
 MU_MUST_USE mu_result place_check(const struct world *world, struct mu_fault *fault);
 

@@ -133,3 +133,33 @@ mu_result place_check(const struct world *world, struct mu_fault *fault)
     }
     return MU_OK;
 }
+
+static bool place_hits_shape(const struct world *world, const struct world_shape *outline)
+{
+    for (size_t i = 0; i < world->shape_count; i++) {
+        if (place_overlaps(outline, &world->shapes[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool place_fits(const struct world *world, size_t robot, double clear_m)
+{
+    struct place_bounds bounds = place_measure(world);
+    struct world_shape outline = place_outline(&world->robots[robot]);
+    struct world_pose pose = world->robots[robot].pose;
+    outline.half_x_m += clear_m;
+    outline.half_y_m += clear_m;
+    if (pose.x_m < bounds.min[0] || pose.x_m > bounds.max[0] || pose.y_m < bounds.min[1] ||
+        pose.y_m > bounds.max[1] || place_hits_shape(world, &outline)) {
+        return false;
+    }
+    for (size_t i = 0; i < world->robot_count; i++) {
+        struct world_shape other = place_outline(&world->robots[i]);
+        if (i != robot && place_overlaps(&outline, &other)) {
+            return false;
+        }
+    }
+    return true;
+}
