@@ -18,6 +18,7 @@ enum {
     EXPERIMENT_GLOBALS_MAX = 64,
     EXPERIMENT_GROUPS_MAX = 64, /* of a robot, and so with services */
     EXPERIMENT_OVERRIDES_MAX = 64,
+    EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
     EXPERIMENT_RESOLVERS_MAX = 16,
     EXPERIMENT_BROKERS_MAX = 4,    /* as many as one host can have */
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
@@ -36,7 +37,9 @@ struct experiment_robot {
     char *name;
     char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
     char *color; /* of its track; NULL: the body's, or the robot's name if that is a colour */
-    struct experiment_pose *pose; /* NULL: the world file's */
+    struct experiment_pose *pose; /* NULL: the world file's, or a random place */
+    char *place;                  /* "random": a free one, by the seed; NULL: none of that */
+    unsigned count, processes;    /* as written; loaded, each robot stands for itself */
     char *rules;                  /* absolute path; in the file, relative to it */
     char *broker;                 /* one of brokers, in free running; NULL: the first */
     struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
@@ -46,6 +49,14 @@ struct experiment_robot {
     unsigned groups_count;
     char **services; /* that it offers from the start: "mapper role=scout" */
     unsigned services_count;
+};
+
+/* The robots of one process, which follow each other in the list. */
+struct experiment_crew {
+    const char *name;
+    unsigned robot, count; /* the first of them, and how many */
+    unsigned first;        /* the number behind its name */
+    bool numbered;         /* names are NAME_0, NAME_1, ...; else it is one robot, NAME */
 };
 
 /* What the observer commands, and when. */
@@ -91,6 +102,8 @@ struct experiment {
     struct experiment_broker broker;
     struct experiment_robot *robots;
     unsigned robots_count;
+    struct experiment_crew *crews; /* in the robots' order */
+    unsigned crews_count;
     struct experiment_command *observer;
     unsigned observer_count;
     struct experiment_expectation *expect;

@@ -257,6 +257,28 @@ static mu_result check_broker(struct experiment_source *s, struct experiment_rob
     return MU_OK;
 }
 
+static mu_result check_place(struct experiment_source *s, const struct experiment_robot *robot,
+                             int node)
+{
+    int place = yaml_tree_child(s->tree, node, "place");
+    int pose = yaml_tree_child(s->tree, node, "pose");
+    if (robot->place && strcmp(robot->place, "random") != 0) {
+        return experiment_fault(s, NULL, place, "expected random, not '%.80s'", robot->place);
+    }
+    if (robot->place && robot->pose) {
+        return experiment_fault(s, NULL, place, "expected a place or a pose, not both");
+    }
+    if (robot->pose && yaml_tree_child(s->tree, node, "count")) {
+        return experiment_fault(s, NULL, pose, "expected place: random for many robots");
+    }
+    if (robot->body && !robot->pose && !robot->place) {
+        return experiment_fault(s, &robot->body, yaml_tree_child(s->tree, node, "body"),
+                                "expected a pose: [x, y, degrees], or place: random, beside a "
+                                "body");
+    }
+    return MU_OK;
+}
+
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
@@ -274,11 +296,8 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     if (check_find_robot(s->experiment, robot->name) != robot) {
         return experiment_fault(s, NULL, name, "a second robot with the name '%s'", robot->name);
     }
-    if (robot->body && !robot->pose) {
-        return experiment_fault(s, &robot->body, yaml_tree_child(s->tree, node, "body"),
-                                "expected a pose: [x, y, degrees] beside a body");
-    }
-    mu_result result = check_globals(s, robot, node);
+    mu_result result = check_place(s, robot, node);
+    result = result == MU_OK ? check_globals(s, robot, node) : result;
     result = result == MU_OK ? check_groups(s, robot, node) : result;
     result = result == MU_OK ? check_services(s, robot, node) : result;
     result = result == MU_OK ? check_broker(s, robot, node) : result;
@@ -404,6 +423,7 @@ mu_result experiment_check(struct experiment_source *source)
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);
     }
+    result = result == MU_OK ? experiment_multiply(source) : result;
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = check_command(source, i);
     }

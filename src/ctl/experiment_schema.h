@@ -38,6 +38,9 @@ MU_MUST_USE mu_result experiment_fill(struct experiment_source *source);
 /** Applies one override.  @return MU_OK or MU_FAULT_USAGE */
 MU_MUST_USE mu_result experiment_override(struct experiment_source *source, const char *set);
 
+/** Makes of a robot with a count so many robots, and says which share a process. */
+MU_MUST_USE mu_result experiment_multiply(struct experiment_source *source);
+
 /** Checks what no schema can: names, ranges, times, files; makes paths absolute. */
 MU_MUST_USE mu_result experiment_check(struct experiment_source *source);
 

@@ -153,26 +153,6 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
     return MU_OK;
 }
 
-/* The same world as the simulator's: its mistakes are found before anything starts. */
-static mu_result world_prepare(struct run *r, struct mu_fault *fault)
-{
-    const struct experiment *e = r->experiment;
-    r->world = mu_startup_alloc(sizeof *r->world);
-    struct world_options options = {.quiet = true, .seed = e->seed};
-    mu_result done = world_open(r->world, e->world, &options, fault);
-    for (unsigned i = 0; done == MU_OK && i < e->robots_count; i++) {
-        const struct experiment_robot *robot = &e->robots[i];
-        struct world_pose pose = {0};
-        if (robot->pose) {
-            pose = (struct world_pose){robot->pose->x_m, robot->pose->y_m,
-                                       robot->pose->heading_deg * M_PI / 180.0};
-        }
-        done = world_add_robot(r->world, robot->name, robot->body, robot->pose ? &pose : NULL,
-                               robot->color, fault);
-    }
-    return done == MU_OK ? world_check_places(r->world, fault) : done;
-}
-
 static mu_result folder_prepare(struct run *r, struct mu_fault *fault)
 {
     if (r->options.out) {
@@ -189,7 +169,7 @@ static mu_result files_prepare(struct run *r)
 {
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
-    done = done == MU_OK ? world_prepare(r, &fault) : done;
+    done = done == MU_OK ? run_place(r, &fault) : done;
     done = done == MU_OK ? folder_prepare(r, &fault) : done;
     if (done != MU_OK) {
         mu_fault_print(&fault);

@@ -69,6 +69,12 @@ const char *run_broker(const struct run *r, unsigned index);
 /** Writes the name of its process among the children: RUN_CHILD_MAX bytes. */
 void run_child_name(const struct run *r, unsigned index, char *name);
 
+/**
+ * Loads the world and puts the robots into it, in run_place.c: its mistakes are found before
+ * anything starts.  Robots with a random place get their pose.
+ */
+MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
+
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);

@@ -119,10 +119,16 @@ static mu_result simulator_start(struct run *r)
     return supervise_start(&r->children, "simulator", "muster-sim", words_end());
 }
 
-static mu_result robot_start(struct run *r, const struct experiment_robot *robot)
+/* What robots bear that share an entry of the experiment, they share here, too. */
+static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
 {
+    const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
     words_begin("muster-robot");
-    word_add("%s", robot->name);
+    word_add("%s", crew->name);
+    if (crew->numbered) {
+        word_add("--count=%u", crew->count);
+        word_add("--first=%u", crew->first);
+    }
     word_add("--rules=%s", robot->rules);
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
@@ -157,8 +163,8 @@ mu_result run_start(struct run *r)
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
         MU_TRY(resolver_start(r, r->experiment->resolvers[i]));
     }
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
-        MU_TRY(robot_start(r, &r->experiment->robots[i]));
+    for (unsigned i = 0; i < r->experiment->crews_count; i++) {
+        MU_TRY(crew_start(r, &r->experiment->crews[i]));
     }
     return MU_OK;
 }

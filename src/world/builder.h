@@ -189,4 +189,12 @@ bool place_overlaps(const struct world_shape *a, const struct world_shape *b);
 /** @return the outline of a robot, as it stands */
 struct world_shape place_outline(const struct world_robot *robot);
 
+#define PLACE_NOBODY SIZE_MAX
+
+/** @return whether nothing that stops bodies overlaps a shape; but for one robot, which may */
+bool place_is_free(const struct world *world, const struct world_shape *shape, size_t robot);
+
+/** Does the work of world_robot_fits. */
+bool place_fits(const struct world *world, size_t robot, double clear_m);
+
 #endif

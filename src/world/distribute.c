@@ -34,27 +34,6 @@ static struct world_shape distribute_widen(struct world_shape shape, double gap_
     return shape;
 }
 
-static bool distribute_is_free(const struct world *world, const struct world_shape *shape)
-{
-    for (size_t i = 0; i < world->shape_count; i++) {
-        if (world->shapes[i].look.stops && place_overlaps(shape, &world->shapes[i])) {
-            return false;
-        }
-    }
-    for (size_t i = 0; i < world->object_count; i++) {
-        if (place_overlaps(shape, &world->objects[i].shape)) {
-            return false;
-        }
-    }
-    for (size_t i = 0; i < world->robot_count; i++) {
-        struct world_shape outline = place_outline(&world->robots[i]);
-        if (world->robots[i].look.stops && place_overlaps(shape, &outline)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static struct world_pose distribute_draw(struct distribute *d)
 {
     const double *r = d->region_m;
@@ -90,7 +69,8 @@ static bool distribute_find(struct distribute *d, const struct world_shape *abou
     for (int tries = 0; tries < DISTRIBUTE_TRIES; tries++) {
         *pose = distribute_draw(d);
         wide.pose = world_pose_in(*pose, about->pose);
-        if (distribute_is_inside(d, &wide) && distribute_is_free(d->builder->world, &wide)) {
+        if (distribute_is_inside(d, &wide) &&
+            place_is_free(d->builder->world, &wide, PLACE_NOBODY)) {
             return true;
         }
     }

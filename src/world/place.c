@@ -241,3 +241,36 @@ mu_result place_check(const struct world *world, const struct mu_fault_listener 
     }
     return mistakes > 0 ? MU_FAULT_FILE : MU_OK;
 }
+
+bool place_is_free(const struct world *world, const struct world_shape *shape, size_t robot)
+{
+    for (size_t i = 0; i < world->shape_count; i++) {
+        if (world->shapes[i].look.stops && place_overlaps(shape, &world->shapes[i])) {
+            return false;
+        }
+    }
+    for (size_t i = 0; i < world->object_count; i++) {
+        if (place_overlaps(shape, &world->objects[i].shape)) {
+            return false;
+        }
+    }
+    for (size_t i = 0; i < world->robot_count; i++) {
+        struct world_shape outline = place_outline(&world->robots[i]);
+        if (i != robot && world->robots[i].look.stops && place_overlaps(shape, &outline)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool place_fits(const struct world *world, size_t robot, double clear_m)
+{
+    struct place_bounds bounds = place_measure(world);
+    struct world_shape outline = place_outline(&world->robots[robot]);
+    struct world_pose pose = world->robots[robot].pose;
+    outline.half_x_m += clear_m;
+    outline.half_y_m += clear_m;
+    bool inside = pose.x_m >= bounds.min[0] && pose.x_m <= bounds.max[0] &&
+                  pose.y_m >= bounds.min[1] && pose.y_m <= bounds.max[1];
+    return inside && place_is_free(world, &outline, robot);
+}

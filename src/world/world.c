@@ -480,6 +480,12 @@ mu_result world_add_robot(struct world *world, const char *name, const char *bod
     return world_put_robot(world, old, &robot, body, fault);
 }
 
+bool world_robot_fits(const struct world *world, const char *name, double clear_m)
+{
+    const struct world_robot *robot = world_find_robot(world, name);
+    return robot && place_fits(world, (size_t)(robot - world->robots), clear_m);
+}
+
 mu_result world_check_places(const struct world *world, struct mu_fault *fault)
 {
     return place_check(world, NULL, fault);

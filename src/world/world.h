@@ -189,6 +189,13 @@ MU_MUST_USE mu_result world_add_robot(struct world *world, const char *name, con
                                       struct mu_fault *fault);
 
 /**
+ * @param clear_m  that it wants around it
+ * @return whether a robot stands inside the world, clear of what stands there and of all other
+ *         robots
+ */
+bool world_robot_fits(const struct world *world, const char *name, double clear_m);
+
+/**
  * Looks for robots and things that overlap a wall or one another, or stand outside (libccd).
  *
  * What does not stop bodies is in nobody's way.

@@ -160,15 +160,4 @@ static inline uint64_t physics_hash(const struct engine *e, uint64_t hash)
     return hash;
 }
 
-static inline int physics_main(CU_SuiteInfo *suites)
-{
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
-}
-
 #endif

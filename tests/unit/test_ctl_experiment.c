@@ -197,6 +197,66 @@ static void test_robot_faults(void)
     CHECK_BAD(cases);
 }
 
+static void test_many_robots(void)
+{
+    CU_ASSERT_EQUAL_FATAL(
+        load(BASE "  - {name: w, count: 5, processes: 2, rules: b.clp, body: p, place: random}\n"
+                  "observer: [{at: 1, do: [w_0, w_4], line: (a)}]\n",
+             "robots.w.color=red"),
+        MU_OK);
+    CU_ASSERT_EQUAL_FATAL(e->robots_count, 7);
+    CU_ASSERT_STRING_EQUAL(e->robots[1].name, "blue");
+    for (unsigned i = 0; i < 5; i++) {
+        char name[8];
+        snprintf(name, sizeof name, "w_%u", i);
+        CU_ASSERT_STRING_EQUAL(e->robots[2 + i].name, name);
+        CU_ASSERT_STRING_EQUAL(e->robots[2 + i].place, "random");
+        CU_ASSERT_STRING_EQUAL(e->robots[2 + i].color, "red");
+        CU_ASSERT_PTR_NULL(e->robots[2 + i].pose);
+    }
+    static const struct experiment_crew want[] = {{"red", 0, 1, 0, false},
+                                                  {"blue", 1, 1, 0, false},
+                                                  {"w", 2, 2, 0, true},
+                                                  {"w", 4, 3, 2, true}};
+    CU_ASSERT_EQUAL_FATAL(e->crews_count, 4);
+    for (unsigned i = 0; i < 4; i++) {
+        CU_ASSERT_STRING_EQUAL(e->crews[i].name, want[i].name);
+        CU_ASSERT_EQUAL(e->crews[i].robot, want[i].robot);
+        CU_ASSERT_EQUAL(e->crews[i].count, want[i].count);
+        CU_ASSERT_EQUAL(e->crews[i].first, want[i].first);
+        CU_ASSERT_EQUAL(e->crews[i].numbered, want[i].numbered);
+    }
+    /* One of many is still many: it bears a number. */
+    CU_ASSERT_EQUAL_FATAL(load(ROBOT("name: w, count: 1"), NULL), MU_OK);
+    CU_ASSERT_STRING_EQUAL(e->robots[0].name, "w_0");
+}
+
+static void test_faults_of_many_robots(void)
+{
+    static const struct bad_case cases[] = {
+        {ROBOT("name: w, count: 0"), 4, 36, "expected a count of 1 to 1024, not 0"},
+        {ROBOT("name: w, count: 1025"), 4, 36, "expected a count of 1 to 1024, not 1025"},
+        {ROBOT("name: w, count: -1"), 4, 36, "expected"},
+        {ROBOT("name: w, processes: 2"), 4, 40, "beside 'count' only"},
+        {ROBOT("name: w, count: 2, processes: 3"), 4, 50, "no more than robots, not 3"},
+        {ROBOT("name: w, count: 2, processes: 0"), 4, 50, "expected 1 to 64 processes"},
+        {ROBOT("name: w, count: 99, processes: 65"), 4, 51, "expected 1 to 64 processes"},
+        {ROBOT("name: a2345678901234567890123456789, count: 11"), 4, 26,
+         "a shorter name: with _10"},
+        {ROBOT("name: w, count: 2, pose: [1, 2, 3]"), 4, 45, "place: random for many"},
+        {ROBOT("name: w, place: here"), 4, 36, "expected random, not 'here'"},
+        {ROBOT("name: w, place: random, pose: [1, 2, 3]"), 4, 36, "not both"},
+        {ROBOT("name: w, count: 2, body: b"), 4, 45, "or place: random"},
+        {BASE "  - {name: w, count: 2, rules: a.clp}\n  - {name: w_1, rules: a.clp}\n", 7, 5,
+         "a second robot with the name 'w_1'"},
+        {BASE "  - {name: w, count: 1023, rules: a.clp}\n", 6, 5, "at most 1024 robots"},
+        {BASE "  - {name: w, count: 2, rules: a.clp}\n"
+              "observer: [{at: 1, do: w_2, line: (a)}]\n",
+         7, 24, "no robot 'w_2'"},
+    };
+    CHECK_BAD(cases);
+}
+
 static void test_other_faults(void)
 {
     static const struct bad_case cases[] = {
@@ -419,6 +479,8 @@ int main(void)
         {"everything", test_everything},
         {"faults of the schema", test_schema_faults},
         {"faults of robots", test_robot_faults},
+        {"many robots", test_many_robots},
+        {"faults of many robots", test_faults_of_many_robots},
         {"faults of the rest", test_other_faults},
         {"overrides", test_overrides},
         {"faults of overrides", test_override_faults},

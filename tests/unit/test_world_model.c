@@ -261,6 +261,29 @@ static void test_places(void)
     }
 }
 
+static void test_fits(void)
+{
+    static const struct {
+        double x_m, y_m, clear_m;
+        bool fits;
+    } cases[] = {
+        {0, 3, 0, true},     {4.49, 0, 0, true},     {4.49, 0, 0.02, false}, {4.51, 0, 0, false},
+        {6, 0, 0, false},    {-1.99, 0, 0, false},   {-2.01, 0, 0, true},    {-2.01, 0, 0.1, false},
+        {-3, 2.55, 0, true}, {-3, 2.55, 0.1, false},
+    };
+    struct world *w = load("model ( size [10 10] boundary 1 )\n"
+                           "define bot position ( size [1 1] )\n"
+                           "bot ( name \"first\" ) bot ( name \"a\" pose [3 3] )\n"
+                           "bot ( name \"b\" pose [-1 0] ) bot ( name \"c\" pose [-3 3.6] )");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(w);
+    CU_ASSERT(!world_robot_fits(w, "nobody", 0));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct world_pose pose = {cases[i].x_m, cases[i].y_m, 0};
+        CU_ASSERT_EQUAL(add(w, "first", NULL, &pose), MU_OK);
+        CU_ASSERT_EQUAL(world_robot_fits(w, "first", cases[i].clear_m), cases[i].fits);
+    }
+}
+
 static void test_add_robot(void)
 {
     struct world *w = load("define bot position ( size [1 1] mass 3 )\n"
@@ -382,6 +405,7 @@ int main(void)
         {"bitmaps", test_bitmaps},
         {"mistakes are refused with their place", test_mistakes_are_refused_with_their_place},
         {"places", test_places},
+        {"whether a robot fits", test_fits},
         {"add a robot", test_add_robot},
         {"limit: robots, sonars, models", test_limits},
         {"the arena", test_arena},

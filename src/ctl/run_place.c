@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where the robots of an experiment stand: the same world as the simulator's, and random places. */
+#include "core/random.h"
+#include "ctl/run.h"
+#include "muster/memory.h"
+
+#include <math.h>
+
+enum { PLACE_TRIES = 10000 };
+
+/* Around a robot with a random place, so that it can begin to move. */
+static const double PLACE_CLEAR_M = 0.1;
+
+static mu_result place_add(struct run *r, const struct experiment_robot *robot,
+                           struct mu_fault *fault)
+{
+    struct world_pose pose = {0};
+    if (robot->pose) {
+        pose = (struct world_pose){robot->pose->x_m, robot->pose->y_m,
+                                   robot->pose->heading_deg * M_PI / 180.0};
+    }
+    return world_add_robot(r->world, robot->name, robot->body, robot->pose ? &pose : NULL,
+                           robot->color, fault);
+}
+
+static double place_between(struct mu_random *random, double from, double to)
+{
+    return from + mu_random_unit(random) * (to - from);
+}
+
+/* Draws until the robot stands clear of all that is there already. */
+static mu_result place_draw(struct run *r, struct experiment_robot *robot, struct mu_random *random,
+                            struct mu_fault *fault)
+{
+    struct world *w = r->world;
+    double x0_m = w->min_x_m;
+    double x1_m = w->max_x_m;
+    double y0_m = w->min_y_m;
+    double y1_m = w->max_y_m;
+    robot->pose = mu_startup_alloc(sizeof *robot->pose);
+    for (int i = 0; i < PLACE_TRIES; i++) {
+        robot->pose->x_m = place_between(random, x0_m, x1_m);
+        robot->pose->y_m = place_between(random, y0_m, y1_m);
+        robot->pose->heading_deg = place_between(random, -180, 180);
+        MU_TRY(place_add(r, robot, fault));
+        if (world_robot_fits(w, robot->name, PLACE_CLEAR_M)) {
+            return MU_OK;
+        }
+    }
+    return mu_fault_at(fault, w->file, 0, 0, "no free place for robot '%s' in %d tries",
+                       robot->name, PLACE_TRIES);
+}
+
+mu_result run_place(struct run *r, struct mu_fault *fault)
+{
+    const struct experiment *e = r->experiment;
+    struct mu_random random;
+    r->world = mu_startup_alloc(sizeof *r->world);
+    struct world_options options = {.quiet = true, .seed = e->seed};
+    MU_TRY(world_open(r->world, e->world, &options, fault));
+    for (unsigned i = 0; i < e->robots_count; i++) {
+        if (!e->robots[i].place) {
+            MU_TRY(place_add(r, &e->robots[i], fault));
+        }
+    }
+    mu_random_seed(&random, e->seed, "places");
+    for (unsigned i = 0; i < e->robots_count; i++) {
+        if (e->robots[i].place) {
+            MU_TRY(place_draw(r, &e->robots[i], &random, fault));
+        }
+    }
+    return world_check_places(r->world, fault);
+}
