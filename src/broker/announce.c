@@ -2,6 +2,7 @@
 #include "broker/announce.h"
 
 #include "broker/parts.h"
+#include "broker/sample.h"
 
 #include <string.h>
 
@@ -9,11 +10,6 @@
 static const uint64_t HEARTBEAT_NS = 300000000;
 
 static char nothing[1];
-
-static char *unconst(const char *s)
-{
-    return (char *)(uintptr_t)s; /* idlc makes no const members; nobody writes there */
-}
 
 static void part_mark(struct liaison *l, uint32_t part)
 {
@@ -108,7 +104,7 @@ bool announce_next(struct broker *b, muster_Registration *out)
                                  .part = part,
                                  .broker = nothing,
                                  .incarnation = b->incarnation,
-                                 .host = unconst(b->registry.agents[REGISTRY_BROKER].is.host),
+                                 .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),
                                  .pid = b->registry.agents[REGISTRY_BROKER].is.pid,
                                  .is_broker = true};
     out->agents._buffer = l->entries;

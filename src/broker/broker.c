@@ -9,6 +9,7 @@
 #include "broker/presence.h"
 #include "broker/relay.h"
 #include "broker/router.h"
+#include "broker/sample.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -422,7 +423,7 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                               .no_store = c->no_store,
                               .stored = b->store.mails,
                               .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
-    status->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
+    status->broker = sample_text(b->name);
 }
 
 bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
@@ -435,7 +436,7 @@ bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
     for (size_t i = 0; (c = counters_at(i)); i++) {
         if (c->part == part) {
             b->part_counters[count++] =
-                (muster_Counter){.name = (char *)(uintptr_t)c->name, .value = counters_value(b, c)};
+                (muster_Counter){.name = sample_text(c->name), .value = counters_value(b, c)};
         }
     }
     *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
@@ -510,8 +511,8 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
                                 .sender = b->registry.agents[event.sender].name,
                                 .count = event.count,
                                 .wall_ns = b->wall_ns + event.at_ns};
-    out->broker = (char *)(uintptr_t)b->name; /* idlc has no const; nobody writes there */
-    out->kind = (char *)(uintptr_t)events_kind_word(event.kind);
+    out->broker = sample_text(b->name);
+    out->kind = sample_text(events_kind_word(event.kind));
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "broker/sample.h"
 #include "core/sort.h"
 #include "muster/memory.h"
 
@@ -214,7 +215,7 @@ static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d
     for (uint32_t i = 0; i < at->refusals_count; i++) {
         muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
         *v = (muster_Verdict){.agent = at->refusals[i].name, .broker_incarnation = b->incarnation};
-        v->reason = (char *)(uintptr_t)at->refusals[i].reason; /* idlc has no const */
+        v->reason = sample_text(at->refusals[i].reason);
     }
 }
 
@@ -279,7 +280,7 @@ static void delivery_begin(struct broker *b, const struct place *at, muster_Deli
                            .broker_incarnation = b->incarnation,
                            .step = muster_STEP_NOW,
                            .roll_call = at->roll_call_due};
-    d->process = (char *)(uintptr_t)at->name; /* idlc has no const; nobody writes there */
+    d->process = sample_text(at->name);
     d->parcels._buffer = c->parcels;
     d->receipts._buffer = c->receipts;
     d->verdicts._buffer = c->verdicts;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/groups.h"
 
+#include "broker/sample.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -292,8 +293,7 @@ void groups_line(const struct groups *g, uint32_t line, bool inside, muster_Memb
 {
     const struct group_line *l = &g->lines[line];
     *out = (muster_Membership){.joined = line_holds(l, inside), .stamp_ns = l->stamp_ns};
-    /* idlc makes no const members; nobody writes there */
-    out->group = (char *)(uintptr_t)mu_pairs_first(&g->pairs, line);
-    out->agent = (char *)(uintptr_t)mu_pairs_second(&g->pairs, line);
-    out->origin = (char *)(uintptr_t)l->origin;
+    out->group = sample_text(mu_pairs_first(&g->pairs, line));
+    out->agent = sample_text(mu_pairs_second(&g->pairs, line));
+    out->origin = sample_text(l->origin);
 }

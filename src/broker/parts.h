@@ -3,25 +3,29 @@
  * @file parts.h
  * How the parts of the broker hang together.
  *
- *   presence   registrations: names come, are claimed, and go     registry, places,
- *                                                                  tenants, claims
- *   admission  a mail comes in from the wire, once                 border, journal, store
- *   router     a mail's way, and its end                           audience, guard, resolve,
- *                                                                  posting, outcome
- *   audience   whom a mail is for                                  registry, groups
- *   posting    a mail goes into boxes                              mailbox, boxroom, booking,
- *                                                                  desk, schedule
- *   outcome    what becomes of a mail, and that its sender is      receipts, pacer, booking,
- *              told                                                journal
- *   resolve    mail to SCHEME:REST waits while somebody is asked    pages, query, router
- *   guard      whose directives go on to whom                      trust, audit
- *   desk       mail to the broker itself and its parts             directive, query, counters
- *   lockstep   collects a step's mail and lets it take effect      router, presence
- *   pages      groups, services, standing queries                   groups, services, router
- *   courier    what is ready for a process, as one Delivery        mailbox, receipts
- *   liaison    the other brokers: who lives beyond which; announce says who is known here, relay
- *              takes their mail                                    presence, router, pages
- *   journal    what must be on disk before anybody is told         registry, store, router
+ *   presence   registrations: names come, are claimed, and go registry, places, tenants,
+ *                                                             claims
+ *   admission  a mail comes in from the wire, once            border, journal, store
+ *   router     a mail's way, and its end                      audience, guard, resolve,
+ *                                                             posting, outcome
+ *   audience   whom a mail is for                             registry, groups
+ *   posting    a mail goes into boxes                         mailbox, boxroom, booking,
+ *                                                             desk, schedule
+ *   booking    a mail goes on its sender's account            share, events
+ *   outcome    what becomes of a mail, and who is told        receipts, pacer, booking,
+ *                                                             journal
+ *   resolve    mail to SCHEME:REST waits while one is asked   pages, query, router
+ *   guard      whose directives go on to whom                 trust, audit
+ *   desk       mail to the broker itself and its parts        directive, query, resolve,
+ *                                                             counters
+ *   lockstep   collects a step's mail; lets it take effect    router, presence, pages
+ *   pages      groups, services, standing queries             groups, services, query
+ *   courier    what is ready for a process, as one Delivery   mailbox, receipts, tenants,
+ *                                                             pages
+ *   liaison    the other brokers: who lives beyond which;     presence, router, pages
+ *              announce says who is known here, relay takes
+ *              their mail
+ *   journal    what must be on disk before anybody is told    registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H

@@ -5,6 +5,7 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
+#include "broker/sample.h"
 #include "core/fields.h"
 #include "core/name.h"
 
@@ -22,19 +23,13 @@ void query_begin(struct broker *b, struct mu_text *t, const char *word)
     mu_text_add(t, word);
 }
 
-/* idlc makes no const members; nobody writes there. */
-static char *words(const char *s)
-{
-    return (char *)(uintptr_t)s;
-}
-
 static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
 {
     bool inside = presence_in_lockstep(b, receiver);
     m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;
-    m->language = words("");
+    m->language = sample_text("");
     m->due_ns = -1;
     m->seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
     router_post(b, receiver, m);
@@ -43,9 +38,9 @@ static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muste
 void query_reply(struct broker *b, uint32_t own, const struct mail *question,
                  const char *performative, char *content)
 {
-    muster_Mail m = {.performative = words(performative),
+    muster_Mail m = {.performative = sample_text(performative),
                      .ontology = question->letter.ontology,
-                     .reply_with = words(""),
+                     .reply_with = sample_text(""),
                      .in_reply_to = question->letter.reply_with,
                      .conversation = question->letter.conversation,
                      .content = content};
@@ -60,11 +55,11 @@ void query_send(struct broker *b, const struct mail *question, const char *perfo
 void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
                   const char *conversation)
 {
-    muster_Mail m = {.performative = words("inform"),
-                     .ontology = words(""),
-                     .reply_with = words(""),
-                     .in_reply_to = words(in_reply_to),
-                     .conversation = words(conversation),
+    muster_Mail m = {.performative = sample_text("inform"),
+                     .ontology = sample_text(""),
+                     .reply_with = sample_text(""),
+                     .in_reply_to = sample_text(in_reply_to),
+                     .conversation = sample_text(conversation),
                      .content = b->text};
     answer_post(b, REGISTRY_BROKER, receiver, &m);
 }
@@ -72,11 +67,11 @@ void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
 void query_ask(struct broker *b, uint32_t receiver, const char *performative,
                const char *reply_with)
 {
-    muster_Mail m = {.performative = words(performative),
-                     .ontology = words(""),
-                     .reply_with = words(reply_with),
-                     .in_reply_to = words(""),
-                     .conversation = words(""),
+    muster_Mail m = {.performative = sample_text(performative),
+                     .ontology = sample_text(""),
+                     .reply_with = sample_text(reply_with),
+                     .in_reply_to = sample_text(""),
+                     .conversation = sample_text(""),
                      .content = b->text};
     answer_post(b, REGISTRY_BROKER, receiver, &m);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/registry.h"
 
+#include "broker/sample.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -169,10 +170,7 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .host = a->is.host,
                            .pid = a->is.pid,
                            .since_wall_ns = a->since_wall_ns};
-    out->broker =
-        a->is.home[0]
-            ? a->is.home
-            : (char *)(uintptr_t)broker; /* idlc makes no const members; nobody writes there */
+    out->broker = a->is.home[0] ? a->is.home : sample_text(broker);
 }
 
 const char *registry_kind_word(muster_Kind kind)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/services.h"
 
+#include "broker/sample.h"
 #include "broker/subscriptions.h"
 #include "core/attributes.h"
 #include "core/name.h"
@@ -193,9 +194,8 @@ void services_line(const struct services *s, uint32_t line, bool shown, muster_O
     const struct service_line *l = &s->lines[line];
     *out = (muster_Offer){
         .offered = l->offered && shown, .lease_ns = l->lease_ns, .stamp_ns = l->stamp_ns};
-    /* idlc makes no const members; nobody writes there */
-    out->service = (char *)(uintptr_t)mu_pairs_first(&s->pairs, line);
-    out->agent = (char *)(uintptr_t)mu_pairs_second(&s->pairs, line);
-    out->attributes = (char *)(uintptr_t)l->attributes;
-    out->origin = (char *)(uintptr_t)l->origin;
+    out->service = sample_text(mu_pairs_first(&s->pairs, line));
+    out->agent = sample_text(mu_pairs_second(&s->pairs, line));
+    out->attributes = sample_text(l->attributes);
+    out->origin = sample_text(l->origin);
 }
