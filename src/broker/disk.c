@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/disk_bundle.h"
 #include "broker/disk_parts.h"
 #include "broker/registry.h"
 #include "core/log.h"
@@ -56,38 +57,11 @@ static void fill_number_or_null(struct filling *f, uint64_t number)
     }
 }
 
-static bool run(sqlite3_stmt *statement)
+bool disk_step(sqlite3_stmt *statement)
 {
     int result = sqlite3_step(statement);
     (void)sqlite3_reset(statement); /* says again what the step has said */
     return result == SQLITE_DONE;
-}
-
-static bool put_mail(struct disk *d, const struct journal_entry *e)
-{
-    const muster_Mail *m = &e->letter;
-    struct filling f = fill(d, DISK_PUT_MAIL);
-    fill_number(&f, e->row);
-    fill_text(&f, m->src);
-    fill_number(&f, m->seq);
-    fill_text(&f, e->waiting);
-    fill_number(&f, m->level);
-    fill_number_or_null(&f, e->expires_wall_ns);
-    fill_text(&f, m->dst);
-    fill_number(&f, m->layer);
-    fill_text(&f, m->performative);
-    fill_text(&f, m->language);
-    fill_text(&f, m->ontology);
-    fill_text(&f, m->reply_with);
-    fill_text(&f, m->in_reply_to);
-    fill_text(&f, m->conversation);
-    fill_number_or_null(&f, m->reply_by_ns);
-    fill_number_or_null(&f, (uint64_t)(int64_t)m->priority);
-    fill_number_or_null(&f, m->hops);
-    fill_number_or_null(&f, (uint64_t)m->due_ns + 1); /* so that "at once", -1, is nothing */
-    fill_number_or_null(&f, m->ttl_ns);
-    fill_text(&f, m->content);
-    return run(f.statement);
 }
 
 static bool put_agent(struct disk *d, const struct journal_entry *e)
@@ -98,23 +72,15 @@ static bool put_agent(struct disk *d, const struct journal_entry *e)
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
     fill_number(&f, e->failed_seq);
-    return run(f.statement);
+    return disk_step(f.statement);
 }
 
 static bool set_waiting(struct disk *d, const struct journal_entry *e)
 {
-    struct filling f = fill(d, DISK_SET_WAITING);
+    struct filling f = fill(d, DISK_PUT_WAITS);
+    fill_number(&f, e->row);
     fill_text(&f, e->waiting);
-    fill_number(&f, e->row);
-    return run(f.statement);
-}
-
-static bool drop_mails(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, DISK_DROP_MAILS);
-    fill_number(&f, e->row);
-    fill_number(&f, e->last_row);
-    return run(f.statement);
+    return disk_step(f.statement);
 }
 
 static bool put_line(struct disk *d, const struct journal_entry *e)
@@ -131,14 +97,14 @@ static bool put_line(struct disk *d, const struct journal_entry *e)
         fill_number(&f, e->line.stamp_ns);
         fill_text(&f, e->line.origin);
     }
-    return run(f.statement);
+    return disk_step(f.statement);
 }
 
 static bool drop_lines(struct disk *d, const struct journal_entry *e)
 {
     struct filling f = fill(d, DISK_DROP_LINES);
     fill_text(&f, disk_line_words[e->lines]);
-    return run(f.statement);
+    return disk_step(f.statement);
 }
 
 static bool put_clock(struct disk *d, const struct journal_entry *e)
@@ -146,7 +112,7 @@ static bool put_clock(struct disk *d, const struct journal_entry *e)
     struct filling f = fill(d, DISK_PUT_META);
     fill_text(&f, "run_wall_ns");
     fill_number(&f, e->run_wall_ns);
-    return run(f.statement);
+    return disk_step(f.statement);
 }
 
 /* --- transactions ----------------------------------------------------------------------------- */
@@ -154,16 +120,18 @@ static bool put_clock(struct disk *d, const struct journal_entry *e)
 static bool entries_write(struct disk *d, struct broker *b)
 {
     static bool (*const write[])(struct disk *, const struct journal_entry *) = {
-        [JOURNAL_AGENT] = put_agent, [JOURNAL_MAIL] = put_mail, [JOURNAL_WAITING] = set_waiting,
-        [JOURNAL_GONE] = drop_mails, [JOURNAL_LINE] = put_line, [JOURNAL_RESET] = drop_lines,
+        [JOURNAL_AGENT] = put_agent,     [JOURNAL_MAIL] = disk_bundle_put,
+        [JOURNAL_WAITING] = set_waiting, [JOURNAL_GONE] = disk_bundle_drop,
+        [JOURNAL_LINE] = put_line,       [JOURNAL_RESET] = drop_lines,
         [JOURNAL_CLOCK] = put_clock};
     struct journal_entry e;
+    disk_bundle_begin(d);
     while (journal_next(b, &e)) {
         if (!write[e.kind](d, &e)) {
             return false;
         }
     }
-    return true;
+    return disk_bundle_end(d);
 }
 
 /* The pragma means nothing inside a transaction, so it comes before. */
@@ -199,12 +167,12 @@ static void log_copy(struct disk *d, int how)
 bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t now_ns)
 {
     char why[128] = "";
-    bool ok = sync_set(d, level == muster_LEVEL_SYNCED) && run(d->statements[DISK_BEGIN]) &&
-              entries_write(d, b) && run(d->statements[DISK_COMMIT]);
+    bool ok = sync_set(d, level == muster_LEVEL_SYNCED) && disk_step(d->statements[DISK_BEGIN]) &&
+              entries_write(d, b) && disk_step(d->statements[DISK_COMMIT]);
     if (!ok) {
         snprintf(why, sizeof why, "%s", sqlite3_errmsg(d->db));
         if (!sqlite3_get_autocommit(d->db)) {
-            (void)run(d->statements[DISK_ROLLBACK]);
+            (void)disk_step(d->statements[DISK_ROLLBACK]);
         }
     }
     trouble_tell(d, ok, why);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/disk_bundle.h"
 #include "broker/disk_parts.h"
 #include "broker/registry.h"
 
@@ -93,14 +94,14 @@ static void read_mail(struct reading *r, struct journal_entry *e)
 
 mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused)
 {
-    static const struct {
+    const struct {
         const char *sql;
         void (*read)(struct reading *r, struct journal_entry *e);
     } tables[] = {
         {"SELECT * FROM agents", read_agent},
         {"SELECT * FROM lines", read_line},
         {"SELECT value FROM meta WHERE key = 'run_wall_ns' AND value != 0", read_clock},
-        {"SELECT * FROM mails ORDER BY id", read_mail},
+        {disk_bundle_select, read_mail},
     };
     *refused = 0;
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/disk_bundle.h"
 #include "broker/disk_parts.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -9,7 +10,6 @@
 
 /* Comments stand in the file, too: `.schema` shows them. */
 static const char schema[] =
-    "BEGIN;"
     "PRAGMA application_id = 1836413812;"
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;"
     "CREATE TABLE agents (name TEXT PRIMARY KEY, kind TEXT,\n"
@@ -17,33 +17,30 @@ static const char schema[] =
     "  reserved_seq INTEGER, -- a later process of that name goes on after this number\n"
     "  failed_seq INTEGER    -- the last that was meant for the store and not delivered\n"
     ") WITHOUT ROWID;"
-    "CREATE TABLE mails (\n"
-    "  id INTEGER PRIMARY KEY,  -- in the order in which they came\n"
-    "  sender TEXT, seq INTEGER,\n"
-    "  waiting TEXT,             -- receivers that have not acknowledged it\n"
-    "  level INTEGER,            -- 1 logged, 2 synced\n"
-    "  expires_wall_ns INTEGER,  -- since 1970\n"
-    "  dst TEXT, layer INTEGER, performative TEXT, language TEXT, ontology TEXT,\n"
-    "  reply_with TEXT, in_reply_to TEXT, conversation TEXT, reply_by_ns INTEGER,\n"
-    "  priority INTEGER, hops INTEGER,\n"
-    "  due_1_ns INTEGER,         -- not before this time of the run, plus 1\n"
-    "  ttl_ns INTEGER, content TEXT);"
     "CREATE TABLE lines (kind TEXT, slot INTEGER, key TEXT, agent TEXT, present INTEGER,\n"
     "  attributes TEXT, lease_ns INTEGER, stamp_ns INTEGER, origin TEXT,\n"
     "  PRIMARY KEY (kind, slot)) WITHOUT ROWID;"
-    "INSERT INTO meta VALUES ('schema', 2), ('store', lower(hex(randomblob(8)))),"
-    "  ('incarnation', 0), ('run_wall_ns', 0);"
-    "COMMIT;";
+    "INSERT INTO meta VALUES ('schema', 3), ('store', lower(hex(randomblob(8)))),"
+    "  ('incarnation', 0), ('run_wall_ns', 0);";
+
+/* Version 2 had a row for each mail. */
+static const char rename_mails[] = "ALTER TABLE mails RENAME TO mails_2;";
+static const char upgraded[] =
+    "DROP TABLE mails_2; UPDATE meta SET value = 3 WHERE key = 'schema';";
 
 static const char *const statements[DISK_STATEMENTS] = {
     [DISK_BEGIN] = "BEGIN IMMEDIATE",
     [DISK_COMMIT] = "COMMIT",
     [DISK_ROLLBACK] = "ROLLBACK",
     [DISK_PUT_AGENT] = "INSERT OR REPLACE INTO agents VALUES (?, ?, ?, ?, ?)",
-    [DISK_PUT_MAIL] = "INSERT INTO mails VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
-                      " ?, ?, ?)",
-    [DISK_SET_WAITING] = "UPDATE mails SET waiting = ? WHERE id = ?",
-    [DISK_DROP_MAILS] = "DELETE FROM mails WHERE id BETWEEN ? AND ?",
+    [DISK_PUT_BUNDLE] = "INSERT INTO bundles VALUES (?, ?, ?)",
+    [DISK_FIND_BUNDLE] = "SELECT b.id, count, alive FROM bundles AS b LEFT JOIN settled AS s"
+                         " ON s.id = b.id WHERE b.id BETWEEN 1 AND ? ORDER BY b.id DESC LIMIT 1",
+    [DISK_DROP_BUNDLE] = "DELETE FROM bundles WHERE id = ?",
+    [DISK_PUT_SETTLED] = "INSERT OR REPLACE INTO settled VALUES (?, ?)",
+    [DISK_DROP_SETTLED] = "DELETE FROM settled WHERE id = ?",
+    [DISK_PUT_WAITS] = "INSERT OR REPLACE INTO waits VALUES (?, ?)",
+    [DISK_DROP_WAITS] = "DELETE FROM waits WHERE id BETWEEN ? AND ?",
     [DISK_PUT_LINE] = "INSERT OR REPLACE INTO lines VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
     [DISK_DROP_LINE] = "DELETE FROM lines WHERE kind = ? AND slot = ?",
     [DISK_DROP_LINES] = "DELETE FROM lines WHERE kind = ?",
@@ -94,29 +91,29 @@ static bool value_read(struct disk *d, const char *sql, int64_t *out)
     return sqlite3_finalize(s) == SQLITE_OK && got;
 }
 
-/* Is this file ours, and whole?  Nothing in it is changed. */
-static mu_result file_check(struct disk *d, bool *is_new)
+/* Is this file ours, and whole?  Nothing in it is changed.  version: 0 for a new one */
+static mu_result file_check(struct disk *d, int64_t *version)
 {
-    int64_t application, tables, version, incarnation;
+    int64_t application, tables, incarnation;
     if (!value_read(d, "PRAGMA application_id", &application) ||
         !value_read(d, "SELECT count(*) FROM sqlite_schema", &tables)) {
         return complain_of(d);
     }
-    *is_new = application == 0 && tables == 0;
-    if (*is_new) {
+    *version = 0;
+    if (application == 0 && tables == 0) {
         return MU_OK;
     }
     if (application != DISK_APPLICATION) {
         return complain(MU_FAULT_FILE, d->path, "this is a database of another program",
                         "it was left as it is: give another --store FILE");
     }
-    if (!value_read(d, "SELECT value FROM meta WHERE key = 'schema'", &version)) {
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'schema'", version)) {
         return complain_of(d);
     }
-    if (version != DISK_SCHEMA) {
+    if (*version != DISK_SCHEMA && *version != DISK_SCHEMA_OLD) {
         char what[96];
         snprintf(what, sizeof what, "a store of version %lld; this broker knows version %d",
-                 (long long)version, DISK_SCHEMA);
+                 (long long)*version, DISK_SCHEMA);
         return complain(MU_FAULT_FILE, d->path, what,
                         "it was left as it is: use the broker that wrote it, or give another"
                         " --store FILE");
@@ -194,14 +191,37 @@ static bool statements_prepare(struct disk *d)
     return true;
 }
 
+static bool scripts_run(struct disk *d, const char *const *scripts, size_t count)
+{
+    bool good = disk_run(d, "BEGIN IMMEDIATE");
+    for (size_t i = 0; i < count && good; i++) {
+        good = disk_run(d, scripts[i]);
+    }
+    return good && disk_run(d, "COMMIT");
+}
+
+/* Makes a new file a store, or one of the version before a store of this one.  @return false: it
+ * is as it was */
+static bool schema_set(struct disk *d, int64_t version)
+{
+    static const char *const make[] = {schema, disk_bundle_tables};
+    static const char *const upgrade[] = {rename_mails, disk_bundle_tables, disk_bundle_upgrade,
+                                          upgraded};
+    if (version == DISK_SCHEMA) {
+        return true;
+    }
+    return version == 0 ? scripts_run(d, make, sizeof make / sizeof make[0])
+                        : scripts_run(d, upgrade, sizeof upgrade / sizeof upgrade[0]);
+}
+
 static mu_result store_begin(struct disk *d, uint64_t wall_ns)
 {
-    bool is_new;
-    mu_result checked = mode_set(d) ? file_check(d, &is_new) : complain_of(d);
+    int64_t version;
+    mu_result checked = mode_set(d) ? file_check(d, &version) : complain_of(d);
     if (checked != MU_OK) {
         return checked;
     }
-    if (!is_new && pages_check(d) != MU_OK) {
+    if (version != 0 && pages_check(d) != MU_OK) {
         return MU_FAULT_FILE;
     }
     if (sqlite3_db_readonly(d->db, "main")) {
@@ -210,8 +230,8 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
     }
     d->full_sync = true;
     bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
-                 (!is_new || disk_run(d, schema)) && incarnation_begin(d, wall_ns) &&
-                 statements_prepare(d) && sqlite3_db_release_memory(d->db) == SQLITE_OK;
+                 schema_set(d, version) && incarnation_begin(d, wall_ns) && statements_prepare(d) &&
+                 sqlite3_db_release_memory(d->db) == SQLITE_OK;
     sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
     return begun ? MU_OK : complain_of(d);
 }
@@ -219,6 +239,7 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
 mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
 {
     struct disk *d = mu_startup_alloc(sizeof *d);
+    disk_bundle_init(&d->bundle);
     if (!mu_text_copy(d->path, sizeof d->path, path) || !disk_make_folders(path)) {
         return complain(MU_FAULT_OS, path, strerror(errno),
                         "give another --store FILE, or --store none");

@@ -7,20 +7,28 @@
 #define MUSTER_BROKER_DISK_PARTS_H
 
 #include "broker/disk.h"
+#include "core/text.h"
 
 #include <limits.h>
 #include <sqlite3.h>
 
-enum { DISK_SCHEMA = 2, DISK_APPLICATION = 0x6d757374 /* "must" */ };
+/* Mails in one bundle. */
+enum { DISK_BUNDLE_MAILS = 256 };
+
+enum { DISK_SCHEMA = 3, DISK_SCHEMA_OLD = 2, DISK_APPLICATION = 0x6d757374 /* "must" */ };
 
 enum disk_statement {
     DISK_BEGIN,
     DISK_COMMIT,
     DISK_ROLLBACK,
     DISK_PUT_AGENT,
-    DISK_PUT_MAIL,
-    DISK_SET_WAITING,
-    DISK_DROP_MAILS,
+    DISK_PUT_BUNDLE,
+    DISK_FIND_BUNDLE,
+    DISK_DROP_BUNDLE,
+    DISK_PUT_SETTLED,
+    DISK_DROP_SETTLED,
+    DISK_PUT_WAITS,
+    DISK_DROP_WAITS,
     DISK_PUT_LINE,
     DISK_DROP_LINE,
     DISK_DROP_LINES,
@@ -28,11 +36,19 @@ enum disk_statement {
     DISK_STATEMENTS
 };
 
+/* New mails of one transaction whose numbers follow each other; see disk_bundle.h. */
+struct disk_bundle {
+    struct mu_text text; /* JSON, without the last bracket */
+    uint64_t first;
+    uint32_t count;
+};
+
 struct disk {
     sqlite3 *db;
     sqlite3_stmt *statements[DISK_STATEMENTS];
     char path[PATH_MAX];
     uint64_t incarnation, number_base;
+    struct disk_bundle bundle;
     bool full_sync; /* as PRAGMA synchronous stands */
     bool troubled;  /* the last commit failed, and the log has it */
     int log_pages;  /* in the write-ahead log, not yet in the file */
@@ -44,6 +60,9 @@ extern const char *const disk_line_words[JOURNAL_LINE_KINDS];
 
 /** @return whether the script ran; if not, sqlite3_errmsg says why */
 bool disk_run(struct disk *d, const char *sql);
+
+/** @return whether a statement without rows ran; it can be bound anew */
+bool disk_step(sqlite3_stmt *statement);
 
 /** Makes the folders above a file.  @return whether they are there */
 bool disk_make_folders(const char *path);

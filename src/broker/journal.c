@@ -14,6 +14,8 @@ static const uint64_t RETRY_NS = 1000000000;
  * fallen silent: they may come back. */
 static const uint64_t AWAIT_NS = 10000000000;
 
+enum { BUCKETS_RUN = 64 };
+
 enum { WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) };
 
 void journal_init(struct journal *j, bool on)
@@ -72,9 +74,11 @@ void journal_tick(struct broker *b)
 
 /* --- durable mails by their names ------------------------------------------------------------- */
 
+/* Mails that follow each other are beside each other, as they come and go. */
 static struct mail **bucket_of(const struct journal *j, uint32_t sender, uint64_t seq)
 {
-    return &j->buckets[mu_hash_number(seq ^ (uint64_t)sender << 40) % JOURNAL_BUCKETS];
+    uint64_t where = mu_hash_number((seq / BUCKETS_RUN) ^ (uint64_t)sender << 40) * BUCKETS_RUN;
+    return &j->buckets[(where + seq % BUCKETS_RUN) % JOURNAL_BUCKETS];
 }
 
 struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq)

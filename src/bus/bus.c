@@ -212,13 +212,15 @@ static void on_arrival(dds_entity_t reader, void *self)
     pthread_mutex_lock(&bus->lock);
     r->arrived++;
     bus->arrived++;
-    if (bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted) {
-        pthread_cond_signal(&bus->arrival);
-    }
+    bool enough = bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted;
+    bus->wanted = enough ? 0 : bus->wanted; /* one wake for one wait */
     if (bus->wakes) {
         (void)eventfd_write(bus->wake_fd, 1); /* full is readable, too */
     }
     pthread_mutex_unlock(&bus->lock);
+    if (enough) {
+        pthread_cond_signal(&bus->arrival); /* who wakes finds the lock free */
+    }
 }
 
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,

@@ -257,6 +257,51 @@ def test_stores_of_another_version_and_damaged_ones_are_refused():
         broker_start(processes, domain, "--store", store)
 
 
+VERSION_2 = """
+PRAGMA application_id = 1836413812;
+CREATE TABLE meta (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
+CREATE TABLE agents (name TEXT PRIMARY KEY, kind TEXT, durable_seq INTEGER, reserved_seq INTEGER,
+  failed_seq INTEGER) WITHOUT ROWID;
+CREATE TABLE mails (id INTEGER PRIMARY KEY, sender TEXT, seq INTEGER, waiting TEXT, level INTEGER,
+  expires_wall_ns INTEGER, dst TEXT, layer INTEGER, performative TEXT, language TEXT,
+  ontology TEXT, reply_with TEXT, in_reply_to TEXT, conversation TEXT, reply_by_ns INTEGER,
+  priority INTEGER, hops INTEGER, due_1_ns INTEGER, ttl_ns INTEGER, content TEXT);
+CREATE TABLE lines (kind TEXT, slot INTEGER, key TEXT, agent TEXT, present INTEGER,
+  attributes TEXT, lease_ns INTEGER, stamp_ns INTEGER, origin TEXT,
+  PRIMARY KEY (kind, slot)) WITHOUT ROWID;
+INSERT INTO meta VALUES ('schema', 2), ('store', 'x'), ('incarnation', 7), ('run_wall_ns', 0);
+INSERT INTO agents VALUES ('sender', 'agent', 9, 1048576, 0), ('receiver', 'agent', 0, 0, 0),
+  ('other', 'agent', 0, 0, 0);
+"""
+
+
+def test_a_store_of_the_version_before_is_taken_over():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "store.db"
+        with contextlib.closing(sqlite3.connect(store)) as db:
+            db.executescript(VERSION_2)
+            for row, number, waits in ((3, 1, "receiver"), (4, 2, "other,receiver"), (9, 3, "other")):
+                db.execute("INSERT INTO mails (id, sender, seq, waiting, level, dst, layer, content)"
+                           " VALUES (?, 'sender', ?, ?, 1, 'receiver,other', 3, ?)",
+                           (row, number, waits, f"count {number}"))
+            db.commit()
+        broker = broker_start(processes, domain, "--store", store)
+        receiver_start(processes, domain, out)
+        wait_for(lambda: taken(out / "record") == [1, 2], 10, "the receiver's mails")
+        storer_start(processes, domain, out, 5, name="later").wait(30)
+        wait_for(lambda: taken(out / "record") == [1, 2, 1, 2, 3, 4, 5], 10, "new mails, too")
+        wait_for(lambda: store_rows(store) == 2, 10, "the acknowledgements on disk")
+        broker.terminate()
+        check_equal(broker.wait(), 0, "the broker's end")
+        with contextlib.closing(sqlite3.connect(store)) as db:
+            check_equal(db.execute("SELECT value FROM meta WHERE key = 'schema'").fetchone(), (3,),
+                        "the version")
+            check_equal(db.execute("SELECT id, sender, seq, waiting, content FROM mails").fetchall(),
+                        [(4, "sender", 2, "other", "count 2"), (9, "sender", 3, "other", "count 3")],
+                        "what waits still")
+
+
 def test_without_a_store_durable_mail_is_refused():
     domain = new_domain()
     with folder() as out, Processes() as processes:

@@ -180,6 +180,109 @@ static void test_a_mail_that_is_never_due_comes_back(void)
     disk_close(disk);
 }
 
+/* --- bundles ---------------------------------------------------------------------------------- */
+
+enum { BUNDLED_MAX = 8192, READERS = 2 };
+
+/* Who waits for what, as it should be. */
+static struct {
+    uint64_t seq[READERS][BUNDLED_MAX]; /* in order */
+    uint32_t first[READERS], end[READERS];
+    uint64_t sent;
+} bundled;
+
+static const char *bundled_content(uint64_t seq)
+{
+    static char text[600];
+    int len = snprintf(text, sizeof text, "%llu \"\\\x01\t\xc3\xa4\xff\n", (unsigned long long)seq);
+    memset(text + len, 'x', (size_t)(seq * 37 % 500));
+    text[(size_t)len + (size_t)(seq * 37 % 500)] = '\0';
+    return text;
+}
+
+static void bundled_send(unsigned whom)
+{
+    static const char *const to[] = {"green", "blue", "blue,green"};
+    uint64_t seq = ++bundled.sent;
+    muster_Mail m = letter("red", seq, to[whom % 3], bundled_content(seq));
+    m.level = muster_LEVEL_LOGGED;
+    story_mail(m);
+    for (unsigned i = 0; i < READERS; i++) {
+        if (whom % 3 == i || whom % 3 == 2) {
+            bundled.seq[i][bundled.end[i]++] = seq;
+        }
+    }
+}
+
+/* @return how many wait for a mail */
+static uint32_t bundled_waiting(uint64_t seq)
+{
+    uint32_t waiting = 0;
+    for (unsigned i = 0; i < READERS; i++) {
+        for (uint32_t k = bundled.first[i]; k < bundled.end[i]; k++) {
+            waiting += bundled.seq[i][k] == seq;
+        }
+    }
+    return waiting;
+}
+
+static void bundled_check(void)
+{
+    uint32_t red = registry_find(&story.b->registry, "red");
+    for (uint64_t seq = 1; seq <= bundled.sent; seq++) {
+        const struct mail *m = journal_find(&story.b->journal, red, seq);
+        uint32_t waiting = bundled_waiting(seq);
+        CU_ASSERT_EQUAL_FATAL(m != NULL, waiting > 0);
+        if (m) {
+            CU_ASSERT_EQUAL(m->unsettled, waiting);
+            CU_ASSERT_STRING_EQUAL(m->letter.content, bundled_content(seq));
+        }
+    }
+}
+
+static void bundled_acknowledge(const char *name, unsigned reader, uint32_t count)
+{
+    uint32_t left = bundled.end[reader] - bundled.first[reader];
+    uint32_t taken = count < left ? count : left;
+    uint32_t agent = registry_find(&story.b->registry, name);
+    uint64_t upto = mailbox_box(&story.b->mailbox, agent)->acked + taken;
+    (void)story_collect();
+    if (taken > 0) {
+        story_ack(name, upto);
+        bundled.first[reader] += taken;
+    }
+}
+
+/* Mails of one commit are a bundle on disk, and some of it are settled before others: in many lives
+ * of a broker each mail is back that somebody waits for, and no other. */
+static void test_bundles_come_back_in_part(void)
+{
+    srand(7);
+    memset(&bundled, 0, sizeof bundled);
+    for (unsigned life = 0; life < 12; life++) {
+        CU_ASSERT_EQUAL_FATAL(life_begin("bundles.db", WALL + life), 0);
+        bundled_check();
+        story_join("red");
+        story_join("green");
+        story_join("blue");
+        for (unsigned round = 0; round < 6; round++) {
+            unsigned count = (unsigned)rand() % (round == 3 ? 300 : 40);
+            for (unsigned i = 0; i < count; i++) {
+                bundled_send((unsigned)rand());
+            }
+            (void)commit();
+            bundled_acknowledge("green", 0, (uint32_t)rand() % 120);
+            bundled_acknowledge("blue", 1, (uint32_t)rand() % 120);
+            (void)commit();
+        }
+        disk_close(disk);
+    }
+    CU_ASSERT_TRUE(bundled.sent > 1000);
+    CU_ASSERT_EQUAL(life_begin("bundles.db", 2 * WALL), 0);
+    bundled_check();
+    disk_close(disk);
+}
+
 static void test_default_path(void)
 {
     char path[64];
@@ -202,6 +305,7 @@ int main(void)
         {"what is settled stays away", test_what_is_settled_stays_away},
         {"a commit that fails leaves nothing", test_a_commit_that_fails_leaves_nothing},
         {"a mail that is never due comes back", test_a_mail_that_is_never_due_comes_back},
+        {"bundles come back in part", test_bundles_come_back_in_part},
         {"default path", test_default_path},
         CU_TEST_INFO_NULL,
     };
@@ -209,7 +313,8 @@ int main(void)
         return EXIT_FAILURE;
     }
     int result = suite_run("disk", tests);
-    static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db"};
+    static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db",
+                                        "bundles.db"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         unlink(file(files[i]));
     }
