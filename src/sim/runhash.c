@@ -69,6 +69,11 @@ void runhash_act(struct runhash *h, const muster_Act *act, unsigned char digest[
     fold_number(h->act, act->drives);
     fold_double(h->act, act->forward_m_s);
     fold_double(h->act, act->turn_rad_s);
+    if (act->paddles != 0 || act->lift != 0) { /* else an act is what it was without a gripper */
+        fold_text(h->act, "grip");
+        fold_number(h->act, (uint64_t)act->paddles);
+        fold_number(h->act, (uint64_t)act->lift);
+    }
     fold_number(h->act, act->firings);
     fold_text(h->act, act->rules);
     for (uint32_t i = 0; i < act->mails._length; i++) {

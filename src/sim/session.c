@@ -45,6 +45,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
     }
+    s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
     s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
@@ -141,6 +142,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     }
     robot->process = holds ? robot->process : process_add(s, r->process);
     robot->slot = slot;
+    robot->senses = e->senses;
     return !holds && robot->process >= 0;
 }
 
@@ -418,6 +420,12 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
 
 /* --- what comes in ---------------------------------------------------------------------------- */
 
+/* An order that a gripper does not know is none. */
+static int32_t order_of(int32_t order)
+{
+    return order >= -1 && order <= 1 ? order : 0;
+}
+
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
 {
     struct session_robot *r = robot_find(s, act->agent);
@@ -433,6 +441,9 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
         r->forward_m_s = act->forward_m_s;
         r->turn_rad_s = act->turn_rad_s;
     }
+    r->paddles = order_of(act->paddles);
+    r->lift = order_of(act->lift);
+    r->senses = act->senses;
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);

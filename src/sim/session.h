@@ -27,7 +27,9 @@ struct session_robot {
     uint32_t slot;   /* of its controller in that process */
     bool drives;     /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
-    uint32_t quiet_steps; /* since a speed was set */
+    int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
+    uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
+    uint32_t quiet_steps;  /* since a speed was set */
     unsigned char digest[RUNHASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
     struct engine_percept percept;
@@ -70,6 +72,7 @@ struct session {
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
+    uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */

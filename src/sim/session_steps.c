@@ -15,14 +15,55 @@ static const uint64_t DEADMAN_NS = 300000000;
 
 /* --- senses out ------------------------------------------------------------------------------- */
 
+/* The lists of a percept go out as the engine has them. */
+_Static_assert(sizeof(struct engine_blob) == sizeof(muster_Blob) &&
+                   offsetof(struct engine_blob, bearing_rad) ==
+                       offsetof(muster_Blob, bearing_rad) &&
+                   offsetof(struct engine_blob, width_rad) == offsetof(muster_Blob, width_rad) &&
+                   offsetof(struct engine_blob, range_m) == offsetof(muster_Blob, range_m),
+               "blobs");
+_Static_assert(
+    sizeof(struct engine_fiducial) == sizeof(muster_Fiducial) &&
+        offsetof(struct engine_fiducial, bearing_rad) == offsetof(muster_Fiducial, bearing_rad) &&
+        offsetof(struct engine_fiducial, range_m) == offsetof(muster_Fiducial, range_m) &&
+        offsetof(struct engine_fiducial, heading_rad) == offsetof(muster_Fiducial, heading_rad),
+    "fiducials");
+
+/* What nobody asks for is not read; a robot without a controller asks for nothing. */
+static void wanted_set(struct session *s)
+{
+    for (size_t r = 0; r < s->robot_count; r++) {
+        s->wanted[r] = s->robots[r].process >= 0 ? s->robots[r].senses : 0;
+    }
+}
+
 static void percepts_read(struct session *s)
 {
+    wanted_set(s);
     for (size_t r = 0; r < s->robot_count; r++) {
         engine_sense(s->engine, r, &s->robots[r].percept);
     }
 }
 
-static void percept_fill(muster_Percept *to, const struct engine_percept *from)
+/* @param wanted  the sensors whose readings go out, 1 << enum world_sensor */
+static void readings_fill(muster_Percept *to, const struct engine_percept *from, uint32_t wanted)
+{
+    bool sonar = wanted & 1u << WORLD_SONAR;
+    bool laser = wanted & 1u << WORLD_LASER;
+    bool camera = wanted & 1u << WORLD_CAMERA;
+    bool finder = wanted & 1u << WORLD_FIDUCIALS;
+    /* Nobody writes through these. */
+    to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m;
+    to->sonar_m._length = to->sonar_m._maximum = sonar ? (uint32_t)from->sonar_count : 0;
+    to->laser_m._buffer = (float *)(uintptr_t)from->laser_m;
+    to->laser_m._length = to->laser_m._maximum = laser ? (uint32_t)from->laser_count : 0;
+    to->blobs._buffer = (muster_Blob *)(uintptr_t)from->blobs;
+    to->blobs._length = to->blobs._maximum = camera ? (uint32_t)from->blob_count : 0;
+    to->fiducials._buffer = (muster_Fiducial *)(uintptr_t)from->fiducials;
+    to->fiducials._length = to->fiducials._maximum = finder ? (uint32_t)from->fiducial_count : 0;
+}
+
+static void body_fill(muster_Percept *to, const struct engine_percept *from)
 {
     to->x_m = from->position.x_m;
     to->y_m = from->position.y_m;
@@ -40,20 +81,17 @@ static void percept_fill(muster_Percept *to, const struct engine_percept *from)
     to->bumpers = from->bumpers;
     to->gripper = from->gripper;
     to->battery_share = from->battery_share;
-    to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m; /* nobody writes there */
-    to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
 }
 
-/* Who watches sees where each body is and how it moves, and hears no echo. */
+/* Who watches sees where each body is and how it moves, and nothing of what its sensors read. */
 static void bodies_fill(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
         const struct engine_percept *percept = &s->robots[r].percept;
-        percept_fill(&s->bodies[r], percept);
+        body_fill(&s->bodies[r], percept);
         s->bodies[r].x_m = percept->pose.x_m;
         s->bodies[r].y_m = percept->pose.y_m;
         s->bodies[r].heading_rad = percept->pose.heading_rad;
-        s->bodies[r].sonar_m._length = s->bodies[r].sonar_m._maximum = 0;
     }
 }
 
@@ -70,7 +108,8 @@ static void senses_send(struct session *s, bool last)
     for (uint32_t i = 0; i < s->process_count; i++) {
         for (size_t r = 0; r < s->robot_count; r++) {
             if (s->robots[r].process == (int32_t)i) {
-                percept_fill(&s->percepts[next++], &s->robots[r].percept);
+                body_fill(&s->percepts[next], &s->robots[r].percept);
+                readings_fill(&s->percepts[next++], &s->robots[r].percept, s->wanted[r]);
             }
         }
         struct session_process *p = &s->processes[i];

@@ -47,8 +47,16 @@ static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
 static muster_Up up = {.process = W("p1"), .acts = LIST(acts), .acks = LIST(acks)};
 
 static float sonar_m[MU_SONARS_MAX + 1] = {0.5f, 1.0f, 2.0f};
-static muster_Percept percepts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.robot = W("red")}, {.robot = W("blue")}, {.robot = W("green"), .sonar_m = LIST(sonar_m)}};
+static float laser_m[MU_BEAMS_MAX + 1] = {0.5f, 1.0f, 2.0f};
+static muster_Blob blobs[MU_BLOBS_MAX + 1];
+static muster_Fiducial fiducials[MU_FIDUCIALS_MAX + 1];
+static muster_Percept percepts[MU_LOCAL_AGENTS_MAX + 1] = {{.robot = W("red")},
+                                                           {.robot = W("blue")},
+                                                           {.robot = W("green"),
+                                                            .sonar_m = LIST(sonar_m),
+                                                            .laser_m = LIST(laser_m),
+                                                            .blobs = LIST(blobs),
+                                                            .fiducials = LIST(fiducials)}};
 static muster_Sense sense = {.process = W("p1"), .robots = LIST(percepts)};
 
 static muster_Parcel parcels[FEW] = {{.box = W("red"), .number = 1, .letter = A_MAIL},
@@ -184,6 +192,29 @@ static const struct field {
      MU_SONARS_MAX},
     {"sense.robot.first sonar", check_sense, &sense, &sonar_m[0], A_FLOAT, 0},
     {"sense.robot.last sonar", check_sense, &sense, &sonar_m[2], A_FLOAT, 0},
+    {"sense.robot.gps_x_m", check_sense, &sense, &percepts[2].gps_x_m, A_DOUBLE, 0},
+    {"sense.robot.gps_y_m", check_sense, &sense, &percepts[2].gps_y_m, A_DOUBLE, 0},
+    {"sense.robot.compass_rad", check_sense, &sense, &percepts[2].compass_rad, A_DOUBLE, 0},
+    {"sense.robot.odometer_x_m", check_sense, &sense, &percepts[2].odometer_x_m, A_DOUBLE, 0},
+    {"sense.robot.odometer_y_m", check_sense, &sense, &percepts[2].odometer_y_m, A_DOUBLE, 0},
+    {"sense.robot.odometer_heading_rad", check_sense, &sense, &percepts[2].odometer_heading_rad,
+     A_DOUBLE, 0},
+    {"sense.robot.battery_share", check_sense, &sense, &percepts[2].battery_share, A_DOUBLE, 0},
+    {"sense.robot.beams", check_sense, &sense, &percepts[2].laser_m._length, A_LENGTH,
+     MU_BEAMS_MAX},
+    {"sense.robot.first beam", check_sense, &sense, &laser_m[0], A_FLOAT, 0},
+    {"sense.robot.last beam", check_sense, &sense, &laser_m[2], A_FLOAT, 0},
+    {"sense.robot.blobs", check_sense, &sense, &percepts[2].blobs._length, A_LENGTH, MU_BLOBS_MAX},
+    {"sense.robot.fiducials", check_sense, &sense, &percepts[2].fiducials._length, A_LENGTH,
+     MU_FIDUCIALS_MAX},
+    {"sense.robot.blob.bearing_rad", check_sense, &sense, &blobs[2].bearing_rad, A_DOUBLE, 0},
+    {"sense.robot.blob.width_rad", check_sense, &sense, &blobs[2].width_rad, A_DOUBLE, 0},
+    {"sense.robot.blob.range_m", check_sense, &sense, &blobs[2].range_m, A_DOUBLE, 0},
+    {"sense.robot.fiducial.bearing_rad", check_sense, &sense, &fiducials[2].bearing_rad, A_DOUBLE,
+     0},
+    {"sense.robot.fiducial.range_m", check_sense, &sense, &fiducials[2].range_m, A_DOUBLE, 0},
+    {"sense.robot.fiducial.heading_rad", check_sense, &sense, &fiducials[2].heading_rad, A_DOUBLE,
+     0},
 
     {"delivery.process", check_delivery, &delivery, &delivery.process, A_WORD, MU_PROCESS_MAX},
     {"delivery.broker", check_delivery, &delivery, &delivery.broker, A_TEXT, MU_FIELD_MAX},
