@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-robot: one robot's controller, with a CLIPS mind between its senses and its motors. */
+#include "agent/body.h"
 #include "agent/mind.h"
 #include "agent/pages.h"
 #include "core/attributes.h"
@@ -464,6 +465,7 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     if (mail->reply_with[0]) {
         line_answer(r, mail, done);
     }
+    body_ask(a, r->mind);
     if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
         mu_agent_set_state(a, MU_RUNNING);
     }
@@ -522,15 +524,7 @@ static void on_step(void *self, mu_agent *a, const struct mu_percept *p)
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
-    struct mind_percept percept = {.time_ns = p->time_ns,
-                                   .x_m = p->x_m,
-                                   .y_m = p->y_m,
-                                   .heading_rad = p->heading_rad,
-                                   .forward_m_s = p->forward_m_s,
-                                   .turn_rad_s = p->turn_rad_s,
-                                   .stalled = p->stalled,
-                                   .sonar_count = p->sonar_count,
-                                   .sonar_m = p->sonar_m};
+    struct mind_percept percept = body_percept(p);
     mind_percept(r->mind, &percept);
 }
 
@@ -544,9 +538,8 @@ static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     if (act.end == MIND_STOPPED) {
         mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
     }
-    if (act.drives && mu_agent_drive(a, act.forward_m_s, act.turn_rad_s) != MU_OK) {
-        mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
-    }
+    body_act(a, &act);
+    body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
     if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
@@ -626,6 +619,7 @@ static mu_result robot_join(struct robot *r, const struct settings *set)
                                    .on_refusal = on_refusal};
     MU_TRY(mu_agent_join(r->process, &r->agent, set->name, MU_KIND_ROBOT, 0, &handlers));
     mu_agent_be(r->agent, &robot_kind);
+    body_ask(r->agent, r->mind);
     return mu_process_await_broker(r->process, BROKER_PATIENCE_NS);
 }
 
