@@ -15,6 +15,8 @@ enum { RULES_TEXT_MAX = 64 * 1024 };
 enum { PART_COUNTERS_MAX = 64 };
 /* A line of the white pages, in bytes. */
 enum { LINE_TEXT_MAX = 511 };
+/* A path, and why an order was refused, in bytes. */
+enum { FILE_TEXT_MAX = 1023, REASON_TEXT_MAX = 255 };
 
 static bool text_fits(const char *text, size_t max)
 {
@@ -290,7 +292,23 @@ bool check_roster(const void *sample)
 bool check_run_command(const void *sample)
 {
     const muster_RunCommand *c = sample;
-    return is_process(c->simulator);
+    const double numbers[] = {c->x_m,       c->y_m,       c->heading_rad, c->force_x_n,
+                              c->force_y_n, c->torque_nm, c->time_s,      c->rate};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (!isfinite(numbers[i])) {
+            return false;
+        }
+    }
+    return is_process(c->simulator) && text_fits(c->source, MU_PROCESS_MAX) &&
+           (unsigned)c->order <= muster_RUN_SAVE && text_fits(c->name, MU_FIELD_MAX) &&
+           text_fits(c->file, FILE_TEXT_MAX);
+}
+
+bool check_run_answer(const void *sample)
+{
+    const muster_RunAnswer *a = sample;
+    return is_process(a->simulator) && text_fits(a->source, MU_PROCESS_MAX) &&
+           (unsigned)a->result <= muster_ORDER_NOT_WRITTEN && text_fits(a->reason, REASON_TEXT_MAX);
 }
 
 bool check_run_status(const void *sample)

@@ -92,6 +92,21 @@ void runhash_fold_number(struct runhash *h, uint64_t number)
     fold_number(h->run, number);
 }
 
+void runhash_order(struct runhash *h, const muster_RunCommand *order)
+{
+    const double numbers[] = {order->x_m,       order->y_m,       order->heading_rad,
+                              order->force_x_n, order->force_y_n, order->torque_nm,
+                              order->time_s};
+    fold_number(h->run, (uint64_t)order->order);
+    fold_text(h->run, order->name);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        fold_double(h->run, numbers[i]);
+    }
+    fold_number(h->run, order->keeps_heading);
+    fold_number(h->run, order->senses);
+    fold_number(h->run, order->on);
+}
+
 void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count,
                      unsigned char digest[RUNHASH_BYTES])
 {

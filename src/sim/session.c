@@ -20,6 +20,7 @@ static mu_result topics_open(struct session *s)
 {
     MU_TRY(bus_writer_open(&s->bus, BUS_ROSTER, NULL, NULL, &s->roster));
     MU_TRY(bus_writer_open(&s->bus, BUS_RUN_STATUS, NULL, NULL, &s->status));
+    MU_TRY(bus_writer_open(&s->bus, BUS_RUN_ANSWER, NULL, NULL, &s->answers));
     MU_TRY(bus_reader_open(&s->bus, BUS_REGISTRATION, NULL, &s->registrations));
     MU_TRY(bus_reader_open(&s->bus, BUS_UP, "simulator", &s->ups));
     MU_TRY(bus_reader_open(&s->bus, BUS_DELIVERY, s->name, &s->deliveries));
@@ -45,6 +46,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
     }
+    s->orders = mu_startup_alloc(sizeof *s->orders);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
@@ -215,7 +217,12 @@ static void commands_take(struct session *s)
     enum bus_life life;
     const muster_RunCommand *c;
     while ((c = bus_next(&s->commands, &life))) {
-        if (life == BUS_DATA && strcmp(c->simulator, s->name) == 0) {
+        if (life != BUS_DATA || strcmp(c->simulator, s->name) != 0) {
+            continue;
+        }
+        if (c->order > muster_RUN_END) {
+            session_order_take(s, c);
+        } else {
             s->go = s->go || c->order == muster_RUN_GO;
             s->end = s->end || c->order == muster_RUN_END;
         }
@@ -411,7 +418,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
     processes_prune(s);
     samples_lay_out(s);
     s->step = 0;
-    s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+    s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
     mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
            s->process_count, !s->options.free);
     mu_result told = session_tell_roster(s, !s->options.free);

@@ -33,7 +33,8 @@ _Static_assert(
 static void wanted_set(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
-        s->wanted[r] = s->robots[r].process >= 0 ? s->robots[r].senses : 0;
+        const struct session_robot *robot = &s->robots[r];
+        s->wanted[r] = robot->process >= 0 ? robot->senses & ~robot->off : 0;
     }
 }
 
@@ -186,6 +187,7 @@ static void step_finish(struct session *s)
 {
     outside_fold(s);
     commands_apply(s);
+    session_orders_apply(s);
     engine_step(s->engine);
     s->step++;
     s->last_step_wall_ns = mu_clock_ns();
@@ -255,8 +257,8 @@ static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal
 /* Waits until its time has come on the monotonic clock, taking in what comes meanwhile. */
 static void wait_until(struct session *s, uint64_t due_ns, const volatile sig_atomic_t *signal_came)
 {
-    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end && !*signal_came;
-         now_ns = mu_clock_ns()) {
+    for (uint64_t now_ns = mu_clock_ns();
+         now_ns < due_ns && !s->end && !*signal_came && !s->paced_anew; now_ns = mu_clock_ns()) {
         int64_t wait_ns = (int64_t)(due_ns - now_ns);
         bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
         session_take(s);
@@ -270,8 +272,12 @@ static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
     if (s->options.rate <= 0.0) {
         return;
     }
-    double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
-    wait_until(s, s->first_step_wall_ns + (uint64_t)due_ns, signal_came);
+    do {
+        s->paced_anew = false;
+        double due_ns =
+            (double)(s->step - s->pace_step) * (double)s->options.step_ns / s->options.rate;
+        wait_until(s, s->pace_wall_ns + (uint64_t)due_ns, signal_came);
+    } while (s->paced_anew && s->options.rate > 0.0);
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
@@ -289,7 +295,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
         if (s->step == 0) {
             s->answers_missing = 0;
             waited = answers_wait(s, signal_came);
-            s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+            s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
             senses_send(s, false);
         }
         waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;

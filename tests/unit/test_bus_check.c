@@ -97,7 +97,10 @@ static muster_Registration registration = {.process = W("p1"),
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {
     .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
-static muster_RunCommand command = {.simulator = W("sim")};
+static muster_RunCommand command = {
+    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W("")};
+static muster_RunAnswer run_answer = {
+    .simulator = W("sim"), .source = W("operator"), .reason = W("")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
@@ -250,6 +253,21 @@ static const struct field {
     {"roster.process", check_roster, &roster, &processes[2], A_WORD, MU_PROCESS_MAX},
     {"roster.first process", check_roster, &roster, &processes[0], A_WORD, MU_PROCESS_MAX},
     {"command.simulator", check_run_command, &command, &command.simulator, A_WORD, MU_PROCESS_MAX},
+    {"command.source", check_run_command, &command, &command.source, A_TEXT, MU_PROCESS_MAX},
+    {"command.name", check_run_command, &command, &command.name, A_TEXT, MU_FIELD_MAX},
+    {"command.file", check_run_command, &command, &command.file, A_TEXT, 1023},
+    {"command.x_m", check_run_command, &command, &command.x_m, A_DOUBLE, 0},
+    {"command.y_m", check_run_command, &command, &command.y_m, A_DOUBLE, 0},
+    {"command.heading_rad", check_run_command, &command, &command.heading_rad, A_DOUBLE, 0},
+    {"command.force_x_n", check_run_command, &command, &command.force_x_n, A_DOUBLE, 0},
+    {"command.force_y_n", check_run_command, &command, &command.force_y_n, A_DOUBLE, 0},
+    {"command.torque_nm", check_run_command, &command, &command.torque_nm, A_DOUBLE, 0},
+    {"command.time_s", check_run_command, &command, &command.time_s, A_DOUBLE, 0},
+    {"command.rate", check_run_command, &command, &command.rate, A_DOUBLE, 0},
+    {"answer.simulator", check_run_answer, &run_answer, &run_answer.simulator, A_WORD,
+     MU_PROCESS_MAX},
+    {"answer.source", check_run_answer, &run_answer, &run_answer.source, A_TEXT, MU_PROCESS_MAX},
+    {"answer.reason", check_run_answer, &run_answer, &run_answer.reason, A_TEXT, 255},
 
     {"status.simulator", check_run_status, &status, &status.simulator, A_WORD, MU_PROCESS_MAX},
     {"status.hash", check_run_status, &status, &status.hash, A_TEXT, 64},
@@ -444,6 +462,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_DELIVERY] = check_delivery,
         [BUS_ROSTER] = check_roster,
         [BUS_RUN_COMMAND] = check_run_command,
+        [BUS_RUN_ANSWER] = check_run_answer,
         [BUS_RUN_STATUS] = check_run_status,
         [BUS_PAGES] = check_page,
         [BUS_BROKER_STATUS] = check_broker_status,
