@@ -4,8 +4,7 @@
 #include <math.h>
 
 /* Rubber on a hard floor. */
-#define DRIVE_FRICTION     0.6
-#define DRIVE_GRAVITY_M_S2 9.81
+#define DRIVE_FRICTION 0.6
 
 /* The wheels stand this far from the middle, as a part of the width. */
 #define DRIVE_WHEEL_AT 0.4
@@ -24,18 +23,31 @@ static double drive_clamp(double value, double least, double most)
 void drive_init(struct drive *drive, const struct world_robot *robot, double inertia_kg_m2,
                 double speed_max_m_s)
 {
-    double traction = DRIVE_FRICTION * robot->mass_kg * DRIVE_GRAVITY_M_S2;
     *drive = (struct drive){
         .limits = {.forward_max_m_s = fmin(robot->forward_max_m_s, speed_max_m_s),
                    .reverse_max_m_s = fmin(robot->reverse_max_m_s, speed_max_m_s),
                    .turn_max_rad_s = robot->turn_max_rad_s,
                    .forward_accel_m_s2 = robot->forward_accel_m_s2,
                    .turn_accel_rad_s2 = robot->turn_accel_rad_s2,
-                   .mass_kg = robot->mass_kg,
-                   .inertia_kg_m2 = inertia_kg_m2,
-                   .traction_n = traction,
-                   .turn_traction_nm = traction * DRIVE_WHEEL_AT * robot->width_m},
+                   .width_m = robot->width_m},
     };
+    drive_load(drive, robot->mass_kg, inertia_kg_m2);
+}
+
+void drive_load(struct drive *drive, double mass_kg, double inertia_kg_m2)
+{
+    struct drive_limits *l = &drive->limits;
+    l->mass_kg = mass_kg;
+    l->inertia_kg_m2 = inertia_kg_m2;
+    l->traction_n = DRIVE_FRICTION * mass_kg * DRIVE_GRAVITY_M_S2;
+    l->turn_traction_nm = l->traction_n * DRIVE_WHEEL_AT * l->width_m;
+}
+
+void drive_halt(struct drive *drive)
+{
+    drive->forward_m_s = 0;
+    drive->turn_rad_s = 0;
+    drive->held_up_s = 0;
 }
 
 void drive_aim(struct drive *drive, double *forward_m_s, double *turn_rad_s)

@@ -12,9 +12,12 @@
 
 #include "world/world.h"
 
+#define DRIVE_GRAVITY_M_S2 9.81
+
 struct drive_limits {
     double forward_max_m_s, reverse_max_m_s, turn_max_rad_s;
     double forward_accel_m_s2, turn_accel_rad_s2;
+    double width_m;
     double mass_kg, inertia_kg_m2;
     double traction_n; /* that the wheels bring to the floor */
     double turn_traction_nm;
@@ -38,6 +41,12 @@ struct drive_force {
 /** At rest.  speed_max_m_s is what the world allows, whatever the robot could do. */
 void drive_init(struct drive *drive, const struct world_robot *robot, double inertia_kg_m2,
                 double speed_max_m_s);
+
+/** Takes over what the body and its load weigh now. */
+void drive_load(struct drive *drive, double mass_kg, double inertia_kg_m2);
+
+/** Stops the wheels dead: the body was put somewhere else. */
+void drive_halt(struct drive *drive);
 
 /** Sets the aim, clamped to the limits; the arguments become what was set.  All finite. */
 void drive_aim(struct drive *drive, double *forward_m_s, double *turn_rad_s);

@@ -1,41 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* The order of a step; the work is done in the files beside this one. */
 #include "sim/engine.h"
 
 #include "muster/memory.h"
-#include "sim/drive.h"
-#include "sim/grid.h"
-#include "sim/narrow.h"
-#include "sim/ode_world.h"
-#include "sim/sonar.h"
+#include "sim/engine_core.h"
 
 #include <math.h>
-#include <stdio.h>
 
 #define ENGINE_SUBSTEP_NS 20000000ull
-
-/* Farther out than any world reaches: what is there has been flung, not driven. */
-#define ENGINE_PLACE_MAX_M 1e7
-
-struct engine_robot {
-    struct drive drive;
-    struct ode_motion motion;        /* as of now */
-    struct ode_motion last_good;     /* as of the last control step */
-    double outline_x_m, outline_y_m; /* the outline's middle in the robot's frame */
-    struct sonar_ring sonars;
-    float sonar_m[MU_SONARS_MAX];
-};
-
-struct engine {
-    uint64_t seed, substeps; /* substeps since the start */
-    unsigned substeps_per_step;
-    double dt_s;
-    size_t robot_count;
-    struct engine_robot *robots;
-    struct solid *outlines; /* of the robots, where they are now */
-    struct solid *shapes;
-    struct grid grid;
-    struct grid_near near;
-};
 
 /* splitmix64's last stage: neighbouring steps get seeds that have nothing in common. */
 static uint64_t engine_mix(uint64_t x)
@@ -45,82 +17,70 @@ static uint64_t engine_mix(uint64_t x)
     return x ^ (x >> 31);
 }
 
-static void engine_follow(struct engine *e, size_t i)
-{
-    struct engine_robot *r = &e->robots[i];
-    ode_world_motion(i, &r->motion);
-    const struct ode_motion *m = &r->motion;
-    struct solid *outline = &e->outlines[i];
-    outline->x = m->x + m->c * r->outline_x_m - m->s * r->outline_y_m;
-    outline->y = m->y + m->s * r->outline_x_m + m->c * r->outline_y_m;
-    outline->c = m->c;
-    outline->s = m->s;
-}
+/* --- the beginning and the end ---------------------------------------------------------------- */
 
-static struct drive_motion engine_own_motion(const struct ode_motion *m)
+static size_t engine_count_paddles(const struct world *world)
 {
-    return (struct drive_motion){.forward_m_s = m->c * m->vx + m->s * m->vy,
-                                 .left_m_s = m->c * m->vy - m->s * m->vx,
-                                 .turn_rad_s = m->turn};
-}
-
-/*
- * Half of the thinnest thing that a robot could meet, and of itself, per substep: nothing is
- * jumped over.
- */
-static double engine_speed_max(const struct engine *e, const struct world *world,
-                               const struct world_robot *robot)
-{
-    double thinnest = INFINITY;
-    for (size_t i = 0; i < world->shape_count; i++) {
-        thinnest = fmin(thinnest, fmin(e->shapes[i].half_x, e->shapes[i].half_y));
+    size_t count = 0;
+    for (size_t i = 0; i < world->robot_count; i++) {
+        count += world->robots[i].gripper.length_m > 0 ? GRIPPER_PADDLES : 0;
     }
-    thinnest = isfinite(thinnest) ? thinnest : 0;
-    return 0.5 * (fmin(robot->length_m, robot->width_m) / 2 + thinnest) / e->dt_s;
+    return count;
 }
 
-static void engine_add_robot(struct engine *e, const struct world *world, size_t i)
+static void engine_take_memory(struct engine *e, const struct world *world)
 {
-    const struct world_robot *robot = &world->robots[i];
-    struct engine_robot *r = &e->robots[i];
-    struct ode_body_size size = {.mass_kg = robot->mass_kg,
-                                 .length_m = robot->length_m,
-                                 .width_m = robot->width_m,
-                                 .middle_x_m = robot->origin_x_m,
-                                 .middle_y_m = robot->origin_y_m};
-    double inertia = ode_world_add(&size, robot->pose);
-    r->outline_x_m = robot->origin_x_m;
-    r->outline_y_m = robot->origin_y_m;
-    drive_init(&r->drive, robot, inertia, engine_speed_max(e, world, robot));
-    sonar_init(&r->sonars, robot);
-    e->outlines[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
-    engine_follow(e, i);
-    r->last_good = r->motion;
+    e->robot_count = world->robot_count;
+    e->object_count = world->object_count;
+    e->body_count = e->robot_count + e->object_count;
+    e->part_count = e->body_count + engine_count_paddles(world);
+    e->bodies = mu_startup_array(e->body_count, sizeof *e->bodies);
+    e->robots = mu_startup_array(e->robot_count, sizeof *e->robots);
+    e->objects = mu_startup_array(e->object_count, sizeof *e->objects);
+    e->outlines = mu_startup_array(e->part_count, sizeof *e->outlines);
+    e->parts = mu_startup_array(e->part_count, sizeof *e->parts);
+    e->shapes = mu_startup_array(world->shape_count, sizeof *e->shapes);
+    e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
+    e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
+    e->near.moving = mu_startup_array(e->part_count, sizeof *e->near.moving);
+}
+
+static void engine_build_fence(struct engine *e)
+{
+    double gap_m = INFINITY; /* what is narrower lets no body through */
+    for (size_t b = 0; b < e->body_count; b++) {
+        size_t part = b < e->robot_count ? b : engine_object_part(e, b - e->robot_count);
+        gap_m = fmin(gap_m, 2 * fmin(e->outlines[part].half_x, e->outlines[part].half_y));
+    }
+    fence_measure(&e->fence, e->shapes, e->world->shape_count, isfinite(gap_m) ? gap_m : 0);
+    for (size_t b = 0; b < e->body_count; b++) {
+        fence_include(&e->fence, e->bodies[b].motion.x, e->bodies[b].motion.y);
+    }
 }
 
 struct engine *engine_open(const struct world *world, const struct engine_options *options)
 {
     uint64_t substep_ns = options->substep_ns ? options->substep_ns : ENGINE_SUBSTEP_NS;
     MU_ASSERT(options->step_ns >= substep_ns && options->step_ns % substep_ns == 0);
-    size_t robots = world->robot_count;
     struct engine *e = mu_startup_alloc(sizeof *e);
+    e->world = world;
     e->seed = options->seed;
     e->substeps_per_step = (unsigned)(options->step_ns / substep_ns);
     e->dt_s = (double)substep_ns * 1e-9;
-    e->robot_count = robots;
-    e->robots = mu_startup_array(robots, sizeof *e->robots);
-    e->outlines = mu_startup_array(robots, sizeof *e->outlines);
-    e->shapes = mu_startup_array(world->shape_count, sizeof *e->shapes);
-    e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
-    e->near.moving = mu_startup_array(robots, sizeof *e->near.moving);
+    engine_take_memory(e, world);
     for (size_t i = 0; i < world->shape_count; i++) {
         e->shapes[i] = solid_of_shape(&world->shapes[i]);
+        e->stands[i] =
+            (struct engine_part){.body = ODE_WORLD_STANDS, .look = &world->shapes[i].look};
     }
-    ode_world_open(robots);
-    for (size_t i = 0; i < robots; i++) {
-        engine_add_robot(e, world, i);
+    ode_world_open(e->body_count);
+    engine_add_bodies(e);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_start_devices(e, i);
     }
-    grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, robots);
+    engine_build_fence(e);
+    grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
+    engine_feel_grippers(e);
     return e;
 }
 
@@ -130,6 +90,8 @@ void engine_close(struct engine *e)
         ode_world_close();
     }
 }
+
+/* --- a step ----------------------------------------------------------------------------------- */
 
 mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s, double *turn_rad_s)
 {
@@ -141,105 +103,105 @@ mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s, do
     return MU_OK;
 }
 
-static void engine_push(struct engine *e, size_t i)
+static struct drive_motion engine_own_motion(const struct ode_motion *m)
+{
+    return (struct drive_motion){.forward_m_s = m->c * m->vx + m->s * m->vy,
+                                 .left_m_s = m->c * m->vy - m->s * m->vx,
+                                 .turn_rad_s = m->turn};
+}
+
+/* The wheels push the body. */
+static void engine_roll(struct engine *e, size_t i)
 {
     struct engine_robot *r = &e->robots[i];
-    const struct ode_motion *m = &r->motion;
+    const struct ode_motion *m = &e->bodies[i].motion;
     struct drive_motion motion = engine_own_motion(m);
+    if (battery_is_empty(&r->battery)) {
+        double none = 0;
+        drive_aim(&r->drive, &none, &none);
+    }
     struct drive_force f = drive_run(&r->drive, &motion, e->dt_s);
+    r->drive_w = fabs(f.forward_n * r->drive.forward_m_s) + fabs(f.turn_nm * r->drive.turn_rad_s);
     ode_world_push(i, m->c * f.forward_n - m->s * f.left_n, m->s * f.forward_n + m->c * f.left_n,
                    f.turn_nm);
 }
 
-/* The order of the contacts is part of the result: by robot, then as grid_near lists them. */
-static void engine_collide(struct engine *e, size_t i)
+/* What the wheels did, as the devices have it. */
+static void engine_note(struct engine *e, size_t i)
 {
-    struct narrow_contact contact;
-    grid_near(&e->grid, (uint32_t)i, &e->near);
-    for (size_t k = 0; k < e->near.still_count; k++) {
-        narrow_collide(&e->outlines[i], &e->shapes[e->near.still[k]], &contact);
-        ode_world_touch(i, ODE_WORLD_STANDS, &contact);
+    struct engine_robot *r = &e->robots[i];
+    struct drive_motion motion = engine_own_motion(&e->bodies[i].motion);
+    drive_watch(&r->drive, &motion, e->dt_s);
+    odometer_run(&r->odometer, r->drive.forward_m_s, r->drive.turn_rad_s, e->dt_s);
+    battery_run(&r->battery, r->drive_w, r->charge_w, e->dt_s);
+}
+
+static void engine_run_grippers(struct engine *e)
+{
+    bool moved = false;
+    for (size_t i = 0; i < e->robot_count; i++) {
+        moved = engine_run_gripper(e, i) || moved;
     }
-    for (size_t k = 0; k < e->near.moving_count; k++) {
-        uint32_t other = e->near.moving[k];
-        narrow_collide(&e->outlines[i], &e->outlines[other], &contact);
-        ode_world_touch(i, (int)other, &contact);
+    if (moved) {
+        grid_update(&e->grid);
     }
 }
 
 static void engine_substep(struct engine *e)
 {
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_push(e, i);
+        engine_roll(e, i);
     }
-    for (size_t i = 0; i < e->robot_count; i++) {
-        engine_collide(e, i);
-    }
+    engine_load_forces(e);
+    engine_collide(e);
     e->substeps++;
     ode_world_step(e->dt_s, engine_mix(e->seed ^ engine_mix(e->substeps)));
+    engine_settle(e);
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_follow(e, i);
-        struct engine_robot *r = &e->robots[i];
-        struct drive_motion motion = engine_own_motion(&r->motion);
-        drive_watch(&r->drive, &motion, e->dt_s);
+        engine_note(e, i);
     }
     grid_update(&e->grid);
-}
-
-/* A body that has left the numbers goes back to where it was, at rest. */
-static void engine_mend(struct engine *e, size_t i)
-{
-    struct engine_robot *r = &e->robots[i];
-    const struct ode_motion *m = &r->motion;
-    double sum = m->x + m->y + m->c + m->s + m->vx + m->vy + m->turn;
-    if (isfinite(sum) && fabs(m->x) < ENGINE_PLACE_MAX_M && fabs(m->y) < ENGINE_PLACE_MAX_M) {
-        r->last_good = *m;
-        return;
-    }
-    fprintf(stderr, "robot %zu was flung out of the world; it is put back\n", i);
-    ode_world_put(i, r->last_good.x, r->last_good.y, atan2(r->last_good.s, r->last_good.c));
-    r->drive.forward_m_s = 0;
-    r->drive.turn_rad_s = 0;
-    engine_follow(e, i);
-    grid_update(&e->grid);
+    engine_run_grippers(e);
 }
 
 void engine_step(struct engine *e)
 {
+    for (size_t i = 0; i < e->robot_count; i++) {
+        e->robots[i].bumpers = 0;
+    }
     for (unsigned k = 0; k < e->substeps_per_step; k++) {
         engine_substep(e);
     }
+    engine_guard(e);
+    e->steps++;
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_mend(e, i);
+        struct gps_when now = {e->seed, i, e->steps};
+        gps_walk(&e->robots[i].gps, &now);
     }
+    engine_feel_grippers(e);
 }
+
+/* --- what comes out --------------------------------------------------------------------------- */
 
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
     struct engine_robot *r = &e->robots[robot];
-    const struct ode_motion *m = &r->motion;
-    struct drive_motion motion = engine_own_motion(m);
-    double heading = atan2(m->s, m->c);
-    struct world_pose pose = {m->x, m->y, heading <= -M_PI ? M_PI : heading};
-    *out = (struct engine_percept){.pose = pose,
-                                   .position = pose,
-                                   .gps_x_m = pose.x_m,
-                                   .gps_y_m = pose.y_m,
-                                   .compass_rad = pose.heading_rad,
-                                   .odometer = pose,
-                                   .battery_share = -1};
-    out->forward_m_s = motion.forward_m_s;
-    out->turn_rad_s = motion.turn_rad_s;
-    out->stalled = drive_stalled(&r->drive);
+    const struct ode_motion *m = &e->bodies[robot].motion;
+    engine_feel(e, robot, out);
     out->sonar_count = r->sonars.count;
     struct sonar_frame frame = {m->x, m->y, m->c, m->s};
     sonar_read(&r->sonars, &e->grid, (int)robot, &frame, r->sonar_m);
     out->sonar_m = r->sonar_m;
 }
 
-void engine_state(const struct engine *e, size_t robot, double state[ENGINE_STATE_DOUBLES])
+size_t engine_body_count(const struct engine *e)
 {
-    MU_ASSERT(robot < e->robot_count);
-    ode_world_state(robot, state);
+    return e->body_count;
+}
+
+void engine_state(const struct engine *e, size_t body, double state[ENGINE_STATE_DOUBLES])
+{
+    MU_ASSERT(body < e->body_count);
+    ode_world_state(body, state);
 }

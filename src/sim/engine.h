@@ -66,6 +66,15 @@ struct engine_percept {
 /* Bit for bit the state of a body: x, y, z; quaternion w, x, y, z; linear and angular velocity. */
 enum { ENGINE_STATE_DOUBLES = 13 };
 
+/*
+ * A push from outside, in the world's frame: a force for a time, or, if time_s is 0, an impulse in
+ * N s and N m s.
+ */
+struct engine_force {
+    double x_n, y_n, turn_nm;
+    double time_s;
+};
+
 /** Builds the bodies.  The world must outlive the engine; one engine in a process. */
 struct engine *engine_open(const struct world *world, const struct engine_options *options);
 
@@ -82,13 +91,58 @@ void engine_close(struct engine *e);
 MU_MUST_USE mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s,
                                      double *turn_rad_s);
 
+/**
+ * Tells a robot's gripper what to do: open (-1), close (1) or stay (0); go down, up or stay.
+ *
+ * Each takes a second.  Paddles that close on a graspable thing between them take it; it then moves
+ * as one body with the robot, and touches nothing while it is up.  They let it go where it is.
+ *
+ * @return MU_OK; MU_ABSENT: it has no gripper; MU_REFUSED: there is no room for what it would let
+ *         down or go, and it stays as it is
+ */
+MU_MUST_USE mu_result engine_grip(struct engine *e, size_t robot, int32_t paddles, int32_t lift);
+
 /** Moves the world on by one control step. */
 void engine_step(struct engine *e);
 
 /** Reads a robot's senses as of now. */
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out);
 
-/** Copies the state that the run's hash is made of. */
-void engine_state(const struct engine *e, size_t robot, double state[ENGINE_STATE_DOUBLES]);
+/** @return how many bodies there are: the robots, then the objects, each as in struct world */
+size_t engine_body_count(const struct engine *e);
+
+/** @return where a body is; heading in (-pi, pi] */
+struct world_pose engine_pose(const struct engine *e, size_t body);
+
+/** Copies the state of a body that the run's hash is made of. */
+void engine_state(const struct engine *e, size_t body, double state[ENGINE_STATE_DOUBLES]);
+
+/*
+ * Changes from outside, between two steps.  reason receives why one was refused, for a person to
+ * read; it is the engine's, good until the next such call.
+ */
+
+/**
+ * Puts a body somewhere else, at rest.  A robot takes along what it holds.
+ *
+ * @return MU_OK; MU_REFUSED: it would overlap something, lie outside the world, or is being held
+ */
+MU_MUST_USE mu_result engine_place(struct engine *e, size_t body, struct world_pose pose,
+                                   const char **reason);
+
+/** Pushes a body from the next step on, in place of an earlier push.  @return as engine_place */
+MU_MUST_USE mu_result engine_push(struct engine *e, size_t body, const struct engine_force *force,
+                                  const char **reason);
+
+/**
+ * Puts a body to where it started, its devices as they were then.  What a robot holds stays where
+ * it is.
+ *
+ * @return as engine_place: another may stand there now
+ */
+MU_MUST_USE mu_result engine_reset(struct engine *e, size_t body, const char **reason);
+
+/** Puts all bodies to where they started.  Time goes on. */
+void engine_reset_all(struct engine *e);
 
 #endif

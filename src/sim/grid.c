@@ -61,6 +61,9 @@ static void grid_build(struct grid *grid, struct grid_layer *layer)
     layer->outside_count = 0;
     for (uint32_t k = 0; k < layer->count; k++) {
         struct grid_span span = grid_span(grid, &layer->solids[k]);
+        if (layer->solids[k].away) {
+            continue;
+        }
         if (!span.inside) {
             layer->outside[layer->outside_count++] = k;
             continue;
@@ -78,7 +81,8 @@ static void grid_build(struct grid *grid, struct grid_layer *layer)
     memcpy(grid->cursor, layer->start, cells * sizeof *grid->cursor);
     for (uint32_t k = 0; k < layer->count; k++) {
         struct grid_span span = grid_span(grid, &layer->solids[k]);
-        for (int j = span.y0; span.inside && j <= span.y1; j++) {
+        bool inside = span.inside && !layer->solids[k].away;
+        for (int j = span.y0; inside && j <= span.y1; j++) {
             for (int i = span.x0; i <= span.x1; i++) {
                 if (grid_touches(grid, &layer->solids[k], i, j)) {
                     layer->entries[grid->cursor[j * grid->nx + i]++] = k;
@@ -250,7 +254,8 @@ static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k,
     return count + 1;
 }
 
-static void grid_meet_cell(struct grid *grid, uint32_t index, int cell, struct grid_near *near)
+/* Of the moving ones, those with the number least and higher. */
+static void grid_meet_cell(struct grid *grid, uint32_t least, int cell, struct grid_near *near)
 {
     struct grid_layer *still = &grid->still;
     struct grid_layer *moving = &grid->moving;
@@ -259,35 +264,48 @@ static void grid_meet_cell(struct grid *grid, uint32_t index, int cell, struct g
             grid_meet(grid, still, still->entries[k], near->still, near->still_count);
     }
     for (uint32_t k = moving->start[cell]; k < moving->start[cell + 1]; k++) {
-        if (moving->entries[k] > index) {
+        if (moving->entries[k] >= least) {
             near->moving_count =
                 grid_meet(grid, moving, moving->entries[k], near->moving, near->moving_count);
         }
     }
 }
 
-void grid_near(struct grid *grid, uint32_t index, struct grid_near *near)
+static void grid_meet_all(struct grid *grid, const struct solid *solid, uint32_t least,
+                          struct grid_near *near)
 {
     struct grid_layer *moving = &grid->moving;
-    struct grid_span span = grid_span(grid, &moving->solids[index]);
+    struct grid_span span = grid_span(grid, solid);
     near->still_count = 0;
     near->moving_count = 0;
     grid->query++;
     for (int j = span.y0; j <= span.y1; j++) {
         for (int i = span.x0; i <= span.x1; i++) {
-            grid_meet_cell(grid, index, j * grid->nx + i, near);
+            grid_meet_cell(grid, least, j * grid->nx + i, near);
         }
     }
     if (!span.inside) { /* it lies in no cell: whoever is on the grid may touch it */
-        for (uint32_t k = index + 1; k < moving->count; k++) {
-            near->moving_count = grid_meet(grid, moving, k, near->moving, near->moving_count);
+        for (uint32_t k = least; k < moving->count; k++) {
+            if (!moving->solids[k].away) {
+                near->moving_count = grid_meet(grid, moving, k, near->moving, near->moving_count);
+            }
         }
         return;
     }
     for (uint32_t k = 0; k < moving->outside_count; k++) {
-        if (moving->outside[k] > index) {
+        if (moving->outside[k] >= least) {
             near->moving_count =
                 grid_meet(grid, moving, moving->outside[k], near->moving, near->moving_count);
         }
     }
+}
+
+void grid_near(struct grid *grid, uint32_t index, struct grid_near *near)
+{
+    grid_meet_all(grid, &grid->moving.solids[index], index + 1, near);
+}
+
+void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near)
+{
+    grid_meet_all(grid, solid, 0, near);
 }

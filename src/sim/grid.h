@@ -66,4 +66,7 @@ struct grid_near {
 };
 void grid_near(struct grid *grid, uint32_t index, struct grid_near *near);
 
+/** As grid_near, for any solid: it need not be on the grid, and all moving ones count. */
+void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near);
+
 #endif

@@ -18,6 +18,7 @@ enum { ODE_WORLD_STATE = 13, ODE_WORLD_STANDS = -1 };
 struct ode_body_size {
     double mass_kg, length_m, width_m;
     double middle_x_m, middle_y_m; /* of the outline, seen from the body's own point */
+    bool disc;                     /* its length is its diameter */
 };
 
 /* What the rest of the simulator wants to know of a body. */
@@ -39,8 +40,35 @@ void ode_world_motion(size_t body, struct ode_motion *motion);
 /** Position, quaternion (w x y z), linear and angular velocity. */
 void ode_world_state(size_t body, double state[ODE_WORLD_STATE]);
 
+/** Puts a body into a state that ode_world_state gave, bit for bit, without forces on it. */
+void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE]);
+
 /** Puts a body at a place, at rest. */
 void ode_world_put(size_t body, double x, double y, double heading_rad);
+
+/** Gives a body a velocity, in the world's frame. */
+void ode_world_set_velocity(size_t body, double vx, double vy, double turn);
+
+/** Makes a body lighter or heavier: what it carries moves with it. */
+void ode_world_weigh(size_t body, double mass_kg, double inertia_kg_m2);
+
+/** Takes a body out of the steps, or into them; it comes back by itself when another one touches
+ * it. */
+void ode_world_sleep(size_t body, bool sleeps);
+
+bool ode_world_sleeps(size_t body);
+
+/** Lays a body on the floor, which rubs on it from now on. */
+void ode_world_lay(size_t body);
+
+/* What the floor can bring against a body: along a direction, across it, and against its turn. */
+struct ode_friction {
+    double along_x, along_y; /* a unit vector */
+    double along_n, across_n, turn_nm;
+};
+
+/** Sets the friction of a body that lies on the floor, for the steps that come. */
+void ode_world_rub(size_t body, const struct ode_friction *friction);
 
 /** Pushes a body for the next step, in the world's frame; all finite. */
 void ode_world_push(size_t body, double fx_n, double fy_n, double torque_nm);

@@ -135,18 +135,26 @@ static bool senses_retry(struct session *s)
 
 /* --- one step --------------------------------------------------------------------------------- */
 
+static void body_hash(struct session *s, size_t body)
+{
+    double state[ENGINE_STATE_DOUBLES];
+    engine_state(s->engine, body, state);
+    runhash_fold(s->hash, state, sizeof state);
+}
+
 /* Hashes and records the world as this step found it; done while the controllers think. */
 static void world_record(struct session *s)
 {
     runhash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
-        double state[ENGINE_STATE_DOUBLES];
-        engine_state(s->engine, r, state);
-        runhash_fold(s->hash, state, sizeof state);
+        body_hash(s, r);
         if (s->recorder && s->robots[r].controlled) {
             recorder_add(s->recorder, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
                          &s->robots[r].percept);
         }
+    }
+    for (size_t b = s->robot_count; b < engine_body_count(s->engine); b++) {
+        body_hash(s, b);
     }
 }
 

@@ -15,6 +15,7 @@ struct solid {
     double c, s;           /* cosine and sine of its heading */
     double half_x, half_y; /* of a disc: its radius, both */
     double reach;          /* of the circle around it */
+    bool away;             /* lifted off the floor: nothing meets it, no ray sees it */
 };
 
 struct solid solid_box(struct world_pose middle, double half_x_m, double half_y_m);

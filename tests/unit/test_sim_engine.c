@@ -15,6 +15,8 @@ static struct world_shape shapes[8];
 static struct world_robot robots[8];
 static struct world world;
 
+static const struct world_look solid_look = {.stops = true, .echoes = true, .shows = true};
+
 static void clear(void)
 {
     memset(shapes, 0, sizeof shapes);
@@ -24,14 +26,18 @@ static void clear(void)
 
 static void add_wall(double x_m, double y_m, double half_x_m, double half_y_m)
 {
-    shapes[world.shape_count++] = (struct world_shape){
-        .kind = WORLD_BOX, .pose = {x_m, y_m, 0}, .half_x_m = half_x_m, .half_y_m = half_y_m};
+    shapes[world.shape_count++] = (struct world_shape){.kind = WORLD_BOX,
+                                                       .pose = {x_m, y_m, 0},
+                                                       .half_x_m = half_x_m,
+                                                       .half_y_m = half_y_m,
+                                                       .look = solid_look};
 }
 
 static struct world_robot *add_robot(double x_m, double y_m, double heading_deg)
 {
     struct world_robot *r = &robots[world.robot_count++];
     *r = (struct world_robot){.pose = {x_m, y_m, heading_deg * M_PI / 180},
+                              .look = solid_look,
                               .length_m = 0.44,
                               .width_m = 0.38,
                               .mass_kg = 9,
@@ -253,8 +259,8 @@ static void test_sonar_geometry(void)
     clear();
     add_wall(2.1, 0, 0.1, 4); /* its face at x = 2 */
     add_wall(0, -20, 1, 0.1); /* out of range */
-    shapes[world.shape_count++] =
-        (struct world_shape){.kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5};
+    shapes[world.shape_count++] = (struct world_shape){
+        .kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5, .look = solid_look};
     struct world_robot *r = add_robot(0, 0, 0);
     add_sonar(r, 0.1, 0, 0);
     add_sonar(r, 0, 0.1, 90);

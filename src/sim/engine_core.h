@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file engine_core.h
+ * What the files of the engine share, and nobody else sees.
+ *
+ * A *body* is what ODE moves: the robots, then the objects.  A *part* is a piece of matter that
+ * belongs to a body: the robots' cases, then their grippers' paddles, then the objects.  An object
+ * that is held belongs to the body of its bearer.
+ */
+#ifndef MUSTER_SIM_ENGINE_CORE_H
+#define MUSTER_SIM_ENGINE_CORE_H
+
+#include "sim/battery.h"
+#include "sim/drive.h"
+#include "sim/engine.h"
+#include "sim/fence.h"
+#include "sim/gps.h"
+#include "sim/grid.h"
+#include "sim/gripper.h"
+#include "sim/narrow.h"
+#include "sim/ode_world.h"
+#include "sim/odometer.h"
+#include "sim/sonar.h"
+
+enum { ENGINE_NO_BEARER = -1 };
+
+struct engine_body {
+    const char *name;
+    struct ode_motion motion;      /* as of now */
+    struct ode_motion last_good;   /* as of the last control step */
+    double middle_x_m, middle_y_m; /* of its outline, in its own frame */
+    double mass_kg, inertia_kg_m2; /* without what it carries */
+    double speed_max_m_s;          /* faster, it could step over something */
+    struct engine_force push;      /* from outside */
+    uint32_t push_substeps;        /* for so long */
+    bool asleep;                   /* an object at rest that nothing pushes */
+    bool touched;                  /* something that moves touches it in this substep */
+    bool fault;                    /* it was put back in this step */
+    uint64_t faults;               /* since the start */
+};
+
+struct engine_robot {
+    struct drive drive;
+    struct odometer odometer;
+    struct gps gps;
+    struct battery battery;
+    struct gripper gripper;
+    size_t paddles;     /* the first of its two parts, if it has a gripper */
+    double drive_w;     /* what its wheels did in this substep */
+    double charge_w;    /* what stands at its side */
+    uint32_t bumpers;   /* what was touched in this step */
+    uint32_t grip_felt; /* bits of enum engine_gripper */
+    struct sonar_ring sonars;
+    float sonar_m[MU_SONARS_MAX];
+};
+
+struct engine_object {
+    double friction_n, friction_nm; /* that the floor can bring against it */
+    int32_t bearer;                 /* the robot that holds it */
+    double x, y, c, s;              /* its pose in the bearer's frame */
+};
+
+struct engine_part {
+    int32_t body; /* ODE_WORLD_STANDS: it stands */
+    bool is_case; /* a robot's: it has a bumper, and plugs */
+    const struct world_look *look;
+};
+
+struct engine {
+    const struct world *world;
+    uint64_t seed, steps, substeps; /* since the start */
+    unsigned substeps_per_step;
+    double dt_s;
+    size_t robot_count, object_count, body_count, part_count, paddle_count;
+    struct engine_body *bodies;
+    struct engine_robot *robots;
+    struct engine_object *objects;
+    struct solid *outlines; /* of the parts, where they are now */
+    struct engine_part *parts;
+    struct solid *shapes; /* what stands */
+    struct engine_part *stands;
+    size_t awake_end; /* no object from this part on is awake */
+    struct fence fence;
+    struct grid grid;
+    struct grid_near near;
+    char reason[160]; /* of the last refusal */
+};
+
+/* engine_bodies.c: */
+
+/** Adds the bodies of all robots and objects, in that order. */
+void engine_add_bodies(struct engine *e);
+
+/** Takes over where a body is now, and moves its parts there. */
+void engine_follow(struct engine *e, size_t body);
+
+/** Pushes what is pushed from outside, and lets the floor rub on the objects. */
+void engine_load_forces(struct engine *e);
+
+/** Finds all contacts of this substep, in a fixed order. */
+void engine_collide(struct engine *e);
+
+/** Takes over where the bodies are after a substep. */
+void engine_settle(struct engine *e);
+
+/** Puts a body somewhere, at rest. */
+void engine_put(struct engine *e, size_t body, struct world_pose pose);
+
+/** @return the number of an object's part */
+size_t engine_object_part(const struct engine *e, size_t object);
+
+/** @return where a body is in the plane, as its own frame */
+struct gripper_frame engine_frame(const struct engine *e, size_t body);
+
+/**
+ * Looks for what would stop a solid that belongs to a body.
+ *
+ * @param tolerance_m  so deep it may lie in something
+ * @return NULL: there is room; else the name of what is in the way
+ */
+const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
+                            double tolerance_m);
+
+/* engine_grip.c: */
+
+/** Moves a robot's gripper for one substep.  @return whether anything moved */
+bool engine_run_gripper(struct engine *e, size_t robot);
+
+/** Moves the paddles and what is held to where the robot is. */
+void engine_carry(struct engine *e, size_t robot);
+
+/** Lets go what a robot holds, where it is. */
+void engine_let_go(struct engine *e, size_t robot);
+
+/** Looks what the grippers feel, for the percepts. */
+void engine_feel_grippers(struct engine *e);
+
+/* engine_feel.c: */
+
+/** Fills in what a robot knows of itself: all but what it sees.  Changes nothing. */
+void engine_feel(const struct engine *e, size_t robot, struct engine_percept *out);
+
+/* engine_change.c: */
+
+/** Starts a robot's devices as the file has them. */
+void engine_start_devices(struct engine *e, size_t robot);
+
+/* engine_guard.c: */
+
+/** Puts each body that left the numbers or the world back to where it was, at rest. */
+void engine_guard(struct engine *e);
+
+#endif
