@@ -27,6 +27,12 @@ static struct outcome outcome_of(muster_RunOutcome result, const char *reason)
     return o;
 }
 
+static struct outcome outcome_done(mu_result r, const char *reason)
+{
+    return r == MU_OK ? outcome_of(muster_ORDER_DONE, "")
+                      : outcome_of(muster_ORDER_REFUSED, reason ? reason : mu_result_text(r));
+}
+
 static const struct outcome *no_name(struct outcome *o, const char *what)
 {
     snprintf(o->reason, sizeof o->reason, "the world has no %s of that name", what);
@@ -52,6 +58,42 @@ static long body_find(const struct session *s, const char *name)
 
 /* --- what each does; the body is there if it has to be ---------------------------------------- */
 
+static struct outcome order_place(struct session *s, const muster_RunCommand *c, long body)
+{
+    const char *reason = NULL;
+    struct world_pose pose = {c->x_m, c->y_m, c->heading_rad};
+    if (c->keeps_heading) {
+        pose.heading_rad = engine_pose(s->engine, (size_t)body).heading_rad;
+    }
+    mu_result placed = engine_place(s->engine, (size_t)body, pose, &reason);
+    return outcome_done(placed, reason);
+}
+
+static struct outcome order_push(struct session *s, const muster_RunCommand *c, long body)
+{
+    const char *reason = NULL;
+    struct engine_force force = {c->force_x_n, c->force_y_n, c->torque_nm, c->time_s};
+    mu_result pushed = engine_push(s->engine, (size_t)body, &force, &reason);
+    return outcome_done(pushed, reason);
+}
+
+static struct outcome order_reset(struct session *s, const muster_RunCommand *c, long body)
+{
+    const char *reason = NULL;
+    if (c->name[0] == '\0') {
+        engine_reset_all(s->engine);
+        for (size_t i = 0; i < s->robot_count; i++) {
+            s->robots[i].off = 0;
+        }
+        return outcome_done(MU_OK, NULL);
+    }
+    mu_result reset = engine_reset(s->engine, (size_t)body, &reason);
+    if (reset == MU_OK && (size_t)body < s->robot_count) {
+        s->robots[body].off = 0;
+    }
+    return outcome_done(reset, reason);
+}
+
 static struct outcome order_sensor(struct session *s, const muster_RunCommand *c, long body)
 {
     struct outcome o = {.result = muster_ORDER_DONE};
@@ -69,9 +111,9 @@ static const struct {
     bool needs_body; /* else "" stands for all, or for none */
     bool changes;    /* the world, and with it the run's hash */
 } order_table[] = {
-    [muster_RUN_PLACE] = {NULL, "place", true, true},
-    [muster_RUN_PUSH] = {NULL, "push", true, true},
-    [muster_RUN_RESET] = {NULL, "reset", false, true},
+    [muster_RUN_PLACE] = {order_place, "place", true, true},
+    [muster_RUN_PUSH] = {order_push, "push", true, true},
+    [muster_RUN_RESET] = {order_reset, "reset", false, true},
     [muster_RUN_SENSOR] = {order_sensor, "sensor", true, true},
     [muster_RUN_PACE] = {NULL, "pace", false, false}, /* at once: session_order_take */
     [muster_RUN_SAVE] = {NULL, "save", false, false},

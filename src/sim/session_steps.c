@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How a run goes on: one step after the other. */
 #include "core/clock.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "sim/session.h"
 
@@ -169,6 +170,21 @@ static bool robot_is_held(const struct session *s, const struct session_robot *r
     return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < patience_ns;
 }
 
+/* An order counts once; what cannot be done is not, and the percept shows it. */
+static void gripper_apply(struct session *s, size_t robot)
+{
+    struct session_robot *r = &s->robots[robot];
+    if (r->paddles != 0 || r->lift != 0) {
+        mu_result done = engine_grip(s->engine, robot, r->paddles, r->lift);
+        if (done != MU_OK) {
+            mu_log(MU_LOG_INFO, "gripper-refused", "robot=%s step=%lld: %s", r->name,
+                   (long long)s->step,
+                   done == MU_ABSENT ? "it has none" : "there is no room to let go");
+        }
+    }
+    r->paddles = r->lift = 0;
+}
+
 static void commands_apply(struct session *s)
 {
     uint64_t now_ns = s->options.free ? mu_clock_ns() : 0;
@@ -181,6 +197,7 @@ static void commands_apply(struct session *s)
         double turn_rad_s = held ? r->turn_rad_s : 0.0;
         /* The border has refused what is not finite, so the engine cannot. */
         MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        gripper_apply(s, i);
         runhash_fold(s->hash, r->digest, sizeof r->digest);
     }
 }
