@@ -132,6 +132,17 @@ $(O)/%.o: %.c Makefile | $(GEN:.o=.h) deps
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
+# What casts rays is worth more of the compiler's time.  No result may depend on the trap flags.
+RAYS := $(patsubst %,$(O)/src/sim/%.o,grid fan_portable fan_sse2 fan_avx2 fan_avx512)
+ifeq ($(BUILD),release)
+$(RAYS): CFLAGS += -O3 -fno-trapping-math
+endif
+# The same source for each vector unit of the processor; which one runs is found out at the start.
+ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
+$(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
+$(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
+endif
+
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
 	$(Q)idlc -l c -o $(@D) $<

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file draw.h
- * Random numbers without a state: each is a function of who draws it, for what, and when.
+ * Noise that is drawn from its place: who, which sensor, when, which beam.
  *
- * So a sensor that nobody reads, or another order of threads, changes no other sensor's noise.
+ * There is no state, so that reading one sensor never changes another, whichever thread reads it,
+ * and a run that goes on from a snapshot draws what it would have drawn.  Nothing here asks the
+ * mathematics library, whose last bits differ between machines.
  */
 #ifndef MUSTER_SIM_DRAW_H
 #define MUSTER_SIM_DRAW_H
@@ -23,16 +25,16 @@ enum draw_use {
     DRAW_ODOMETER
 };
 
-/** @return the key of all that one robot draws for one use at one time */
+/** @return the key of all that one sensor draws at one time, for draw_bits */
 uint64_t draw_key(uint64_t seed, uint64_t robot, enum draw_use use, uint64_t tick);
 
-/** @return 64 random bits, others for each index */
+/** @return 64 bits that have nothing in common with those of another key or index */
 uint64_t draw_bits(uint64_t key, uint64_t index);
 
 /** @return evenly spread in (0, 1), both ends excluded */
 double draw_unit(uint64_t bits);
 
-/** @return a number from the normal distribution, mean 0, deviation 1 (Box and Muller, 1958) */
+/** @return a normal deviate, mean 0 and standard deviation 1 */
 double draw_normal(uint64_t bits);
 
 #endif

@@ -80,6 +80,12 @@ struct engine *engine_open(const struct world *world, const struct engine_option
     }
     engine_build_fence(e);
     grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
+    e->senses = senses_open(&(struct senses_scene){.world = world,
+                                                   .grid = &e->grid,
+                                                   .seed = options->seed,
+                                                   .step_ns = options->step_ns,
+                                                   .threads = options->threads});
+    e->percepts = mu_startup_array(e->robot_count, sizeof *e->percepts);
     engine_feel_grippers(e);
     return e;
 }
@@ -87,6 +93,7 @@ struct engine *engine_open(const struct world *world, const struct engine_option
 void engine_close(struct engine *e)
 {
     if (e) {
+        senses_close(e->senses);
         ode_world_close();
     }
 }
@@ -183,16 +190,32 @@ void engine_step(struct engine *e)
 
 /* --- what comes out --------------------------------------------------------------------------- */
 
+static void engine_place_senses(struct engine *e, size_t robot)
+{
+    const struct ode_motion *m = &e->bodies[robot].motion;
+    senses_place(e->senses, robot, &(struct frame){m->x, m->y, m->c, m->s});
+}
+
+const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[])
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_place_senses(e, i);
+    }
+    senses_read_all(e->senses, wanted, e->steps);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_feel(e, i, &e->percepts[i]);
+        senses_tell(e->senses, i, wanted[i], &e->percepts[i]);
+    }
+    return e->percepts;
+}
+
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
-    struct engine_robot *r = &e->robots[robot];
-    const struct ode_motion *m = &e->bodies[robot].motion;
+    engine_place_senses(e, robot);
+    senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
     engine_feel(e, robot, out);
-    out->sonar_count = r->sonars.count;
-    struct sonar_frame frame = {m->x, m->y, m->c, m->s};
-    sonar_read(&r->sonars, &e->grid, (int)robot, &frame, r->sonar_m);
-    out->sonar_m = r->sonar_m;
+    senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);
 }
 
 size_t engine_body_count(const struct engine *e)

@@ -3,8 +3,8 @@
  * @file engine.h
  * The physics and the senses of one world, without clock, file or network.
  *
- * The same world, options and commands give the same bits, on one machine and the next.  One
- * thread.  ODE stays behind this header.  Robots are numbered as in struct world.
+ * The same world, options and commands give the same bits, on one machine and the next, with any
+ * number of threads.  ODE stays behind this header.  Robots are numbered as in struct world.
  */
 #ifndef MUSTER_SIM_ENGINE_H
 #define MUSTER_SIM_ENGINE_H
@@ -18,6 +18,7 @@ struct engine_options {
     uint64_t seed;
     uint64_t step_ns;    /* of a control step; a multiple of substep_ns */
     uint64_t substep_ns; /* of the physics; 20 ms when 0 */
+    size_t threads;      /* that read the sensors, the caller's included; 0: one */
 };
 
 struct engine_blob {
@@ -105,7 +106,21 @@ MU_MUST_USE mu_result engine_grip(struct engine *e, size_t robot, int32_t paddle
 /** Moves the world on by one control step. */
 void engine_step(struct engine *e);
 
-/** Reads a robot's senses as of now. */
+/* All bits of enum world_sensor. */
+#define ENGINE_ALL_SENSES ((1u << WORLD_SENSORS) - 1)
+
+/**
+ * Reads what is asked for, of every robot, as of now.
+ *
+ * A sensor that nobody asks for costs nothing, and reads empty.  One that is not due keeps its
+ * reading.
+ *
+ * @param wanted  for each robot the bits 1 << enum world_sensor
+ * @return what each robot feels and sees; the engine's, good until the next step or reading
+ */
+const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[]);
+
+/** Reads all senses of one robot as of now. */
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out);
 
 /** @return how many bodies there are: the robots, then the objects, each as in struct world */

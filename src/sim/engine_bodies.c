@@ -85,9 +85,10 @@ static void engine_add_robot(struct engine *e, size_t i, double thinnest_m)
     b->inertia_kg_m2 = ode_world_add(&size, robot->pose);
     b->speed_max_m_s = engine_speed_max(e, fmin(robot->length_m, robot->width_m) / 2, thinnest_m);
     e->outlines[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
+    e->outlines[i].owner = (int32_t)i;
+    solid_look(&e->outlines[i], &robot->look);
     e->parts[i] = (struct engine_part){.body = (int32_t)i, .is_case = true, .look = &robot->look};
     drive_init(&r->drive, robot, b->inertia_kg_m2, b->speed_max_m_s);
-    sonar_init(&r->sonars, robot);
     engine_add_paddles(e, i);
 }
 
@@ -112,6 +113,7 @@ static void engine_add_object(struct engine *e, size_t k, double thinnest_m)
         (struct engine_object){.friction_n = friction,
                                .friction_nm = friction * ENGINE_RUB_AT * sqrt(area / M_PI),
                                .bearer = ENGINE_NO_BEARER};
+    solid.owner = (int32_t)body;
     e->outlines[part] = solid;
     e->parts[part] = (struct engine_part){.body = (int32_t)body, .look = &object->shape.look};
 }

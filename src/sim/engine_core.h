@@ -20,7 +20,7 @@
 #include "sim/narrow.h"
 #include "sim/ode_world.h"
 #include "sim/odometer.h"
-#include "sim/sonar.h"
+#include "sim/senses.h"
 
 enum { ENGINE_NO_BEARER = -1 };
 
@@ -50,8 +50,6 @@ struct engine_robot {
     double charge_w;    /* what stands at its side */
     uint32_t bumpers;   /* what was touched in this step */
     uint32_t grip_felt; /* bits of enum engine_gripper */
-    struct sonar_ring sonars;
-    float sonar_m[MU_SONARS_MAX];
 };
 
 struct engine_object {
@@ -83,7 +81,9 @@ struct engine {
     struct fence fence;
     struct grid grid;
     struct grid_near near;
-    char reason[160]; /* of the last refusal */
+    struct senses *senses;
+    struct engine_percept *percepts; /* of engine_sense_all */
+    char reason[160];                /* of the last refusal */
 };
 
 /* engine_bodies.c: */

@@ -58,8 +58,9 @@ void engine_carry(struct engine *e, size_t robot)
     }
     struct gripper_frame frame = engine_frame(e, robot);
     for (int k = 0; k < GRIPPER_PADDLES; k++) {
-        e->outlines[r->paddles + (size_t)k] =
-            gripper_paddle(&r->gripper, &frame, k, r->gripper.closed);
+        struct solid *paddle = &e->outlines[r->paddles + (size_t)k];
+        *paddle = gripper_paddle(&r->gripper, &frame, k, r->gripper.closed);
+        paddle->owner = (int32_t)robot;
     }
     if (r->gripper.holds != GRIPPER_NOTHING) {
         engine_carry_object(e, robot, (size_t)r->gripper.holds);
@@ -84,6 +85,7 @@ static void engine_take(struct engine *e, size_t robot, size_t object)
                                 .c = m->c * own->c + m->s * own->s,
                                 .s = m->c * own->s - m->s * own->c};
     e->parts[engine_object_part(e, object)].body = (int32_t)robot;
+    e->outlines[engine_object_part(e, object)].owner = (int32_t)robot;
     e->bodies[body].asleep = true;
     e->bodies[body].push_substeps = 0;
     ode_world_sleep(body, true);
@@ -101,6 +103,7 @@ void engine_let_go(struct engine *e, size_t robot)
     size_t body = e->robot_count + object;
     o->bearer = ENGINE_NO_BEARER;
     e->parts[engine_object_part(e, object)].body = (int32_t)body;
+    e->outlines[engine_object_part(e, object)].owner = (int32_t)body;
     e->outlines[engine_object_part(e, object)].away = false;
     e->bodies[body].asleep = false;
     ode_world_sleep(body, false);

@@ -162,85 +162,119 @@ void grid_update(struct grid *grid)
     grid_build(grid, &grid->moving);
 }
 
-static double grid_ray_layer(const struct grid_layer *layer, int self, const double from[2],
-                             const double along[2], double best)
+/* A ray on its way: what it has met so far, and how far off.  Passed by value: it stays in
+ * registers. */
+struct grid_flight {
+    double from[2], along[2];
+    double best_m;
+    const struct solid *hit;
+};
+
+static inline bool grid_sees(struct grid_eye eye, const struct solid *solid)
 {
-    for (uint32_t k = 0; k < layer->count; k++) {
-        if ((int)k != self) {
-            best = solid_ray(&layer->solids[k], from, along, best);
-        }
-    }
-    return best;
+    return (solid->returns & eye.returns) && solid->owner != eye.self;
 }
 
-static double grid_ray_cell(const struct grid *grid, int cell, int self, const double from[2],
-                            const double along[2], double best)
+static inline struct grid_flight grid_try(struct grid_flight flight, const struct solid *solid)
 {
-    const struct grid_layer *still = &grid->still;
-    const struct grid_layer *moving = &grid->moving;
-    for (uint32_t k = still->start[cell]; k < still->start[cell + 1]; k++) {
-        best = solid_ray(&still->solids[still->entries[k]], from, along, best);
-    }
-    for (uint32_t k = moving->start[cell]; k < moving->start[cell + 1]; k++) {
-        if ((int)moving->entries[k] != self) {
-            best = solid_ray(&moving->solids[moving->entries[k]], from, along, best);
+    double range = solid_ray(solid, flight.from, flight.along, flight.best_m);
+    flight.hit = range < flight.best_m ? solid : flight.hit;
+    flight.best_m = range;
+    return flight;
+}
+
+static inline struct grid_flight grid_try_some(struct grid_flight flight,
+                                               const struct grid_layer *layer, struct grid_eye eye,
+                                               const uint32_t *some, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        const struct solid *solid = &layer->solids[some ? some[k] : k];
+        if (grid_sees(eye, solid)) {
+            flight = grid_try(flight, solid);
         }
     }
-    return best;
+    return flight;
+}
+
+static inline struct grid_flight grid_try_cell(struct grid_flight flight,
+                                               const struct grid_layer *layer, struct grid_eye eye,
+                                               size_t cell)
+{
+    uint32_t first = layer->start[cell];
+    return grid_try_some(flight, layer, eye, layer->entries + first,
+                         layer->start[cell + 1] - first);
 }
 
 /* Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
-static double grid_walk(const struct grid *grid, int self, const double from[2],
-                        const double along[2], double best)
+static inline struct grid_flight grid_walk(struct grid_flight flight, const struct grid *grid,
+                                           struct grid_eye eye)
 {
-    double gx = (from[0] - grid->x0) * grid->per_m;
-    double gy = (from[1] - grid->y0) * grid->per_m;
+    double gx = (flight.from[0] - grid->x0) * grid->per_m;
+    double gy = (flight.from[1] - grid->y0) * grid->per_m;
     int i = (int)gx;
     int j = (int)gy;
-    double slope_x = fabs(along[0]);
-    double slope_y = fabs(along[1]);
+    double slope_x = fabs(flight.along[0]);
+    double slope_y = fabs(flight.along[1]);
     double per_x = grid->cell_m / (slope_x > 1e-12 ? slope_x : 1e-12);
     double per_y = grid->cell_m / (slope_y > 1e-12 ? slope_y : 1e-12);
-    double next_x = (along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
-    double next_y = (along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
-    int step_x = along[0] > 0 ? 1 : -1;
-    int step_y = along[1] > 0 ? 1 : -1;
-    int end_x = along[0] > 0 ? grid->nx : -1;
-    int end_y = along[1] > 0 ? grid->ny : -1;
+    double next_x = (flight.along[0] > 0 ? i + 1 - gx : gx - i) * per_x;
+    double next_y = (flight.along[1] > 0 ? j + 1 - gy : gy - j) * per_y;
+    int step_x = flight.along[0] > 0 ? 1 : -1;
+    int step_y = flight.along[1] > 0 ? 1 : -1;
+    int end_x = flight.along[0] > 0 ? grid->nx : -1;
+    int end_y = flight.along[1] > 0 ? grid->ny : -1;
+    ptrdiff_t row = step_y > 0 ? grid->nx : -grid->nx;
+    ptrdiff_t cell = (ptrdiff_t)j * grid->nx + i;
     for (;;) {
-        best = grid_ray_cell(grid, j * grid->nx + i, self, from, along, best);
+        flight = grid_try_cell(flight, &grid->still, eye, (size_t)cell);
+        flight = grid_try_cell(flight, &grid->moving, eye, (size_t)cell);
         if (next_x < next_y) {
             i += step_x;
-            if (best <= next_x || i == end_x) {
-                return best;
+            cell += step_x;
+            if (flight.best_m <= next_x || i == end_x) {
+                return flight;
             }
             next_x += per_x;
         } else {
             j += step_y;
-            if (best <= next_y || j == end_y) {
-                return best;
+            cell += row;
+            if (flight.best_m <= next_y || j == end_y) {
+                return flight;
             }
             next_y += per_y;
         }
     }
 }
 
+static inline struct grid_flight grid_fly(struct grid_flight flight, const struct grid *grid,
+                                          struct grid_eye eye)
+{
+    const struct grid_layer *moving = &grid->moving;
+    double gx = (flight.from[0] - grid->x0) * grid->per_m;
+    double gy = (flight.from[1] - grid->y0) * grid->per_m;
+    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
+        flight = grid_try_some(flight, &grid->still, eye, NULL, grid->still.count);
+        return grid_try_some(flight, moving, eye, NULL, moving->count);
+    }
+    flight = grid_try_some(flight, moving, eye, moving->outside, moving->outside_count);
+    return grid_walk(flight, grid, eye);
+}
+
+double grid_find(const struct grid *grid, struct grid_eye eye, const double from[2],
+                 const double along[2], double range_m, const struct solid **hit)
+{
+    struct grid_flight flight = {{from[0], from[1]}, {along[0], along[1]}, range_m, NULL};
+    flight = grid_fly(flight, grid, eye);
+    *hit = flight.hit;
+    return flight.best_m;
+}
+
+/* The compiler sees that nobody asks for the hit, and leaves that out. */
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m)
 {
-    double gx = (from[0] - grid->x0) * grid->per_m;
-    double gy = (from[1] - grid->y0) * grid->per_m;
-    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
-        double best = grid_ray_layer(&grid->still, GRID_NOBODY, from, along, range_m);
-        return grid_ray_layer(&grid->moving, self, from, along, best);
-    }
-    double best = range_m;
-    for (uint32_t k = 0; k < grid->moving.outside_count; k++) {
-        if ((int)grid->moving.outside[k] != self) {
-            best = solid_ray(&grid->moving.solids[grid->moving.outside[k]], from, along, best);
-        }
-    }
-    return grid_walk(grid, self, from, along, best);
+    struct grid_flight flight = {{from[0], from[1]}, {along[0], along[1]}, range_m, NULL};
+    return grid_fly(flight, grid, (struct grid_eye){self, SOLID_ECHOES}).best_m;
 }
 
 static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k, uint32_t *list,

@@ -14,7 +14,7 @@
 
 #include <stdint.h>
 
-enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -1 };
+enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* no solid has this owner */
 
 struct grid_layer {
     const struct solid *solids;
@@ -46,13 +46,23 @@ void grid_init(struct grid *grid, const struct solid *still, size_t still_count,
 /** Takes over where the moving solids are now. */
 void grid_update(struct grid *grid);
 
+/* Whose ray it is, and what it looks for. */
+struct grid_eye {
+    int self;         /* what has this owner it does not see; GRID_NOBODY: it sees all */
+    uint32_t returns; /* what has none of these it does not see either */
+};
+
 /**
  * Casts a ray.
  *
  * @param along  a unit vector
- * @param self   a moving solid that the ray does not see; GRID_NOBODY: it sees all
- * @return the distance to the nearest solid, 0 from inside one, range_m when there is none nearer
+ * @param hit    out: the nearest solid; NULL when there is none within range_m
+ * @return the distance to it, 0 from inside one, range_m when there is none nearer
  */
+double grid_find(const struct grid *grid, struct grid_eye eye, const double from[2],
+                 const double along[2], double range_m, const struct solid **hit);
+
+/** grid_find for what echoes, without asking what it is. */
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m);
 

@@ -58,6 +58,8 @@ static struct solid gripper_box(const struct gripper *g, const struct gripper_fr
     double x = g->make->pose.x_m + g->c * at[0] - g->s * at[1];
     double y = g->make->pose.y_m + g->s * at[0] + g->c * at[1];
     return (struct solid){.kind = WORLD_BOX,
+                          .returns = SOLID_STOPS, /* it is too low for the sensors */
+                          .owner = SOLID_NOBODY,
                           .x = frame->x + frame->c * x - frame->s * y,
                           .y = frame->y + frame->s * x + frame->c * y,
                           .c = frame->c * g->c - frame->s * g->s,

@@ -24,7 +24,7 @@ struct settings {
     struct mu_network network;
     int64_t seed;
     double duration_s, rate, step_ms, silence_s;
-    int64_t watchers;
+    int64_t watchers, threads;
     bool free, waits_for_go, verbose;
     const char *csv;
     struct mu_option_list robots; /* names; none: all of the world */
@@ -88,6 +88,15 @@ static struct mu_option option_table[] = {
      .help = "processes that see all bodies, such as resolvers, for which the first step waits",
      .target = &set.watchers,
      .max = MU_PROCESSES_MAX},
+    {.name = "threads",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .environment = "MUSTER_SIM_THREADS",
+     .help = "threads that read the sensors; of no use below 32 robots",
+     .target = &set.threads,
+     .min = 1,
+     .max = 64},
     {.name = "csv",
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
@@ -230,7 +239,8 @@ int main(int argc, char **argv)
         return mu_exit_for(prepared);
     }
     uint64_t step_ns = (uint64_t)llround(set.step_ms) * 1000000u;
-    struct engine_options physics = {.seed = (uint64_t)set.seed, .step_ns = step_ns};
+    struct engine_options physics = {
+        .seed = (uint64_t)set.seed, .step_ns = step_ns, .threads = (size_t)set.threads};
     struct session *s = mu_startup_alloc(sizeof *s);
     struct recorder *recorder = NULL;
     if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {

@@ -42,8 +42,9 @@ static void wanted_set(struct session *s)
 static void percepts_read(struct session *s)
 {
     wanted_set(s);
+    const struct engine_percept *percepts = engine_sense_all(s->engine, s->wanted);
     for (size_t r = 0; r < s->robot_count; r++) {
-        engine_sense(s->engine, r, &s->robots[r].percept);
+        s->robots[r].percept = percepts[r];
     }
 }
 

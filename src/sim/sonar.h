@@ -1,32 +1,45 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file sonar.h
- * A ring of sonars: one exact ray for each, down the middle of its cone.
+ * A ring of sonars: each hears the nearest echo of the exact rays over its cone.
  */
 #ifndef MUSTER_SIM_SONAR_H
 #define MUSTER_SIM_SONAR_H
 
+#include "sim/frame.h"
 #include "sim/grid.h"
+#include "sim/noise.h"
+
+struct sonar_ray {
+    double x, y; /* its direction, in the robot's frame */
+};
 
 struct sonar {
-    double x, y;                     /* in the robot's frame */
-    double along_x, along_y;         /* its direction, in the robot's frame */
-    double range_min_m, range_max_m; /* readings are clipped to them */
+    double x, y; /* in the robot's frame */
+    struct noise_limits range;
+    struct world_noise noise;
+    double least_cos; /* of the angle of incidence, for an echo to come back; 0: any */
+    uint32_t first_ray, ray_count;
 };
 
 struct sonar_ring {
     size_t count;
-    struct sonar sonars[MU_SONARS_MAX];
+    struct sonar *sonars;
+    struct sonar_ray *rays; /* of all of them */
 };
 
-struct sonar_frame {
-    double x, y, c, s; /* the robot's place; cosine and sine of its heading */
+/* Whose ring it is, now. */
+struct sonar_place {
+    struct frame robot;
+    int32_t self; /* the owner of what it does not hear */
+    uint64_t key; /* of its noise: draw_key(..., DRAW_SONAR, ...) */
 };
 
+/** Takes memory. */
 void sonar_init(struct sonar_ring *ring, const struct world_robot *robot);
 
-/** Reads all sonars of the moving solid self. */
-void sonar_read(const struct sonar_ring *ring, const struct grid *grid, int self,
-                const struct sonar_frame *frame, float range_m[MU_SONARS_MAX]);
+/** Reads all sonars. */
+void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
+                const struct sonar_place *place, float range_m[]);
 
 #endif

@@ -67,7 +67,8 @@ static size_t count_wrong_rays(double side_m, size_t *hits)
         double y = between(-side_m, side_m);
         double from[2] = {i % 8 == 0 ? round(x) : x, i % 16 == 0 ? round(y) : y};
         double along[2] = {cos(turn), sin(turn)};
-        int self = (int)mu_random_between(&dice, GRID_NOBODY, MOVING - 1);
+        int self = (int)mu_random_between(&dice, -1, MOVING - 1);
+        self = self < 0 ? GRID_NOBODY : self;
         double range = between(0.1, 12);
         double got = grid_ray(&grid, self, from, along, range);
         double want = brute_force(self, from, along, range);
@@ -144,6 +145,60 @@ static void test_from_inside_is_zero(void)
     }
 }
 
+static void test_eyes_see_what_returns_and_is_not_their_own(void)
+{
+    static struct grid lane;
+    struct solid here[2] = {solid_disc(-5, -5, 1), solid_disc(9, 0, 1)};
+    struct solid there[3] = {solid_disc(1, 0, 0.25), solid_disc(3, 0, 0.5), solid_disc(5, 0, 0.5)};
+    struct world_look glass = {.stops = true, .shows = true, .fiducial = 7, .rgb = 0x123456};
+    for (int i = 0; i < 3; i++) {
+        there[i].owner = i;
+    }
+    there[1].owner = 0; /* carried by 0 */
+    solid_look(&there[2], &glass);
+    grid_init(&lane, here, 2, there, 3);
+    const double from[2] = {1, 0};
+    const double along[2] = {1, 0};
+    const struct solid *hit;
+    CU_ASSERT_EQUAL(grid_ray(&lane, 0, from, along, 20), 7);
+    CU_ASSERT_EQUAL(grid_ray(&lane, GRID_NOBODY, from, along, 20), 0);
+    struct grid_eye eye = {.self = 0, .returns = SOLID_SHOWS};
+    CU_ASSERT_EQUAL(grid_find(&lane, eye, from, along, 20, &hit), 3.5);
+    CU_ASSERT_PTR_EQUAL(hit, &there[2]);
+    CU_ASSERT(hit->owner == 2 && hit->fiducial == 7 && hit->rgb == 0x123456);
+    eye.self = 2;
+    CU_ASSERT_EQUAL(grid_find(&lane, eye, (double[]){2, 0}, along, 20, &hit), 0.5);
+    CU_ASSERT_PTR_EQUAL(hit, &there[1]);
+    CU_ASSERT_EQUAL(grid_find(&lane, eye, (double[]){2, 0}, along, 0.25, &hit), 0.25);
+    CU_ASSERT_PTR_NULL(hit);
+    eye.returns = SOLID_ECHOES;
+    CU_ASSERT_EQUAL(grid_find(&lane, eye, (double[]){6, 0}, along, 20, &hit), 2);
+    CU_ASSERT_PTR_EQUAL(hit, &here[1]);
+    CU_ASSERT_EQUAL(hit->owner, SOLID_NOBODY);
+}
+
+static void test_normals_stand_on_the_surface(void)
+{
+    struct solid box = solid_box((struct world_pose){1, 2, 0.3}, 1, 0.5);
+    struct solid disc = solid_disc(-3, 0, 0.5);
+    for (int k = 0; k < 64; k++) {
+        double turn = k * M_PI / 32 + 0.01;
+        double along[2] = {-cos(turn), -sin(turn)};
+        const struct solid *both[2] = {&box, &disc};
+        for (int n = 0; n < 2; n++) {
+            double from[2] = {both[n]->x - 4 * along[0], both[n]->y - 4 * along[1]};
+            double range = solid_ray(both[n], from, along, 10);
+            double at[2] = {from[0] + range * along[0], from[1] + range * along[1]};
+            double normal[2];
+            solid_normal(both[n], at, normal);
+            CU_ASSERT_DOUBLE_EQUAL(hypot(normal[0], normal[1]), 1, 1e-12);
+            double out[2] = {at[0] + 1e-6 * normal[0], at[1] + 1e-6 * normal[1]};
+            double back[2] = {-normal[0], -normal[1]};
+            CU_ASSERT_DOUBLE_EQUAL(solid_ray(both[n], out, back, 1), 1e-6, 1e-9);
+        }
+    }
+}
+
 static void test_limit_cells(void)
 {
     static struct grid wide;
@@ -165,6 +220,9 @@ int main(void)
         {"rays reach what left the grid", test_rays_reach_what_left_the_grid},
         {"neighbours are complete", test_neighbours_are_complete},
         {"from inside a solid: 0", test_from_inside_is_zero},
+        {"eyes see what returns and is not their own",
+         test_eyes_see_what_returns_and_is_not_their_own},
+        {"normals stand on the surface", test_normals_stand_on_the_surface},
         {"limit: cells", test_limit_cells},
         CU_TEST_INFO_NULL,
     };
@@ -175,6 +233,7 @@ int main(void)
     }
     for (size_t i = 0; i < MOVING; i++) {
         moving[i] = any_solid(9);
+        moving[i].owner = (int32_t)i;
     }
     grid_init(&grid, still, STILL, moving, MOVING);
     CU_initialize_registry();

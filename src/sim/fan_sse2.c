@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The beam kernels for SSE2, which every 64-bit x86 has. */
+#if defined(__x86_64__)
+#define FAN_WIDTH  2
+#define FAN_NAME   "sse2"
+#define FAN_KERNEL fan_sse2
+#define FAN_SWEEP  fan_sse2_sweep
+#define FAN_NEAR   fan_sse2_near
+#include "sim/fan_kernel.h"
+#endif

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/laser.h"
+
+void laser_init(struct laser *laser, const struct world_laser *from)
+{
+    *laser = (struct laser){.place = frame_of(from->pose),
+                            .range = {from->range_min_m, from->range_max_m},
+                            .noise = from->noise};
+    if (from->samples > 1 && from->fov_rad > 0) {
+        double step = from->fov_rad / (from->samples - 1);
+        fan_table_init(&laser->table, -from->fov_rad / 2, step, from->samples);
+    } else if (from->samples > 0) { /* all ahead: any step is as good */
+        fan_table_init(&laser->table, 0, 1e-9, from->samples);
+    }
+}
+
+double laser_reach(const struct laser *laser)
+{
+    return laser->table.count ? laser->range.max_m + hypot(laser->place.x, laser->place.y) : 0;
+}
+
+static void laser_sweep(const struct laser *laser, const struct laser_scene *scene)
+{
+    struct frame at = frame_join(&scene->robot, &laser->place);
+    struct fan_eye eye = {at.x, at.y, at.c, at.s, laser->range.max_m, SOLID_ECHOES};
+    fan_kernel()->sweep(&laser->table, &eye, scene->near, scene->range_m, NULL);
+}
+
+/* Beams that do not know where they point are no fan: each is a ray of its own. */
+static void laser_scatter(const struct laser *laser, const struct laser_scene *scene)
+{
+    struct frame at = frame_join(&scene->robot, &laser->place);
+    const double from[2] = {at.x, at.y};
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        double x = laser->table.along_x[k];
+        double y = laser->table.along_y[k];
+        double along[2] = {at.c * x - at.s * y, at.s * x + at.c * y};
+        noise_turn(&laser->noise, along, draw_bits(scene->angle_key, k));
+        scene->range_m[k] = grid_ray(scene->grid, scene->self, from, along, laser->range.max_m);
+    }
+}
+
+void laser_read(const struct laser *laser, const struct laser_scene *scene, float range_m[])
+{
+    if (laser->noise.angle_rad > 0) {
+        laser_scatter(laser, scene);
+    } else {
+        laser_sweep(laser, scene);
+    }
+    bool exact = laser->noise.constant_m <= 0 && laser->noise.per_m <= 0;
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        double range = scene->range_m[k];
+        uint64_t bits = exact ? 0 : draw_bits(scene->key, k);
+        range_m[k] = (float)noise_range(&laser->noise, &laser->range, range, bits);
+    }
+}
