@@ -8,6 +8,8 @@
 
 #include "muster/result.h"
 
+#include <stdbool.h>
+
 enum { MU_FAULT_FILE_MAX = 255, MU_FAULT_TEXT_MAX = 511 };
 
 struct mu_fault {
@@ -15,6 +17,13 @@ struct mu_fault {
     int line;   /* from 1; 0: not known */
     int column; /* from 1; 0: not known */
     char text[MU_FAULT_TEXT_MAX + 1];
+};
+
+/* Who wants to hear of every mistake in a file, not only of the first. */
+struct mu_fault_listener {
+    /* mistake: false when it is a warning */
+    void (*tell)(void *self, const struct mu_fault *fault, bool mistake);
+    void *self;
 };
 
 /**

@@ -158,7 +158,8 @@ static mu_result world_prepare(struct run *r, struct mu_fault *fault)
 {
     const struct experiment *e = r->experiment;
     r->world = mu_startup_alloc(sizeof *r->world);
-    mu_result done = world_load(r->world, e->world, true, fault);
+    struct world_options options = {.quiet = true, .seed = e->seed};
+    mu_result done = world_open(r->world, e->world, &options, fault);
     for (unsigned i = 0; done == MU_OK && i < e->robots_count; i++) {
         const struct experiment_robot *robot = &e->robots[i];
         struct world_pose pose = {0};

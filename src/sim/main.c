@@ -60,10 +60,9 @@ static struct mu_option option_table[] = {
     {.name = "step",
      .kind = MU_OPTION_REAL,
      .unit = "MS",
-     .fallback = "100",
-     .help = "length of a control step, a multiple of 20",
+     .fallback = "0",
+     .help = "length of a control step, a multiple of 20 (default: the world's, else 100)",
      .target = &set.step_ms,
-     .min = 20,
      .max = 10000},
     {.name = "silence",
      .kind = MU_OPTION_REAL,
@@ -173,7 +172,8 @@ static mu_result place_robot(struct world *world, const char *text, struct mu_fa
 static mu_result world_prepare(struct world *world, const char *path)
 {
     struct mu_fault fault;
-    mu_result loaded = world_load(world, path, false, &fault);
+    struct world_options options = {.seed = (uint64_t)set.seed};
+    mu_result loaded = world_open(world, path, &options, &fault);
     for (size_t i = 0; loaded == MU_OK && i < set.places.count; i++) {
         loaded = place_robot(world, set.places.items[i], &fault);
     }
@@ -182,6 +182,15 @@ static mu_result world_prepare(struct world *world, const char *path)
         mu_fault_print(&fault);
     }
     return loaded;
+}
+
+/* Who starts the simulator knows best, then the world. */
+static uint64_t step_choose(const struct world *world)
+{
+    if (set.step_ms > 0) {
+        return (uint64_t)llround(set.step_ms) * 1000000u;
+    }
+    return world->step_ns > 0 ? world->step_ns : MU_STEP_NS;
 }
 
 static bool robots_choose(struct session *s, const struct mu_option_list *names)
@@ -238,7 +247,7 @@ int main(int argc, char **argv)
     if (prepared != MU_OK) {
         return mu_exit_for(prepared);
     }
-    uint64_t step_ns = (uint64_t)llround(set.step_ms) * 1000000u;
+    uint64_t step_ns = step_choose(world);
     struct engine_options physics = {
         .seed = (uint64_t)set.seed, .step_ns = step_ns, .threads = (size_t)set.threads};
     struct session *s = mu_startup_alloc(sizeof *s);

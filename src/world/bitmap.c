@@ -6,8 +6,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { BITMAP_DARK = 127 }; /* of 255; Stage's threshold */
-
 static const char bitmap_too_large[] = "the picture is too large";
 static const char bitmap_cut_off[] = "the picture is cut off";
 
@@ -27,7 +25,13 @@ static const char *bitmap_take(struct bitmap *bitmap, long width, long height,
     return bitmap->solid ? NULL : bitmap_too_large;
 }
 
-static const char *bitmap_read_png(struct bitmap *bitmap, FILE *in, struct world_file *memory)
+static bool bitmap_solid(const struct bitmap_rule *rule, double grey)
+{
+    return (rule->negate ? 255 - grey : grey) < rule->threshold;
+}
+
+static const char *bitmap_read_png(struct bitmap *bitmap, FILE *in, const struct bitmap_rule *rule,
+                                   struct world_file *memory)
 {
     png_image image = {.version = PNG_IMAGE_VERSION};
     if (!png_image_begin_read_from_stdio(&image, in)) {
@@ -44,7 +48,7 @@ static const char *bitmap_read_png(struct bitmap *bitmap, FILE *in, struct world
     png_image_free(&image);
     size_t pixels = problem ? 0 : (size_t)bitmap->width * (size_t)bitmap->height;
     for (size_t i = 0; i < pixels; i++) {
-        bitmap->solid[i] = bitmap->solid[i] < BITMAP_DARK;
+        bitmap->solid[i] = bitmap_solid(rule, bitmap->solid[i]);
     }
     return problem;
 }
@@ -84,7 +88,7 @@ static int bitmap_read_bit(FILE *in)
     return c == '0' || c == '1' ? c - '0' : EOF;
 }
 
-static const char *bitmap_read_bits(struct bitmap *bitmap, FILE *in)
+static const char *bitmap_read_bits(struct bitmap *bitmap, FILE *in, const struct bitmap_rule *rule)
 {
     for (int y = 0; y < bitmap->height; y++) {
         int byte = 0;
@@ -92,14 +96,16 @@ static const char *bitmap_read_bits(struct bitmap *bitmap, FILE *in)
             if (x % 8 == 0 && (byte = getc(in)) == EOF) {
                 return bitmap_cut_off;
             }
+            bool black = (byte >> (7 - x % 8)) & 1;
             bitmap->solid[(size_t)y * (size_t)bitmap->width + (size_t)x] =
-                (byte >> (7 - x % 8)) & 1;
+                bitmap_solid(rule, black ? 0 : 255);
         }
     }
     return NULL;
 }
 
-static const char *bitmap_read_greys(struct bitmap *bitmap, FILE *in, bool text, long white)
+static const char *bitmap_read_greys(struct bitmap *bitmap, FILE *in, bool text, long white,
+                                     const struct bitmap_rule *rule)
 {
     size_t pixels = (size_t)bitmap->width * (size_t)bitmap->height;
     for (size_t i = 0; i < pixels; i++) {
@@ -116,13 +122,13 @@ static const char *bitmap_read_greys(struct bitmap *bitmap, FILE *in, bool text,
         if (grey < 0) {
             return bitmap_cut_off;
         }
-        bitmap->solid[i] = grey * 255 < BITMAP_DARK * white;
+        bitmap->solid[i] = bitmap_solid(rule, (double)grey * 255 / (double)white);
     }
     return NULL;
 }
 
 static const char *bitmap_read_pnm(struct bitmap *bitmap, FILE *in, int format,
-                                   struct world_file *memory)
+                                   const struct bitmap_rule *rule, struct world_file *memory)
 {
     long width = bitmap_read_count(in);
     long height = bitmap_read_count(in);
@@ -133,22 +139,23 @@ static const char *bitmap_read_pnm(struct bitmap *bitmap, FILE *in, int format,
     }
     const char *problem = bitmap_take(bitmap, width, height, memory);
     if (problem || grey) {
-        return problem ? problem : bitmap_read_greys(bitmap, in, format == '2', white);
+        return problem ? problem : bitmap_read_greys(bitmap, in, format == '2', white, rule);
     }
     if (format == '4') {
-        return bitmap_read_bits(bitmap, in);
+        return bitmap_read_bits(bitmap, in, rule);
     }
     for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
         int bit = bitmap_read_bit(in);
         if (bit == EOF) {
             return bitmap_cut_off;
         }
-        bitmap->solid[i] = bit == 1;
+        bitmap->solid[i] = bitmap_solid(rule, bit == 1 ? 0 : 255);
     }
     return NULL;
 }
 
-const char *bitmap_read(struct bitmap *bitmap, const char *path, struct world_file *memory)
+const char *bitmap_read(struct bitmap *bitmap, const char *path, const struct bitmap_rule *rule,
+                        struct world_file *memory)
 {
     *bitmap = (struct bitmap){0};
     struct stat status;
@@ -163,10 +170,10 @@ const char *bitmap_read(struct bitmap *bitmap, const char *path, struct world_fi
     int second = getc(in);
     const char *problem = "neither a PNG picture nor a PNM one (P1, P2, P4, P5)";
     if (first == 'P' && (second == '1' || second == '2' || second == '4' || second == '5')) {
-        problem = bitmap_read_pnm(bitmap, in, second, memory);
+        problem = bitmap_read_pnm(bitmap, in, second, rule, memory);
     } else if (first == 0x89 && second == 'P') {
         rewind(in);
-        problem = bitmap_read_png(bitmap, in, memory);
+        problem = bitmap_read_png(bitmap, in, rule, memory);
     }
     fclose(in);
     return problem;

@@ -10,7 +10,16 @@
 
 #include <stdint.h>
 
-enum { BITMAP_SIDE_MAX = 16384 };
+enum {
+    BITMAP_SIDE_MAX = 16384,
+    BITMAP_THRESHOLD = 127 /* Stage's */
+};
+
+/* What of a picture is solid: grey goes from 0, black, to 255, white. */
+struct bitmap_rule {
+    double threshold; /* greys below it are solid */
+    bool negate;      /* above 255 - threshold, instead */
+};
 
 struct bitmap {
     uint8_t *solid; /* one byte a pixel, row by row from the top; 1: solid */
@@ -27,7 +36,8 @@ struct bitmap_rectangle {
  *
  * @return NULL, or why not
  */
-const char *bitmap_read(struct bitmap *bitmap, const char *path, struct world_file *memory);
+const char *bitmap_read(struct bitmap *bitmap, const char *path, const struct bitmap_rule *rule,
+                        struct world_file *memory);
 
 /**
  * Takes one rectangle of solid pixels out of the picture: from the first solid pixel at or behind

@@ -1,85 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bodies of robots: what Stage's `position` and the rangers on it say. */
+/* The bodies of robots: what Stage's `position` says. */
 #include "core/name.h"
 #include "core/text.h"
 #include "world/builder.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
-
-struct body_reader {
-    struct builder *builder;
-    struct world_robot *robot;
-    struct world_pose mount; /* of the ranger that is read, in the robot's frame */
-};
 
 /* Stage's defaults for what a model file leaves out. */
 static const double body_bounds[8] = {-1, 1, -1, 1, -1, 1, -90, 90};
 static const double body_mass_kg = 10;
-
-/* One transducer.  A sensor with several samples is a laser. */
-static mu_result body_read_sensor(void *context, const struct worldfile_entity *entity)
-{
-    struct body_reader *reader = context;
-    struct builder *b = reader->builder;
-    struct world_robot *robot = reader->robot;
-    const char *kind = worldfile_kind(entity);
-    if (strcmp(kind, "sensor") != 0) { /* blocks only draw the case */
-        return strcmp(kind, "block") == 0 ? MU_OK : builder_skip_model(b, entity);
-    }
-    builder_warn_unknown(b, entity, BUILDER_SENSOR);
-    double samples = 1;
-    double view[3] = {0, 5, 15}; /* min_m, max_m, fov_deg */
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"samples", &samples, 1, 1}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"view", view, 3, 3}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"range", view, 2, 2}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"fov", &view[2], 1, 1}));
-    struct world_pose pose;
-    MU_TRY(builder_pose(b, entity, reader->mount, &pose));
-    if (samples > 1) {
-        builder_warn(b, &entity->at, entity->type,
-                     "has more than one sample: lasers are not supported yet");
-        return MU_OK;
-    }
-    struct worldfile_place at = builder_place(entity, "range");
-    if (!(view[0] >= 0 && view[1] > view[0] && view[1] <= BUILDER_POSE_MAX_M)) {
-        return builder_fault(b, &at, "expected a range [min max] with 0 <= min < max, found %g, %g",
-                             view[0], view[1]);
-    }
-    if (robot->sonar_count == MU_SONARS_MAX) {
-        return builder_fault(b, &entity->at, "more than %d sonars on one robot", MU_SONARS_MAX);
-    }
-    robot->sonars[robot->sonar_count++] = (struct world_sonar){
-        .pose = pose,
-        .range_min_m = view[0],
-        .range_max_m = view[1],
-        .fov_rad = view[2] * M_PI / 180,
-        .rays = 1,
-    };
-    return MU_OK;
-}
-
-static mu_result body_read_part(void *context, const struct worldfile_entity *entity)
-{
-    struct body_reader *reader = context;
-    const char *kind = worldfile_kind(entity);
-    if (strcmp(kind, "ranger") == 0) {
-        builder_warn_unknown(reader->builder, entity, BUILDER_RANGER);
-        MU_TRY(builder_pose(reader->builder, entity, (struct world_pose){0}, &reader->mount));
-        return builder_children(entity, body_read_sensor, reader);
-    }
-    if (strcmp(kind, "block") == 0) { /* the outline is the size, which Stage's blocks fill */
-        return MU_OK;
-    }
-    return builder_skip_model(reader->builder, entity);
-}
 
 /* Stage writes [x x y y z z heading heading], each min and max, angles in degrees. */
 static mu_result body_read_bounds(struct builder *b, const struct worldfile_entity *entity,
                                   const char *key, double v[8])
 {
     memcpy(v, body_bounds, sizeof body_bounds);
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, v, 8, 8}));
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, v, 8, 8, "llllllaa"}));
     for (size_t i = 0; i < 8; i += 2) {
         if (!(v[i] <= 0 && v[i + 1] >= 0)) {
             struct worldfile_place at = builder_place(entity, key);
@@ -106,7 +44,8 @@ static mu_result body_read_limits(struct builder *b, const struct worldfile_enti
         return builder_fault(b, &at, "expected accelerations above 0: the robot could not move");
     }
     robot->mass_kg = body_mass_kg;
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"mass", &robot->mass_kg, 1, 1}));
+    MU_TRY(
+        builder_numbers(b, entity, (struct builder_numbers){"mass", &robot->mass_kg, 1, 1, NULL}));
     if (!(robot->mass_kg > 0 && robot->mass_kg <= 1e6)) {
         struct worldfile_place at = builder_place(entity, "mass");
         return builder_fault(b, &at, "expected a mass above 0 and up to 1e6 kg, found %g",
@@ -115,23 +54,114 @@ static mu_result body_read_limits(struct builder *b, const struct worldfile_enti
     return MU_OK;
 }
 
-/* Of what Stage simulates in several ways, the one that muster does. */
-static mu_result body_warn_choices(struct builder *b, const struct worldfile_entity *entity)
+static mu_result body_read_drive(struct builder *b, const struct worldfile_entity *entity)
 {
-    static const struct {
-        const char *key, *is, *warning;
-    } choices[] = {
-        {"drive", "diff", "is not supported: a robot drives on two wheels (\"diff\")"},
-        {"localization", "gps", "is not supported: the position is exact (\"gps\")"},
-    };
-    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
-        const char *text = choices[i].is;
-        MU_TRY(builder_text(b, entity, choices[i].key, &text));
-        if (strcmp(text, choices[i].is) != 0) {
-            struct worldfile_place at = builder_place(entity, choices[i].key);
-            builder_warn(b, &at, text, choices[i].warning);
+    const char *drive = "diff";
+    MU_TRY(builder_text(b, entity, "drive", &drive));
+    struct worldfile_place at = builder_place(entity, "drive");
+    if (strcmp(drive, "omni") == 0 || strcmp(drive, "car") == 0) {
+        builder_warn(b, &at, drive, "is not supported: a robot drives on two wheels (\"diff\")");
+    } else if (strcmp(drive, "diff") != 0) {
+        return builder_fault(b, &at, "expected a drive \"diff\", found '%.40s'", drive);
+    }
+    return MU_OK;
+}
+
+/* The errors of Stage's odometer, where the position is what it says. */
+static const double body_odom_error[4] = {0.03, 0.03, 0, 0.05};
+
+static mu_result body_read_odometer(struct builder *b, const struct worldfile_entity *entity,
+                                    struct world_robot *robot)
+{
+    double error[4] = {0, 0, 0, 0}; /* x y z heading; or x y heading, as older files have it */
+    const char *localization = "gps";
+    MU_TRY(builder_text(b, entity, "localization", &localization));
+    robot->reads_odometer = strcmp(localization, "odom") == 0;
+    if (!robot->reads_odometer && strcmp(localization, "gps") != 0) {
+        struct worldfile_place at = builder_place(entity, "localization");
+        return builder_fault(b, &at, "expected a localization \"gps\" or \"odom\", found '%.40s'",
+                             localization);
+    }
+    if (robot->reads_odometer) {
+        memcpy(error, body_odom_error, sizeof error);
+    }
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"odom_error", error, 3, 4, NULL}));
+    const struct worldfile_property *p = worldfile_property(entity, "odom_error");
+    for (size_t i = 0; i < 4; i++) {
+        if (!(error[i] >= 0 && error[i] <= 2)) {
+            return builder_fault(b, &p->at, "expected shares of 0 to 2, found %g", error[i]);
         }
     }
+    robot->odometry.forward_error = error[0];
+    robot->odometry.side_error = error[1];
+    robot->odometry.turn_error = p && p->value_count == 3 ? error[2] : error[3];
+    return MU_OK;
+}
+
+mu_result body_read_start(struct builder *b, const struct worldfile_entity *entity,
+                          struct world_robot *robot)
+{
+    double v[4] = {0, 0, 0, 0};
+    struct world_odometry *odometry = &robot->odometry;
+    odometry->start = (struct world_pose){0}; /* it counts from where the robot stands */
+    odometry->true_start = false;
+    if (!entity || !worldfile_property(entity, "localization_origin")) {
+        return MU_OK;
+    }
+    MU_TRY(builder_numbers(b, entity,
+                           (struct builder_numbers){"localization_origin", v, 2, 4, "llla"}));
+    struct world_pose origin = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
+    odometry->start = world_pose_from(origin, robot->pose);
+    odometry->true_start = v[0] == 0 && v[1] == 0 && v[3] == 0;
+    return MU_OK;
+}
+
+static mu_result body_read_errors(struct builder *b, const struct worldfile_entity *entity,
+                                  struct world_robot *robot)
+{
+    double gps[2] = {0, 0};
+    double compass_deg = 0;
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"gps_noise", gps, 1, 2, "ll"}));
+    MU_TRY(builder_number(
+        b, entity, (struct builder_numbers){"compass_noise", &compass_deg, 1, 1, "a"}, 0, 360));
+    if (!(gps[0] >= 0 && gps[0] <= 1e6 && gps[1] >= 0 && gps[1] <= 1e6)) {
+        struct worldfile_place at = builder_place(entity, "gps_noise");
+        return builder_fault(b, &at, "expected deviations of 0 or more, found [%g %g]", gps[0],
+                             gps[1]);
+    }
+    robot->gps_noise_m = gps[0];
+    robot->gps_drift_m = gps[1];
+    robot->compass_noise_rad = compass_deg * M_PI / 180;
+    return MU_OK;
+}
+
+/* Energy stands in joules, or in kilojoules, which count more. */
+static mu_result body_read_energy(struct builder *b, const struct worldfile_entity *entity,
+                                  const char *const keys[2], double *energy_j)
+{
+    double kilo = 0;
+    MU_TRY(builder_number(b, entity, (struct builder_numbers){keys[0], energy_j, 1, 1, NULL}, -1e12,
+                          1e12));
+    MU_TRY(
+        builder_number(b, entity, (struct builder_numbers){keys[1], &kilo, 1, 1, NULL}, -1e9, 1e9));
+    *energy_j = kilo != 0 ? kilo * 1000 : *energy_j;
+    return MU_OK;
+}
+
+static mu_result body_read_battery(struct builder *b, const struct worldfile_entity *entity,
+                                   struct world_robot *robot)
+{
+    static const char *const stored[2] = {"joules", "kjoules"};
+    static const char *const full[2] = {"joules_capacity", "kjoules_capacity"};
+    double stored_j = 0;
+    double full_j = 0;
+    MU_TRY(body_read_energy(b, entity, stored, &stored_j));
+    MU_TRY(body_read_energy(b, entity, full, &full_j));
+    if (stored_j < 0) { /* Stage's infinite store */
+        return MU_OK;
+    }
+    robot->battery_max_j = full_j > 0 ? full_j : stored_j;
+    robot->battery_j = fmin(stored_j, robot->battery_max_j);
     return MU_OK;
 }
 
@@ -158,36 +188,54 @@ static mu_result body_read_name(struct builder *b, const struct worldfile_entity
     return MU_OK;
 }
 
-mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
-                    struct world_pose frame, struct world_robot *robot)
+static mu_result body_read_outline(struct builder *b, const struct worldfile_entity *entity,
+                                   struct world_robot *robot)
 {
-    *robot = (struct world_robot){.color = "red", /* as Stage's models without a colour */
-                                  .look = {.stops = true, .echoes = true, .shows = true}};
-    builder_warn_unknown(b, entity, BUILDER_ROBOT);
-    MU_TRY(body_warn_choices(b, entity));
-    MU_TRY(body_read_name(b, entity, robot));
-    MU_TRY(builder_pose(b, entity, frame, &robot->pose));
     double size_m[2];
     MU_TRY(builder_size(b, entity, size_m));
     robot->length_m = size_m[0];
     robot->width_m = size_m[1];
     double origin[4] = {0, 0, 0, 0};
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4}));
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4, "llla"}));
     if (fabs(origin[0]) > robot->length_m || fabs(origin[1]) > robot->width_m) {
         struct worldfile_place at = builder_place(entity, "origin");
         return builder_fault(b, &at, "expected an origin on the robot");
     }
     robot->origin_x_m = origin[0];
     robot->origin_y_m = origin[1];
-    const char *color = robot->color;
+    return MU_OK;
+}
+
+/* The colour of its track is the file's own word for it. */
+static mu_result body_read_color(struct builder *b, const struct worldfile_entity *entity,
+                                 struct world_robot *robot)
+{
+    const char *color = "red"; /* as Stage's models without a colour */
     MU_TRY(builder_text(b, entity, "color", &color));
-    char copy[sizeof robot->color];
-    if (!mu_text_copy(copy, sizeof copy, color)) {
-        struct worldfile_place at = builder_place(entity, "color");
-        return builder_fault(b, &at, "expected a colour of at most %zu letters", sizeof copy - 1);
+    uint32_t rgb;
+    if (!look_color(color, &rgb) || rgb != robot->look.rgb) { /* color_rgba */
+        snprintf(robot->color, sizeof robot->color, "#%06x", robot->look.rgb);
+    } else if (!mu_text_copy(robot->color, sizeof robot->color, color)) {
+        snprintf(robot->color, sizeof robot->color, "#%06x", rgb);
     }
-    memcpy(robot->color, copy, sizeof copy);
-    MU_TRY(body_read_limits(b, entity, robot));
-    struct body_reader reader = {.builder = b, .robot = robot};
-    return builder_children(entity, body_read_part, &reader);
+    return MU_OK;
+}
+
+mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
+                    struct world_pose frame, struct world_robot *robot)
+{
+    static mu_result (*const parts[])(struct builder * b, const struct worldfile_entity *entity,
+                                      struct world_robot *robot) = {
+        body_read_name,  body_read_outline, body_read_color,   body_read_limits, body_read_odometer,
+        body_read_start, body_read_errors,  body_read_battery, device_read_all,
+    };
+    *robot = (struct world_robot){.length_m = 0.1, .width_m = 0.1};
+    builder_warn_unknown(b, entity, BUILDER_ROBOT);
+    MU_TRY(builder_go_on(b, body_read_drive(b, entity)));
+    MU_TRY(builder_go_on(b, builder_pose(b, entity, frame, &robot->pose)));
+    MU_TRY(builder_go_on(b, look_read(b, entity, &robot->look)));
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        MU_TRY(builder_go_on(b, parts[i](b, entity, robot)));
+    }
+    return MU_OK;
 }

@@ -1,73 +1,73 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "world/builder.h"
 
+#include "core/spell.h"
+#include "world/properties.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-#define SILENT 0xff /* of no concern to a simulator without a window */
-#define MODELS (BUILDER_SOLID | BUILDER_ROBOT | BUILDER_RANGER | BUILDER_SENSOR)
-
-/* The properties that are read, and those that are passed over without a word. */
-static const struct {
-    const char *key;
-    int kinds;
-} builder_known[] = {
-    {"name", MODELS},
-    {"pose", MODELS},
-    {"size", MODELS},
-    {"color", MODELS},
-    {"origin", BUILDER_SOLID | BUILDER_ROBOT},
-    {"obstacle_return", BUILDER_SOLID | BUILDER_ROBOT},
-    {"ranger_return", MODELS},
-    {"bitmap", BUILDER_SOLID},
-    {"boundary", BUILDER_SOLID},
-    {"mass", BUILDER_ROBOT},
-    {"velocity_bounds", BUILDER_ROBOT},
-    {"acceleration_bounds", BUILDER_ROBOT},
-    {"drive", BUILDER_ROBOT},
-    {"localization", BUILDER_ROBOT},
-    {"range", BUILDER_SENSOR},
-    {"fov", BUILDER_SENSOR},
-    {"samples", BUILDER_SENSOR},
-    {"view", BUILDER_SENSOR},
-    {"points", BUILDER_BLOCK},
-    {"point", BUILDER_BLOCK},
-    {"z", BUILDER_BLOCK},
-    {"alwayson", SILENT},
-    {"color_rgba", SILENT},
-    {"paused", SILENT},
-    {"speedup", SILENT},
-    {"trail_length", SILENT},
-};
-
-static bool builder_knows(const char *key, enum builder_kind kind)
+static void builder_tell_mistake(struct builder *b)
 {
-    if (strncmp(key, "gui_", 4) == 0 || strncmp(key, "show_", 5) == 0) {
-        return true;
+    b->mistake_count++;
+    b->listener->tell(b->listener->self, b->fault, true);
+}
+
+mu_result builder_go_on(struct builder *b, mu_result result)
+{
+    if (!b->listener || result != MU_FAULT_FILE) {
+        return result;
     }
-    for (size_t i = 0; i < sizeof builder_known / sizeof builder_known[0]; i++) {
-        if ((builder_known[i].kinds & (int)kind) && strcmp(builder_known[i].key, key) == 0) {
+    builder_tell_mistake(b);
+    return MU_OK;
+}
+
+static bool builder_warned(struct builder *b, const char *word)
+{
+    for (size_t i = 0; i < b->warned_count; i++) {
+        if (strcmp(b->warned[i], word) == 0) {
             return true;
         }
     }
+    if (b->warned_count == BUILDER_WARNINGS_MAX) {
+        return true;
+    }
+    b->warned[b->warned_count++] = word;
     return false;
 }
 
 void builder_warn(struct builder *b, const struct worldfile_place *at, const char *word,
                   const char *what)
 {
-    if (b->quiet || b->warned_count == BUILDER_WARNINGS_MAX) {
+    if (b->quiet || builder_warned(b, word)) {
         return;
     }
-    for (size_t i = 0; i < b->warned_count; i++) {
-        if (strcmp(b->warned[i], word) == 0) {
-            return;
-        }
+    if (b->listener) {
+        struct mu_fault warning;
+        mu_fault_at(&warning, at->file, at->line, at->column, "'%.64s' %s", word, what);
+        b->listener->tell(b->listener->self, &warning, false);
+        return;
     }
-    b->warned[b->warned_count++] = word;
     fprintf(stderr, "%s:%d:%d: warning: '%.64s' %s\n", at->file, at->line, at->column, word, what);
+}
+
+static void builder_warn_property(struct builder *b, const struct worldfile_property *p,
+                                  enum builder_kind kind)
+{
+    const char *meant = properties_near(p->key, kind);
+    if (!meant) {
+        builder_warn(b, &p->at, p->key, "is not supported and has no effect");
+    } else if (b->listener) {
+        builder_fault(b, &p->at, "expected a property, found '%.40s': did you mean '%s'?", p->key,
+                      meant);
+        builder_tell_mistake(b);
+    } else {
+        char what[128];
+        snprintf(what, sizeof what, "is not a property: did you mean '%s'?", meant);
+        builder_warn(b, &p->at, p->key, what);
+    }
 }
 
 void builder_warn_unknown(struct builder *b, const struct worldfile_entity *entity,
@@ -75,8 +75,8 @@ void builder_warn_unknown(struct builder *b, const struct worldfile_entity *enti
 {
     for (const struct worldfile_entity *e = entity; e; e = e->base) {
         for (const struct worldfile_property *p = e->properties; p; p = p->next) {
-            if (!builder_knows(p->key, kind)) {
-                builder_warn(b, &p->at, p->key, "is not supported and has no effect");
+            if (!properties_known(p->key, kind)) {
+                builder_warn_property(b, p, kind);
             }
         }
     }
@@ -98,24 +98,44 @@ mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *e
     static const char *const models[] = {
         "actuator", "blinkenlight", "blobfinder", "block",          "bumper", "camera",
         "fiducial", "gripper",      "indicator",  "lightindicator", "laser",  "model",
-        "position", "ranger",       "sensor",     "speech",         "wifi",
+        "position", "ranger",       "sensor",     "sonar",          "speech", "wifi",
     };
     const char *kind = worldfile_kind(entity);
+    struct mu_spell spell;
+    mu_spell_init(&spell, kind);
     for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
         if (strcmp(models[i], kind) == 0) {
             builder_warn(b, &entity->at, kind, "is not supported here and is left out");
             return MU_OK;
         }
+        mu_spell_offer(&spell, models[i]);
+    }
+    const struct worldfile_entity *e = b->world->source->definitions;
+    for (; e; e = e->next) {
+        mu_spell_offer(&spell, e->defines);
     }
     return builder_fault(b, &entity->at,
-                         "expected a model that Stage has or that is defined before, found '%.40s'",
-                         kind);
+                         "expected a model that Stage has or that is defined before, found '%.40s'"
+                         "%s%.40s%s",
+                         kind, spell.nearest ? ": did you mean '" : "",
+                         spell.nearest ? spell.nearest : "", spell.nearest ? "'?" : "");
 }
 
 struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key)
 {
     const struct worldfile_property *property = worldfile_property(entity, key);
     return property ? property->at : entity->at;
+}
+
+static mu_result builder_count_fault(struct builder *b, const struct worldfile_property *p,
+                                     const struct builder_numbers *wanted)
+{
+    if (wanted->min == wanted->max) {
+        return builder_fault(b, &p->at, "expected %zu number%s for '%s', found %zu", wanted->min,
+                             wanted->min == 1 ? "" : "s", wanted->key, p->value_count);
+    }
+    return builder_fault(b, &p->at, "expected %zu to %zu numbers for '%s', found %zu", wanted->min,
+                         wanted->max, wanted->key, p->value_count);
 }
 
 mu_result builder_numbers(struct builder *b, const struct worldfile_entity *entity,
@@ -126,20 +146,56 @@ mu_result builder_numbers(struct builder *b, const struct worldfile_entity *enti
         return MU_OK;
     }
     if (p->value_count < wanted.min || p->value_count > wanted.max) {
-        return wanted.min == wanted.max
-                   ? builder_fault(b, &p->at, "expected %zu number%s for '%s', found %zu",
-                                   wanted.min, wanted.min == 1 ? "" : "s", wanted.key,
-                                   p->value_count)
-                   : builder_fault(b, &p->at, "expected %zu to %zu numbers for '%s', found %zu",
-                                   wanted.min, wanted.max, wanted.key, p->value_count);
+        return builder_count_fault(b, p, &wanted);
     }
     for (size_t i = 0; i < p->value_count; i++) {
         if (p->values[i].text) {
             return builder_fault(b, &p->at, "expected a number for '%s', found '%.40s'", wanted.key,
                                  p->values[i].text);
         }
-        wanted.to[i] = p->values[i].number;
+        char unit = wanted.units && i < strlen(wanted.units) ? wanted.units[i] : ' ';
+        double in = unit == 'l' ? b->unit_length_m : unit == 'a' ? b->unit_angle_deg : 1;
+        wanted.to[i] = p->values[i].number * in;
     }
+    return MU_OK;
+}
+
+mu_result builder_number(struct builder *b, const struct worldfile_entity *entity,
+                         struct builder_numbers wanted, double min, double max)
+{
+    double *to = wanted.to;
+    double value = *to;
+    wanted.to = &value;
+    MU_TRY(builder_numbers(b, entity, wanted));
+    if (worldfile_property(entity, wanted.key) && !(value >= min && value <= max)) {
+        struct worldfile_place at = builder_place(entity, wanted.key);
+        return builder_fault(b, &at, "expected '%s' of %g to %g, found %g", wanted.key, min, max,
+                             value);
+    }
+    *to = value;
+    return MU_OK;
+}
+
+mu_result builder_count(struct builder *b, const struct worldfile_entity *entity, const char *key,
+                        double max, uint32_t *to)
+{
+    double value = *to;
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, &value, 1, 1, NULL}));
+    if (!(value >= 0 && value <= max && value == floor(value))) {
+        struct worldfile_place at = builder_place(entity, key);
+        return builder_fault(b, &at, "expected '%s' to be a whole number from 0 to %g, found %g",
+                             key, max, value);
+    }
+    *to = (uint32_t)value;
+    return MU_OK;
+}
+
+mu_result builder_flag(struct builder *b, const struct worldfile_entity *entity, const char *key,
+                       bool *to)
+{
+    double value = *to;
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, &value, 1, 1, NULL}));
+    *to = value != 0;
     return MU_OK;
 }
 
@@ -161,7 +217,7 @@ mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
                        struct world_pose frame, struct world_pose *pose)
 {
     double v[4] = {0, 0, 0, 0}; /* x y z heading_deg */
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"pose", v, 2, 4}));
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"pose", v, 2, 4, "llla"}));
     struct world_pose own = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
     *pose = world_pose_in(frame, own);
     if (fabs(pose->x_m) > BUILDER_POSE_MAX_M || fabs(pose->y_m) > BUILDER_POSE_MAX_M) {
@@ -175,7 +231,7 @@ mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
 mu_result builder_size(struct builder *b, const struct worldfile_entity *entity, double size_m[2])
 {
     double v[3] = {0.1, 0.1, 0.1}; /* what Stage gives to a model without a size */
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"size", v, 2, 3}));
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"size", v, 2, 3, "lll"}));
     struct worldfile_place at = builder_place(entity, "size");
     for (size_t i = 0; i < 2; i++) {
         if (!(v[i] > 0) || v[i] > BUILDER_POSE_MAX_M) {
@@ -206,8 +262,6 @@ mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
     if (b->world->shape_count == BUILDER_SHAPES_MAX) {
         return builder_fault(b, at, "more than %d obstacles", BUILDER_SHAPES_MAX);
     }
-    struct world_shape *added = &b->world->shapes[b->world->shape_count++];
-    *added = *shape;
-    added->look = (struct world_look){.stops = true, .echoes = true, .shows = true};
+    b->world->shapes[b->world->shape_count++] = *shape;
     return MU_OK;
 }

@@ -2,7 +2,7 @@
 /**
  * @file builder.h
  * What the files that turn a parsed world into struct world share: properties with their checks,
- * warnings, frames.
+ * units, warnings, frames.
  */
 #ifndef MUSTER_WORLD_BUILDER_H
 #define MUSTER_WORLD_BUILDER_H
@@ -24,16 +24,25 @@ enum builder_kind {
     BUILDER_WORLD = 1,
     BUILDER_SOLID = 2,
     BUILDER_ROBOT = 4,
-    BUILDER_RANGER = 8,
-    BUILDER_SENSOR = 16,
-    BUILDER_BLOCK = 32
+    BUILDER_PART = 8, /* a model on a robot */
+    BUILDER_RANGER = 16,
+    BUILDER_SENSOR = 32,
+    BUILDER_CAMERA = 64,
+    BUILDER_FINDER = 128,
+    BUILDER_GRIPPER = 256,
+    BUILDER_BLOCK = 512,
+    BUILDER_DISTRIBUTE = 1024
 };
 
 struct builder {
     struct world *world;
     struct mu_fault *fault;
+    const struct mu_fault_listener *listener; /* NULL: the first mistake ends the work */
     bool quiet;
-    size_t model_count;
+    uint64_t seed;         /* of random places */
+    double unit_length_m;  /* of the file's lengths */
+    double unit_angle_deg; /* and angles */
+    size_t model_count, mistake_count;
     const char *warned[BUILDER_WARNINGS_MAX];
     size_t warned_count;
 };
@@ -42,7 +51,11 @@ struct builder {
 void builder_warn(struct builder *b, const struct worldfile_place *at, const char *word,
                   const char *what);
 
-/** Warns of the properties that a model of this kind has and muster does not know. */
+/**
+ * Warns of the properties that a model of this kind has and muster does not know.
+ *
+ * For a listener, one that looks like a slip of the hand is a mistake.
+ */
 void builder_warn_unknown(struct builder *b, const struct worldfile_entity *entity,
                           enum builder_kind kind);
 
@@ -51,21 +64,47 @@ mu_result builder_fault(struct builder *b, const struct worldfile_place *at, con
                         ...) __attribute__((format(printf, 3, 4)));
 
 /**
+ * Passes a result on; but where a listener wants all mistakes, it is told of this one, and the
+ * work goes on without what was wrong.
+ *
+ * @return MU_OK then, else the result
+ */
+MU_MUST_USE mu_result builder_go_on(struct builder *b, mu_result result);
+
+/**
  * Warns of a model that Stage knows and muster does not.
  *
  * @return MU_OK, or MU_FAULT_FILE when Stage does not know it either
  */
 MU_MUST_USE mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity);
 
-/** How many numbers a property has; where it is not given, they stay as they are. */
+/**
+ * How many numbers a property has; where it is not given, they stay as they are.
+ *
+ * units: one letter a number, 'l' a length, which becomes metres, 'a' an angle, which becomes
+ * degrees; NULL, or what it is too short for: a plain number
+ */
 struct builder_numbers {
     const char *key;
     double *to;
     size_t min, max;
+    const char *units;
 };
 
 MU_MUST_USE mu_result builder_numbers(struct builder *b, const struct worldfile_entity *entity,
                                       struct builder_numbers wanted);
+
+/** Reads one number between two limits, both included. */
+MU_MUST_USE mu_result builder_number(struct builder *b, const struct worldfile_entity *entity,
+                                     struct builder_numbers wanted, double min, double max);
+
+/** Reads a whole number from 0 up to a limit. */
+MU_MUST_USE mu_result builder_count(struct builder *b, const struct worldfile_entity *entity,
+                                    const char *key, double max, uint32_t *to);
+
+/** Reads 0 or another number as a truth. */
+MU_MUST_USE mu_result builder_flag(struct builder *b, const struct worldfile_entity *entity,
+                                   const char *key, bool *to);
 
 /** Reads a text into *text; stays as it is where it is not given. */
 MU_MUST_USE mu_result builder_text(struct builder *b, const struct worldfile_entity *entity,
@@ -85,6 +124,9 @@ struct worldfile_place builder_place(const struct worldfile_entity *entity, cons
 /** @return the pose, given in a frame, in the frame's own frame; heading in (-pi, pi] */
 struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose);
 
+/** @return a pose of the frame's own frame as it is seen from the frame */
+struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose);
+
 /** Visits the models inside a model: first those of what it derives from. */
 MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
                                        mu_result (*visit)(void *context,
@@ -95,15 +137,56 @@ MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
 MU_MUST_USE mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
                                         const struct worldfile_place *at);
 
+/** Reads how a model looks: its colour and its returns, with Stage's defaults. */
+MU_MUST_USE mu_result look_read(struct builder *b, const struct worldfile_entity *entity,
+                                struct world_look *look);
+
+/** Reads a colour's name (X11) or "#rrggbb".  @return false when it is neither */
+bool look_color(const char *text, uint32_t *rgb);
+
+/** @return the name of an X11 colour that was meant; NULL: none is near */
+const char *look_color_near(const char *text);
+
 /** Builds what a static model is made of: its box, its blocks, its bitmap, its boundary. */
 MU_MUST_USE mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
                                   struct world_pose pose);
+
+/** @return whether a model at the top of the file is a thing that can be moved */
+bool object_is(const struct worldfile_entity *entity);
+
+/** Adds a thing that can be moved; without a name of its own it stays nameless. */
+MU_MUST_USE mu_result object_build(struct builder *b, const struct worldfile_entity *entity,
+                                   struct world_pose pose);
 
 /** Reads a robot's body; its name is "" where the file gives none. */
 MU_MUST_USE mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
                                 struct world_pose frame, struct world_robot *robot);
 
-/** Does the work of world_check_places. */
-MU_MUST_USE mu_result place_check(const struct world *world, struct mu_fault *fault);
+/** Sets what a robot's odometer reads at the start, which may depend on where it stands. */
+MU_MUST_USE mu_result body_read_start(struct builder *b, const struct worldfile_entity *entity,
+                                      struct world_robot *robot);
+
+/** Reads what is mounted on a robot: sensors, gripper, parts. */
+MU_MUST_USE mu_result device_read_all(struct builder *b, const struct worldfile_entity *entity,
+                                      struct world_robot *robot);
+
+/** Puts robots and things at random free places, as each `distribute` of the file says. */
+MU_MUST_USE mu_result distribute_all(struct builder *b);
+
+/** @return whether a robot or a thing bears the name */
+bool world_name_taken(const struct world *world, const char *name);
+
+/** Gives a name to each robot and thing that has none: its type and a number. */
+void world_name_all(struct world *world);
+
+/** Does the work of world_check_places; listener: may be NULL. */
+MU_MUST_USE mu_result place_check(const struct world *world,
+                                  const struct mu_fault_listener *listener, struct mu_fault *fault);
+
+/** @return whether two shapes overlap */
+bool place_overlaps(const struct world_shape *a, const struct world_shape *b);
+
+/** @return the outline of a robot, as it stands */
+struct world_shape place_outline(const struct world_robot *robot);
 
 #endif

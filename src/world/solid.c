@@ -26,6 +26,7 @@ struct solid_reader {
     struct builder *builder;
     const struct worldfile_entity *owner;
     struct world_pose pose; /* of the model's middle, in the world */
+    struct world_look look;
     double size_m[2];
     double min[2], max[2]; /* around all blocks, in the file's units */
     size_t block_count;
@@ -38,7 +39,8 @@ static mu_result solid_add_box(struct solid_reader *reader, struct world_pose in
     struct world_shape shape = {.kind = WORLD_BOX,
                                 .pose = world_pose_in(reader->pose, in),
                                 .half_x_m = half_x_m,
-                                .half_y_m = half_y_m};
+                                .half_y_m = half_y_m,
+                                .look = reader->look};
     return builder_add_shape(reader->builder, &shape, &reader->owner->at);
 }
 
@@ -59,7 +61,7 @@ static mu_result solid_read_polygon(struct builder *b, const struct worldfile_en
                                     struct solid_polygon *polygon)
 {
     double count = 0;
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"points", &count, 1, 1}));
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"points", &count, 1, 1, NULL}));
     struct worldfile_place at = builder_place(entity, "points");
     if (!(count >= 3 && count <= SOLID_POINTS_MAX && count == floor(count))) {
         return builder_fault(b, &at, "expected 3 to %d points of a block, found %g",
@@ -171,6 +173,7 @@ static mu_result solid_place_block(struct solid_reader *reader, struct solid_pol
         }
     }
     shape.pose = world_pose_in(reader->pose, shape.pose);
+    shape.look = reader->look;
     return builder_add_shape(reader->builder, &shape, &entity->at);
 }
 
@@ -196,22 +199,31 @@ static mu_result solid_visit_block(void *context, const struct worldfile_entity 
     return MU_OK;
 }
 
-/* The whole picture fills the model's size. */
-static mu_result solid_place_bitmap(struct solid_reader *reader, const char *name)
+static mu_result solid_read_bitmap(struct builder *b, const struct worldfile_entity *owner,
+                                   const char *name, struct bitmap *bitmap)
 {
-    struct builder *b = reader->builder;
-    struct world_file *file = b->world->source;
-    struct worldfile_place at = builder_place(reader->owner, "bitmap");
+    struct worldfile_place at = builder_place(owner, "bitmap");
     char path[MU_FAULT_FILE_MAX + 1];
     if (!worldfile_path(at.file, name, path, sizeof path)) {
         return builder_fault(b, &at, "expected a shorter path");
     }
+    double threshold = BITMAP_THRESHOLD;
+    MU_TRY(builder_number(
+        b, owner, (struct builder_numbers){"bitmap_threshold", &threshold, 1, 1, NULL}, 0, 256));
+    struct bitmap_rule rule = {.threshold = threshold};
+    MU_TRY(builder_flag(b, owner, "bitmap_negate", &rule.negate));
+    const char *problem = bitmap_read(bitmap, path, &rule, b->world->source);
+    return problem ? builder_fault(b, &at, "cannot read the bitmap '%.200s': %s", path, problem)
+                   : MU_OK;
+}
+
+/* The whole picture fills the model's size. */
+static mu_result solid_place_bitmap(struct solid_reader *reader, const char *name)
+{
+    struct world_file *file = reader->builder->world->source;
     size_t mark = file->bytes_used; /* the pixels are not needed any longer than here */
     struct bitmap bitmap;
-    const char *problem = bitmap_read(&bitmap, path, file);
-    if (problem) {
-        return builder_fault(b, &at, "cannot read the bitmap '%.200s': %s", path, problem);
-    }
+    MU_TRY(solid_read_bitmap(reader->builder, reader->owner, name, &bitmap));
     double pixel_x_m = reader->size_m[0] / bitmap.width;
     double pixel_y_m = reader->size_m[1] / bitmap.height;
     size_t from = 0;
@@ -239,24 +251,57 @@ static mu_result solid_place_boundary(struct solid_reader *reader)
     return MU_OK;
 }
 
+static mu_result solid_place_all(struct solid_reader *reader, bool boundary)
+{
+    struct builder *b = reader->builder;
+    const char *bitmap = NULL;
+    MU_TRY(builder_text(b, reader->owner, "bitmap", &bitmap));
+    MU_TRY(builder_children(reader->owner, solid_visit_block, reader));
+    if (bitmap) {
+        MU_TRY(solid_place_bitmap(reader, bitmap));
+    } else if (reader->block_count > 0) {
+        reader->placing = true;
+        MU_TRY(builder_children(reader->owner, solid_visit_block, reader));
+    } else if (!boundary) {
+        MU_TRY(solid_add_box(reader, (struct world_pose){0}, reader->size_m[0] / 2,
+                             reader->size_m[1] / 2));
+    }
+    return boundary ? solid_place_boundary(reader) : MU_OK;
+}
+
+/* A model of many shapes is one fiducial: the shape that is nearest to its pose bears it. */
+static void solid_mark_fiducial(struct world *world, size_t first, const struct world_pose *pose)
+{
+    size_t nearest = first;
+    double least_m = INFINITY;
+    for (size_t i = first; i < world->shape_count; i++) {
+        const struct world_pose *at = &world->shapes[i].pose;
+        double range_m = hypot(at->x_m - pose->x_m, at->y_m - pose->y_m);
+        if (range_m < least_m) {
+            least_m = range_m;
+            nearest = i;
+        }
+    }
+    for (size_t i = first; i < world->shape_count; i++) {
+        if (i != nearest) {
+            world->shapes[i].look.fiducial = 0;
+        }
+    }
+}
+
 mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
                       struct world_pose pose)
 {
     struct solid_reader reader = {
         .builder = b, .owner = entity, .min = {INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY}};
     double origin[4] = {0, 0, 0, 0};
-    double obstacle = 1;
-    double ranger = 1;
-    double boundary = 0;
-    const char *bitmap = NULL;
+    bool boundary = false;
     MU_TRY(builder_size(b, entity, reader.size_m));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4}));
-    MU_TRY(
-        builder_numbers(b, entity, (struct builder_numbers){"obstacle_return", &obstacle, 1, 1}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"ranger_return", &ranger, 1, 1}));
-    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"boundary", &boundary, 1, 1}));
-    MU_TRY(builder_text(b, entity, "bitmap", &bitmap));
-    if (obstacle == 0 && ranger <= 0) { /* a negative ranger_return is transparent in Stage */
+    MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4, "llla"}));
+    MU_TRY(look_read(b, entity, &reader.look));
+    MU_TRY(builder_flag(b, entity, "boundary", &boundary));
+    const struct world_look *look = &reader.look;
+    if (!look->stops && !look->echoes && !look->shows && !look->fiducial && !(look->give_w > 0)) {
         return MU_OK;
     }
     if (fabs(origin[0]) > BUILDER_POSE_MAX_M || fabs(origin[1]) > BUILDER_POSE_MAX_M) {
@@ -265,15 +310,10 @@ mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
     }
     struct world_pose middle = {origin[0], origin[1], remainder(origin[3], 360) * M_PI / 180};
     reader.pose = world_pose_in(pose, middle);
-    MU_TRY(builder_children(entity, solid_visit_block, &reader));
-    if (bitmap) {
-        MU_TRY(solid_place_bitmap(&reader, bitmap));
-    } else if (reader.block_count > 0) {
-        reader.placing = true;
-        MU_TRY(builder_children(entity, solid_visit_block, &reader));
-    } else if (boundary == 0) {
-        MU_TRY(solid_add_box(&reader, (struct world_pose){0}, reader.size_m[0] / 2,
-                             reader.size_m[1] / 2));
+    size_t first = b->world->shape_count;
+    MU_TRY(solid_place_all(&reader, boundary));
+    if (look->fiducial) {
+        solid_mark_fiducial(b->world, first, &reader.pose);
     }
-    return boundary != 0 ? solid_place_boundary(&reader) : MU_OK;
+    return MU_OK;
 }

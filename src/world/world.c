@@ -28,6 +28,18 @@ struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
                                .heading_rad = heading <= -M_PI ? M_PI : heading};
 }
 
+struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose)
+{
+    double c = cos(frame.heading_rad);
+    double s = sin(frame.heading_rad);
+    double x = pose.x_m - frame.x_m;
+    double y = pose.y_m - frame.y_m;
+    struct world_pose turned = {0, 0, pose.heading_rad - frame.heading_rad};
+    turned = world_pose_in((struct world_pose){0}, turned);
+    return (struct world_pose){
+        .x_m = c * x + s * y, .y_m = c * y - s * x, .heading_rad = turned.heading_rad};
+}
+
 static struct world_robot *world_find_robot(const struct world *world, const char *name)
 {
     for (size_t i = 0; i < world->robot_count; i++) {
@@ -38,6 +50,21 @@ static struct world_robot *world_find_robot(const struct world *world, const cha
     return NULL;
 }
 
+static bool world_has_object(const struct world *world, const char *name)
+{
+    for (size_t i = 0; i < world->object_count; i++) {
+        if (strcmp(world->objects[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool world_name_taken(const struct world *world, const char *name)
+{
+    return world_has_object(world, name) || world_find_robot(world, name);
+}
+
 static mu_result world_visit_robot(struct world_walk *walk, const struct worldfile_entity *entity)
 {
     struct builder *b = walk->builder;
@@ -46,14 +73,18 @@ static mu_result world_visit_robot(struct world_walk *walk, const struct worldfi
         return builder_fault(b, &entity->at, "more than %d robots", MU_ROBOTS_MAX);
     }
     struct world_robot *robot = &world->robots[world->robot_count];
+    size_t mistakes = b->mistake_count;
     MU_TRY(body_read(b, entity, walk->frame, robot));
-    if (robot->name[0] != '\0' && world_find_robot(world, robot->name)) {
+    if (robot->name[0] != '\0' && world_name_taken(world, robot->name)) {
         struct worldfile_place at = builder_place(entity, "name");
         return builder_fault(b, &at, "expected another name: there is a robot '%s' already",
                              robot->name);
     }
     world->source->origins[world->robot_count++] =
-        (struct worldfile_origin){.at = entity->at, .type = entity->type};
+        (struct worldfile_origin){.at = entity->at,
+                                  .type = entity->type,
+                                  .entity = entity,
+                                  .mistaken = b->mistake_count > mistakes};
     return MU_OK;
 }
 
@@ -63,7 +94,10 @@ static mu_result world_visit_solid(struct world_walk *walk, const struct worldfi
     struct world_walk inside = {.builder = b, .depth = walk->depth + 1};
     builder_warn_unknown(b, entity, BUILDER_SOLID);
     MU_TRY(builder_pose(b, entity, walk->frame, &inside.frame));
-    MU_TRY(solid_build(b, entity, inside.frame));
+    if (walk->depth == 0 && object_is(entity)) {
+        return object_build(b, entity, inside.frame);
+    }
+    MU_TRY(builder_go_on(b, solid_build(b, entity, inside.frame)));
     return builder_children(entity, world_visit, &inside);
 }
 
@@ -80,9 +114,9 @@ static mu_result world_visit(void *context, const struct worldfile_entity *entit
         const char *kind;
         mu_result (*visit)(struct world_walk *walk, const struct worldfile_entity *entity);
     } kinds[] = {
-        {"model", world_visit_solid},
-        {"position", world_visit_robot},
-        {"block", world_visit_nothing}, /* its model has seen to it */
+        {"model", world_visit_solid},        {"position", world_visit_robot},
+        {"block", world_visit_nothing},      /* its model has seen to it */
+        {"distribute", world_visit_nothing}, /* comes when all else stands */
         {"window", world_visit_nothing},
     };
     struct world_walk *walk = context;
@@ -95,28 +129,46 @@ static mu_result world_visit(void *context, const struct worldfile_entity *entit
     }
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (strcmp(kinds[i].kind, worldfile_kind(entity)) == 0) {
-            return kinds[i].visit(walk, entity);
+            return builder_go_on(b, kinds[i].visit(walk, entity));
         }
     }
-    return builder_skip_model(b, entity);
+    return builder_go_on(b, builder_skip_model(b, entity));
 }
 
-/* Robots without a name get their type's and a number, as in Stage (which writes type:0). */
-static void world_name_robots(struct world *world)
+/* The stem of a name, where the last one of the same type ended. */
+struct world_namer {
+    const char *type;
+    size_t number;
+};
+
+/* Who has no name gets its type's and a number, as in Stage (which writes type:0). */
+static void world_give_name(const struct world *world, struct world_namer *namer, const char *type,
+                            char name[MU_NAME_MAX + 1])
 {
+    if (name[0] != '\0') {
+        return;
+    }
+    char wanted[MU_NAME_MAX + 1];
+    snprintf(wanted, sizeof wanted, "%.20s_0", type);
+    const char *stem = mu_name_valid(wanted) ? type : "robot";
+    if (!namer->type || strcmp(namer->type, type) != 0) {
+        *namer = (struct world_namer){.type = type};
+    }
+    do {
+        snprintf(wanted, sizeof wanted, "%.20s_%zu", stem, namer->number++);
+    } while (world_name_taken(world, wanted));
+    mu_text_copy(name, MU_NAME_MAX + 1, wanted);
+}
+
+void world_name_all(struct world *world)
+{
+    struct world_namer namer = {0};
     for (size_t i = 0; i < world->robot_count; i++) {
-        const char *type = world->source->origins[i].type;
-        if (world->robots[i].name[0] != '\0') {
-            continue;
-        }
-        char name[MU_NAME_MAX + 1];
-        snprintf(name, sizeof name, "%.20s_0", type);
-        const char *stem = mu_name_valid(name) ? type : "robot";
-        size_t number = 0;
-        do {
-            snprintf(name, sizeof name, "%.20s_%zu", stem, number++);
-        } while (world_find_robot(world, name));
-        mu_text_copy(world->robots[i].name, sizeof world->robots[i].name, name);
+        world_give_name(world, &namer, world->source->origins[i].type, world->robots[i].name);
+    }
+    for (size_t i = 0; i < world->object_count; i++) {
+        world_give_name(world, &namer, world->source->object_origins[i].type,
+                        world->objects[i].name);
     }
 }
 
@@ -134,53 +186,165 @@ static void world_cover(struct world *world, struct world_pose middle, double ha
     world->max_y_m = fmax(world->max_y_m, middle.y_m + y);
 }
 
-static void world_measure(struct world *world)
+static void world_cover_shape(struct world *world, const struct world_shape *s)
 {
-    if (world->shape_count + world->robot_count == 0) {
-        world->min_x_m = world->min_y_m = world->max_x_m = world->max_y_m = 0;
-        return;
-    }
+    bool disc = s->kind == WORLD_DISC;
+    struct world_pose middle = {s->pose.x_m, s->pose.y_m, disc ? 0 : s->pose.heading_rad};
+    world_cover(world, middle, disc ? s->radius_m : s->half_x_m, disc ? s->radius_m : s->half_y_m);
+}
+
+static void world_measure_fixed(struct world *world)
+{
     world->min_x_m = world->min_y_m = INFINITY;
     world->max_x_m = world->max_y_m = -INFINITY;
     for (size_t i = 0; i < world->shape_count; i++) {
-        const struct world_shape *s = &world->shapes[i];
-        bool disc = s->kind == WORLD_DISC;
-        struct world_pose middle = {s->pose.x_m, s->pose.y_m, disc ? 0 : s->pose.heading_rad};
-        world_cover(world, middle, disc ? s->radius_m : s->half_x_m,
-                    disc ? s->radius_m : s->half_y_m);
+        world_cover_shape(world, &world->shapes[i]);
     }
+    for (size_t i = 0; i < world->object_count; i++) {
+        world_cover_shape(world, &world->objects[i].shape);
+    }
+    double *box = world->source->box_m;
+    box[0] = world->min_x_m;
+    box[1] = world->min_y_m;
+    box[2] = world->max_x_m;
+    box[3] = world->max_y_m;
+}
+
+/* Robots come and go after the file has been read: the box around all else stays. */
+static void world_measure(struct world *world)
+{
+    const double *box = world->source->box_m;
+    world->min_x_m = box[0];
+    world->min_y_m = box[1];
+    world->max_x_m = box[2];
+    world->max_y_m = box[3];
     for (size_t i = 0; i < world->robot_count; i++) {
         const struct world_robot *r = &world->robots[i];
         struct world_pose outline = {r->origin_x_m, r->origin_y_m, 0};
         world_cover(world, world_pose_in(r->pose, outline), r->length_m / 2, r->width_m / 2);
     }
+    if (!(world->min_x_m <= world->max_x_m)) {
+        world->min_x_m = world->min_y_m = world->max_x_m = world->max_y_m = 0;
+    }
 }
 
-mu_result world_load(struct world *world, const char *path, bool quiet, struct mu_fault *fault)
+/* What stands outside all models: units, the step, the seed. */
+static mu_result world_read_units(struct builder *b, const struct worldfile_entity *root)
 {
-    *world = (struct world){0};
-    if (!mu_text_copy(world->file, sizeof world->file, path)) {
-        return mu_fault_at(fault, path, 0, 0, "expected a shorter path");
+    static const struct {
+        const char *name;
+        double length_m, angle_deg; /* 0: it is none */
+    } units[] = {
+        {"m", 1, 0},
+        {"cm", 0.01, 0},
+        {"mm", 0.001, 0},
+        {"degrees", 0, 1},
+        {"radians", 0, 180 / M_PI},
+    };
+    const char *length = "m";
+    const char *angle = "degrees";
+    MU_TRY(builder_text(b, root, "unit_length", &length));
+    MU_TRY(builder_text(b, root, "unit_angle", &angle));
+    b->unit_length_m = b->unit_angle_deg = 0;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        b->unit_length_m += strcmp(length, units[i].name) == 0 ? units[i].length_m : 0;
+        b->unit_angle_deg += strcmp(angle, units[i].name) == 0 ? units[i].angle_deg : 0;
     }
+    if (!(b->unit_length_m > 0)) {
+        struct worldfile_place at = builder_place(root, "unit_length");
+        return builder_fault(b, &at, "expected m, cm or mm, found '%.40s'", length);
+    }
+    if (!(b->unit_angle_deg > 0)) {
+        struct worldfile_place at = builder_place(root, "unit_angle");
+        return builder_fault(b, &at, "expected degrees or radians, found '%.40s'", angle);
+    }
+    return MU_OK;
+}
+
+/* The physics takes 20 ms at a time. */
+static void world_round_step(struct builder *b, const struct worldfile_entity *root, double step_ms)
+{
+    double whole_ms = ceil(step_ms / 20) * 20;
+    if (whole_ms != step_ms) {
+        struct worldfile_place at = builder_place(root, "interval_sim");
+        builder_warn(b, &at, "interval_sim", "is no multiple of 20 ms and is rounded up");
+    }
+    b->world->step_ns = (uint64_t)llround(whole_ms * 1e6);
+}
+
+static mu_result world_read_settings(struct builder *b, const struct worldfile_entity *root)
+{
+    double step_ms = 0;
+    double seed = -1;
+    MU_TRY(builder_number(b, root, (struct builder_numbers){"interval_sim", &step_ms, 1, 1, NULL},
+                          1, 10000));
+    MU_TRY(builder_number(b, root, (struct builder_numbers){"seed", &seed, 1, 1, NULL}, 0, 0x1p53));
+    world_round_step(b, root, step_ms);
+    b->world->seed = (int64_t)seed;
+    if (seed >= 0) {
+        b->seed = (uint64_t)seed;
+    }
+    return MU_OK;
+}
+
+static mu_result world_build(struct builder *b)
+{
+    struct world *world = b->world;
+    const struct worldfile_entity *root = &world->source->root;
+    struct world_walk walk = {.builder = b};
+    builder_warn_unknown(b, root, BUILDER_WORLD);
+    mu_result units = builder_go_on(b, world_read_units(b, root));
+    if (units != MU_OK || !(b->unit_length_m > 0 && b->unit_angle_deg > 0)) {
+        b->unit_length_m = b->unit_angle_deg = 1;
+        MU_TRY(units);
+    }
+    MU_TRY(builder_go_on(b, world_read_settings(b, root)));
+    MU_TRY(builder_children(root, world_visit, &walk));
+    world_measure_fixed(world);
+    MU_TRY(distribute_all(b));
+    world_name_all(world);
+    world_measure_fixed(world);
+    world_measure(world);
+    return b->mistake_count > 0 ? MU_FAULT_FILE : MU_OK;
+}
+
+static mu_result world_take_room(struct world *world, const char *path, struct mu_fault *fault)
+{
     world->source = mu_startup_alloc(sizeof *world->source);
     world->shapes = mu_startup_array(BUILDER_SHAPES_MAX, sizeof *world->shapes);
     world->robots = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->robots);
     world->objects = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->objects);
-    world->seed = -1;
     worldfile_init(world->source);
-    MU_TRY(worldfile_parse(world->source, path, fault));
-    world->source->origins =
-        worldfile_take(world->source, MU_ROBOTS_MAX * sizeof *world->source->origins);
-    if (!world->source->origins) {
-        return mu_fault_at(fault, path, 0, 0, "the world is too large");
+    if (!mu_text_copy(world->file, sizeof world->file, path)) {
+        return mu_fault_at(fault, path, 0, 0, "expected a shorter path");
     }
-    struct builder b = {.world = world, .fault = fault, .quiet = quiet};
-    builder_warn_unknown(&b, &world->source->root, BUILDER_WORLD);
-    struct world_walk walk = {.builder = &b};
-    MU_TRY(builder_children(&world->source->root, world_visit, &walk));
-    world_name_robots(world);
-    world_measure(world);
     return MU_OK;
+}
+
+mu_result world_open(struct world *world, const char *path, const struct world_options *options,
+                     struct mu_fault *fault)
+{
+    *world = (struct world){.seed = -1};
+    MU_TRY(world_take_room(world, path, fault));
+    struct world_file *source = world->source;
+    source->listener = options->listener;
+    MU_TRY(worldfile_parse(source, path, fault));
+    source->origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *source->origins);
+    source->object_origins = mu_startup_array(MU_OBJECTS_MAX, sizeof *source->object_origins);
+    struct builder b = {.world = world,
+                        .fault = fault,
+                        .listener = options->listener,
+                        .quiet = options->quiet,
+                        .seed = options->seed,
+                        .unit_length_m = 1,
+                        .unit_angle_deg = 1};
+    MU_TRY(world_build(&b));
+    return source->mistake_count > 0 ? MU_FAULT_FILE : MU_OK;
+}
+
+mu_result world_load(struct world *world, const char *path, bool quiet, struct mu_fault *fault)
+{
+    return world_open(world, path, &(struct world_options){.quiet = quiet, .seed = 1}, fault);
 }
 
 /* Whether a name belongs to a model of the file that is no robot. */
@@ -211,6 +375,16 @@ static mu_result world_unknown_body(const struct world *world, const char *body,
                        "expected a body that the world defines (%s), found '%.40s'", known, body);
 }
 
+/* For what comes when the file has been read: its units hold still. */
+static struct builder world_later_builder(struct world *world, struct mu_fault *fault)
+{
+    struct builder b = {
+        .world = world, .fault = fault, .quiet = true, .unit_length_m = 1, .unit_angle_deg = 1};
+    mu_result units = world_read_units(&b, &world->source->root);
+    MU_ASSERT(units == MU_OK);
+    return b;
+}
+
 /* Reads the robot anew, or takes the one that is there. */
 static mu_result world_take_body(struct world *world, const struct world_robot *old,
                                  const char *body, struct world_robot *robot,
@@ -224,10 +398,11 @@ static mu_result world_take_body(struct world *world, const struct world_robot *
     if (!definition || strcmp(worldfile_kind(definition), "position") != 0) {
         return world_unknown_body(world, body, fault);
     }
-    struct builder b = {.world = world, .fault = fault, .quiet = true};
+    struct builder b = world_later_builder(world, fault);
     MU_TRY(body_read(&b, definition, (struct world_pose){0}, robot));
     if (old) {
         robot->pose = old->pose;
+        robot->look.rgb = old->look.rgb;
         memcpy(robot->color, old->color, sizeof robot->color);
     }
     return MU_OK;
@@ -240,7 +415,7 @@ static mu_result world_check_added(const struct world *world, const char *name, 
     if (!mu_name_valid(name) || mu_name_reserved(name)) {
         return mu_fault_at(fault, file, 0, 0, "expected a robot's name, found '%.40s'", name);
     }
-    if (world_names_thing(world, name)) {
+    if (world_names_thing(world, name) || world_has_object(world, name)) {
         return mu_fault_at(fault, file, 0, 0, "'%s' is not a robot in this world", name);
     }
     if (pose && !(fabs(pose->x_m) <= BUILDER_POSE_MAX_M && fabs(pose->y_m) <= BUILDER_POSE_MAX_M &&
@@ -265,6 +440,26 @@ static mu_result world_check_added(const struct world *world, const char *name, 
     return MU_OK;
 }
 
+/* Takes a robot into the world, in the place of the old one if there was one. */
+static mu_result world_put_robot(struct world *world, struct world_robot *old,
+                                 const struct world_robot *robot, const char *body,
+                                 struct mu_fault *fault)
+{
+    size_t index = old ? (size_t)(old - world->robots) : world->robot_count++;
+    struct worldfile_origin *origin = &world->source->origins[index];
+    if (!old) {
+        *origin = (struct worldfile_origin){.at = {.file = world->file}, .type = body};
+    }
+    if (body) {
+        origin->entity = worldfile_definition(world->source, body);
+    }
+    world->robots[index] = *robot;
+    struct builder b = world_later_builder(world, fault);
+    MU_TRY(body_read_start(&b, origin->entity, &world->robots[index]));
+    world_measure(world);
+    return MU_OK;
+}
+
 mu_result world_add_robot(struct world *world, const char *name, const char *body,
                           const struct world_pose *pose, const char *color, struct mu_fault *fault)
 {
@@ -279,17 +474,19 @@ mu_result world_add_robot(struct world *world, const char *name, const char *bod
     if (color && !mu_text_copy(robot.color, sizeof robot.color, color)) {
         return mu_fault_at(fault, world->file, 0, 0, "robot '%s': expected a shorter colour", name);
     }
-    if (!old) {
-        world->source->origins[world->robot_count] =
-            (struct worldfile_origin){.at = {.file = world->file}, .type = body};
-        old = &world->robots[world->robot_count++];
+    if (color) {
+        look_color(color, &robot.look.rgb); /* the report knows names that X11 does not */
     }
-    *old = robot;
-    world_measure(world);
-    return MU_OK;
+    return world_put_robot(world, old, &robot, body, fault);
 }
 
 mu_result world_check_places(const struct world *world, struct mu_fault *fault)
 {
-    return place_check(world, fault);
+    return place_check(world, NULL, fault);
+}
+
+mu_result world_check_all_places(const struct world *world,
+                                 const struct mu_fault_listener *listener, struct mu_fault *fault)
+{
+    return place_check(world, listener, fault);
 }

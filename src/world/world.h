@@ -93,9 +93,12 @@ struct world_fiducial_finder {
     double fov_rad;
 };
 
-/* Two paddles with two break beams between them, at the front of its case: Stage's gripper. */
+/*
+ * Two paddles with two break beams between them, at the front of its case: Stage's gripper.
+ * Open, the paddles' outer sides are in line with the case's.
+ */
 struct world_gripper {
-    struct world_pose pose;   /* of its case's middle */
+    struct world_pose pose;   /* of its case's middle, without the paddles */
     double length_m, width_m; /* of the case; length_m 0: the robot has none */
     double paddle_length_m, paddle_width_m;
     bool starts_closed, starts_lifted;
@@ -150,14 +153,25 @@ struct world {
     struct world_file *source; /* the parsed file: what its names define, for world_add_robot */
 };
 
+struct world_options {
+    bool quiet;                               /* no warnings */
+    uint64_t seed;                            /* of random places, where the file has none */
+    const struct mu_fault_listener *listener; /* NULL: loading ends at the first mistake */
+};
+
 /**
  * Loads a world file in Stage's grammar (define, include, nested models, # comments) and units.
  *
- * Properties that muster does not support are named once each, as warnings on standard error
- * (quiet: not at all).
+ * Properties that muster does not support are named once each, as warnings on standard error.
+ * A listener is told of them instead, and of every mistake; then the world is good for nothing.
  *
- * @return MU_OK, or MU_FAULT_FILE with file, line, column and what was expected
+ * @return MU_OK, or MU_FAULT_FILE with file, line, column and what was expected (of the last
+ *         mistake, where there is a listener)
  */
+MU_MUST_USE mu_result world_open(struct world *world, const char *path,
+                                 const struct world_options *options, struct mu_fault *fault);
+
+/** world_open with seed 1 and without a listener. */
 MU_MUST_USE mu_result world_load(struct world *world, const char *path, bool quiet,
                                  struct mu_fault *fault);
 
@@ -175,10 +189,17 @@ MU_MUST_USE mu_result world_add_robot(struct world *world, const char *name, con
                                       struct mu_fault *fault);
 
 /**
- * Looks for robots that overlap a wall or one another, or stand outside (libccd).
+ * Looks for robots and things that overlap a wall or one another, or stand outside (libccd).
+ *
+ * What does not stop bodies is in nobody's way.
  *
  * @return MU_OK or MU_FAULT_FILE
  */
 MU_MUST_USE mu_result world_check_places(const struct world *world, struct mu_fault *fault);
+
+/** The same, telling a listener of everything that stands wrong.  @return MU_FAULT_FILE then */
+MU_MUST_USE mu_result world_check_all_places(const struct world *world,
+                                             const struct mu_fault_listener *listener,
+                                             struct mu_fault *fault);
 
 #endif

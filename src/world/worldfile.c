@@ -207,6 +207,28 @@ static mu_result parser_take_property(struct parser *p, struct worldfile_entity 
     return MU_OK;
 }
 
+/*
+ * After a mistake that a listener was told of, what stands on the next line is read as if it was
+ * all right.  At the end of the file nothing is left to read.
+ */
+static mu_result parser_go_on(struct parser *p, mu_result result)
+{
+    struct world_file *file = p->file;
+    if (result != MU_FAULT_FILE || !file->listener ||
+        file->mistake_count == WORLDFILE_MISTAKES_MAX) {
+        return result;
+    }
+    if (p->token.kind != TOKEN_END || file->mistake_count == 0) {
+        file->mistake_count++;
+        file->listener->tell(file->listener->self, p->fault, true);
+    }
+    int line = p->token.line;
+    while (p->token.kind != TOKEN_END && p->token.line == line) {
+        parser_next(p);
+    }
+    return MU_OK;
+}
+
 static mu_result parser_take_statement(struct parser *p, struct worldfile_entity *into, int depth);
 
 /* Reads the statements of a model up to and with its ')'. */
@@ -223,7 +245,7 @@ static mu_result parser_take_body(struct parser *p, struct worldfile_entity *int
                                "expected ')' to end '%.40s' of line %d, found the end of the file",
                                into->type, into->at.line);
         }
-        MU_TRY(parser_take_statement(p, into, depth));
+        MU_TRY(parser_go_on(p, parser_take_statement(p, into, depth)));
     }
     parser_next(p);
     return MU_OK;
@@ -335,11 +357,11 @@ static mu_result parser_run(struct parser *p, const char *text, size_t len)
     parser_next(p);
     while (p->token.kind != TOKEN_END) {
         if (parser_at_word(p, "include")) {
-            MU_TRY(parser_take_include(p));
+            MU_TRY(parser_go_on(p, parser_take_include(p)));
         } else if (parser_at_word(p, "define")) {
-            MU_TRY(parser_take_define(p));
+            MU_TRY(parser_go_on(p, parser_take_define(p)));
         } else {
-            MU_TRY(parser_take_statement(p, &p->file->root, 0));
+            MU_TRY(parser_go_on(p, parser_take_statement(p, &p->file->root, 0)));
         }
     }
     return MU_OK;
@@ -405,7 +427,7 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 static void worldfile_forget(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = file->bytes};
+    *file = (struct world_file){.bytes = file->bytes, .listener = file->listener};
     file->root.type = "world";
 }
 

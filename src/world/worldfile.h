@@ -33,7 +33,8 @@ enum {
     WORLDFILE_DERIVATION_MAX = 32, /* definitions that derive from definitions */
     WORLDFILE_DEFINITIONS_MAX = 1024,
     WORLDFILE_PROPERTIES_MAX = 2048, /* of one model, without what it derives from */
-    WORLDFILE_TUPLE_MAX = 256        /* values in [ ] */
+    WORLDFILE_TUPLE_MAX = 256,       /* values in [ ] */
+    WORLDFILE_MISTAKES_MAX = 100     /* that a listener is told of */
 };
 
 struct worldfile_place {
@@ -66,10 +67,12 @@ struct worldfile_entity {
     struct worldfile_place at;
 };
 
-/* Where a robot comes from. */
+/* Where a robot or a thing comes from. */
 struct worldfile_origin {
     struct worldfile_place at;
     const char *type;
+    const struct worldfile_entity *entity; /* NULL: the file has none */
+    bool mistaken;                         /* not all of it could be read */
 };
 
 struct world_file {
@@ -79,6 +82,10 @@ struct world_file {
     struct worldfile_entity root;         /* what stands outside all models */
     struct worldfile_entity *definitions; /* the latest first */
     struct worldfile_origin *origins;     /* of the robots of struct world, in their order */
+    struct worldfile_origin *object_origins;
+    double box_m[4]; /* around all that is no robot: least x, least y, most x, most y */
+    const struct mu_fault_listener *listener; /* NULL: the first mistake ends the parsing */
+    size_t mistake_count;                     /* that it was told */
 };
 
 /** Takes the memory.  A file that is initialized can be parsed into again and again. */

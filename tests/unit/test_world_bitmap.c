@@ -18,7 +18,8 @@ static const char *read_bytes(struct bitmap *bitmap, const char *bytes, size_t l
     CU_ASSERT_EQUAL(fwrite(bytes, 1, len, file), len);
     CU_ASSERT_EQUAL(fclose(file), 0);
     memory.bytes_used = 0;
-    return bitmap_read(bitmap, path, &memory);
+    static const struct bitmap_rule rule = {.threshold = BITMAP_THRESHOLD};
+    return bitmap_read(bitmap, path, &rule, &memory);
 }
 
 /* Takes all rectangles.  @return whether each solid pixel was in exactly one, and no other was */

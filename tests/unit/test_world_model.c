@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
+#include "../support/world_text.h"
 #include "world/world.h"
 #include "world/worldfile.h"
 
@@ -13,60 +14,6 @@
 #include <unistd.h>
 
 #define NEAR(a, b) CU_ASSERT_DOUBLE_EQUAL(a, b, 1e-9)
-
-/* A loaded world lives as long as its process: each test takes new ones. */
-static struct world worlds[160];
-static size_t worlds_used;
-static struct mu_fault fault;
-
-static int hush(void)
-{
-    fflush(stderr);
-    int kept = dup(STDERR_FILENO);
-    int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-    return kept;
-}
-
-static void unhush(int kept)
-{
-    fflush(stderr);
-    dup2(kept, STDERR_FILENO);
-    close(kept);
-}
-
-/* Puts bytes into a new file. */
-static void put(char *path, const char *bytes, size_t len)
-{
-    int fd = mkstemp(path);
-    CU_ASSERT_FATAL(fd >= 0);
-    CU_ASSERT_EQUAL(write(fd, bytes, len), (ssize_t)len);
-    close(fd);
-}
-
-/* Loads a world of this text.  @return NULL when it is refused */
-static struct world *load(const char *text)
-{
-    char path[] = "/tmp/muster-world-XXXXXX";
-    put(path, text, strlen(text));
-    CU_ASSERT_FATAL(worlds_used < sizeof worlds / sizeof worlds[0]);
-    struct world *world = &worlds[worlds_used++];
-    fault = (struct mu_fault){0};
-    int kept = hush();
-    mu_result r = world_load(world, path, true, &fault);
-    unhush(kept);
-    unlink(path);
-    return r == MU_OK ? world : NULL;
-}
-
-static mu_result check_places(const struct world *world)
-{
-    int kept = hush();
-    mu_result r = world_check_places(world, &fault);
-    unhush(kept);
-    return r;
-}
 
 static mu_result add(struct world *world, const char *name, const char *body,
                      const struct world_pose *pose)
@@ -105,6 +52,7 @@ static void test_robot(void)
     NEAR(r->turn_max_rad_s, M_PI / 4);
     NEAR(r->forward_accel_m_s2, 0.5);
     NEAR(r->turn_accel_rad_s2, M_PI);
+    CU_ASSERT_EQUAL(r->laser.samples, 180);
     CU_ASSERT_EQUAL_FATAL(r->sonar_count, 2); /* the laser is not one */
     NEAR(r->sonars[0].pose.x_m, 1 - 0.2);     /* the ranger's pose turns the sensor's */
     NEAR(r->sonars[0].pose.y_m, 0.1);
@@ -121,7 +69,7 @@ static void test_solids(void)
 {
     struct world *w = load("model ( size [2 1 1] pose [3 4 0 90]\n"
                            "  model ( size [0.2 0.2] pose [1 0 0 0] ) )\n"
-                           "model ( obstacle_return 0 ranger_return 0 )\n"
+                           "model ( obstacle_return 0 ranger_return -0.1 )\n"
                            "model ( obstacle_return 0 ranger_return -1 )\n"
                            "model ( obstacle_return 0 ranger_return 0.5 origin [1 1 0 0] )");
     CU_ASSERT_PTR_NOT_NULL_FATAL(w);
