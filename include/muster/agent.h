@@ -89,16 +89,63 @@ struct mu_mail {
     uint64_t ttl_ns; /* expires when this old; 0: never */
 };
 
-/* What a robot's body feels and sees at the start of a control step. */
+/* Sensors that a body reads only if its agent asks for them (mu_agent_senses); bits. */
+enum mu_sense {
+    MU_SENSE_SONAR = 1,
+    MU_SENSE_LASER = 2,
+    MU_SENSE_CAMERA = 4,
+    MU_SENSE_FIDUCIALS = 8,
+    MU_SENSES = 15 /* all of them */
+};
+
+/* A blob of colour in the camera's picture; angles from its middle. */
+struct mu_blob {
+    uint32_t rgb; /* 0xRRGGBB */
+    double bearing_rad, width_rad, range_m;
+};
+
+/* A number that a thing bears, seen from the fiducial finder. */
+struct mu_fiducial {
+    int32_t number; /* 0: too far to read */
+    double bearing_rad, range_m;
+    double heading_rad; /* of the thing */
+};
+
+/* The state of a gripper; bits. */
+enum mu_gripper {
+    MU_GRIPPER_THERE = 1,
+    MU_GRIPPER_CLOSED = 2,
+    MU_GRIPPER_LIFTED = 4,
+    MU_GRIPPER_OUTER_BEAM = 8, /* something breaks the beam at the tips of the paddles */
+    MU_GRIPPER_INNER_BEAM = 16,
+    MU_GRIPPER_HOLDS = 32
+};
+
+/* Orders to a gripper. */
+enum mu_paddles { MU_PADDLES_OPEN = -1, MU_PADDLES_KEEP, MU_PADDLES_CLOSE };
+enum mu_lift { MU_LIFT_DOWN = -1, MU_LIFT_KEEP, MU_LIFT_UP };
+
+/* What a robot's body feels and sees at the start of a control step.  What it points to is valid
+ * in the handler only. */
 struct mu_percept {
-    const char *robot; /* whose body it is; valid in the handler only */
+    const char *robot; /* whose body it is */
     int64_t step;
     uint64_t time_ns;
-    double x_m, y_m, heading_rad;
+    double x_m, y_m, heading_rad; /* where it takes itself to be, by its GPS or its odometer */
     double forward_m_s, turn_rad_s;
     bool stalled;
     size_t sonar_count;
-    const float *sonar_m; /* valid in the handler only */
+    const float *sonar_m;
+    bool fault; /* the simulator had to put it back to where it was */
+    double gps_x_m, gps_y_m, compass_rad;
+    double odometer_x_m, odometer_y_m, odometer_heading_rad;
+    uint32_t bumpers;     /* bit k: touched between (2k-1) and (2k+1) eighths of pi from ahead */
+    uint32_t gripper;     /* enum mu_gripper; 0: it has none */
+    double battery_share; /* of full; < 0: it has none */
+    size_t laser_count, blob_count, fiducial_count;
+    const float *laser_m;                /* from right to left */
+    const struct mu_blob *blobs;         /* nearest first */
+    const struct mu_fiducial *fiducials; /* nearest first */
 };
 
 /* A line of the white pages. */
@@ -130,7 +177,8 @@ struct mu_handlers {
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** Of a process that watches: a control step begins, and this is how every body of the world
-     *  stands and moves, in the world's order, without its sonar.  Mail of the step comes after. */
+     *  stands and moves, in the world's order, without what its sensors read.  Mail of the step
+     *  comes after. */
     void (*on_world)(void *self, mu_agent *a, const struct mu_percept *bodies, size_t count);
     /** What became of the mails first_seq to last_seq. */
     void (*on_receipt)(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
@@ -242,6 +290,22 @@ MU_MUST_USE mu_result mu_agent_broadcast(mu_agent *a, const char *content);
 
 /** Sets the speed that the body aims at.  @return MU_OK, or MU_REFUSED: NaN or infinite */
 MU_MUST_USE mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s);
+
+/**
+ * Says which sensors the body is to read from the next step on; the others report nothing, and
+ * cost nothing.  An agent that never calls this reads sonar.
+ *
+ * @param senses  bits of enum mu_sense; others are ignored, as is a sensor that the body has not
+ */
+void mu_agent_senses(mu_agent *a, uint32_t senses);
+
+/**
+ * Orders the gripper; KEEP leaves what was ordered before in this step.  It takes its time:
+ * percept->gripper says how far it is.  A body without one does nothing.
+ *
+ * @return MU_OK, or MU_MALFORMED: not values of their enumerations
+ */
+MU_MUST_USE mu_result mu_agent_grip(mu_agent *a, enum mu_paddles paddles, enum mu_lift lift);
 
 /** Says which rules fired in this step, for the run's hash; names separated by spaces, copied. */
 void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);

@@ -190,6 +190,9 @@
 #define MU_OBJECTS_MAX 4096
 #endif
 
+/** Changes of the world from outside that wait for the end of one step. */
+#define MU_ORDERS_MAX 64
+
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200
 

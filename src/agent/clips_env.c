@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
+#include "agent/clips_sense.h"
 #include "agent/clips_value.h"
 #include "core/name.h"
 #include "muster/memory.h"
@@ -220,6 +221,7 @@ static void env_install(struct mind *m)
     clips_guard_install(m);
     clips_override_install(m);
     clips_functions_install(m);
+    clips_sense_install(m);
     clips_load_install(m);
     clips_fire_install(m);
 }
@@ -227,8 +229,10 @@ static void env_install(struct mind *m)
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
 static void env_hold(struct mind *m)
 {
-    struct deftemplate **implied[] = {&m->position, &m->ring, &m->message, &m->event};
-    static const char *const names[] = {"position", "sonar", "message", "event"};
+    struct deftemplate **implied[] = {&m->position, &m->ring,    &m->laser, &m->blob,
+                                      &m->fiducial, &m->message, &m->event};
+    static const char *const names[] = {"position", "sonar",   "laser", "blob",
+                                        "fiducial", "message", "event"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
         (*implied[i])->busyCount++;

@@ -8,6 +8,7 @@
  * any field, $ any fields, ( a slot, whose name is the next value, and ) its end.
  */
 #include "agent/clips_functions.h"
+#include "agent/clips_sense.h"
 #include "agent/clips_value.h"
 
 #include <string.h>
@@ -97,6 +98,7 @@ static bool findall_pattern(struct findall_parser *p)
     if (t.type != SYMBOL) {
         return findall_complain(p, "the name of a relation behind the parenthesis");
     }
+    clips_sense_note(clips_env_mind(p->env), ValueToString(t.value));
     struct deftemplate *relation = EnvFindDeftemplate(p->env, ValueToString(t.value));
     findall_append(p, relation ? GenConstant(p->env, DEFTEMPLATE_PTR, relation)
                                : GenConstant(p->env, SYMBOL, t.value));

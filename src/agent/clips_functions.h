@@ -18,15 +18,45 @@
       "(position)", \
       "the position fact's seven fields: time in s, x and y in mm, speed in mm/s, turn " \
       "rate in deg/s, compass in deg, stalled; `()` before the first percept") \
-    X("gps", 'm', clips_physical_gps, "00", \
+    X("gps", 'm', clips_sense_gps, "00", \
       "(gps)", \
-      "x and y in mm, compass in deg; `()` before the first percept") \
+      "x and y in mm, compass in deg, as GPS and compass say; `()` before the first percept") \
+    X("odometer", 'm', clips_sense_odometer, "00", \
+      "(odometer)", \
+      "x and y in mm, heading in deg, as the wheels say; `()` before the first percept") \
     X("stalled", 'u', clips_physical_stalled, "00", \
       "(stalled)", \
       "TRUE while the body is held up") \
     X("sonar", 'u', clips_physical_sonar, "01i", \
       "(sonar [i])", \
       "all ranges in mm, or the one with index i, from 0") \
+    X("laser", 'u', clips_sense_laser, "02i", \
+      "(laser [from [to]])", \
+      "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
+      "from, counted from 0 at the right; `()` if the body has no laser, or no call of laser was " \
+      "there before this step: a body reads only what rules look at") \
+    X("camera", 'm', clips_sense_camera, "01k", \
+      "(camera [color])", \
+      "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
+      "such as red, else #rrggbb), bearing from straight ahead in deg (left is positive), width " \
+      "in deg, range in mm; or those of one colour") \
+    X("fiducials", 'm', clips_sense_fiducials, "00", \
+      "(fiducials)", \
+      "the things that bear a number, nearest first, each in four fields: number (0: too far to " \
+      "read), bearing in deg, range in mm, heading of the thing as seen from here in deg") \
+    X("bumpers", 'm', clips_sense_bumpers, "00", \
+      "(bumpers)", \
+      "the directions in deg from straight ahead in which something touches the body: of eight, " \
+      "45 deg apart") \
+    X("battery", 'u', clips_sense_battery, "00", \
+      "(battery)", \
+      "what is left, as a share from 0 to 1; FALSE for a body without one") \
+    X("gripper", 'u', clips_sense_gripper, "01k", \
+      "(gripper [open|close|lift|lower])", \
+      "orders the gripper; TRUE, or FALSE for a body without one.  Without a word its state: " \
+      "`(open|closed up|down outer inner holds)`, where outer and inner are TRUE while something " \
+      "breaks that beam between the paddles; `()` for a body without one.  Open or closed, up or " \
+      "down is what it has come to: it takes its time") \
     X("sonar-data", 'u', clips_physical_sonar_data, "1*u", \
       "(sonar-data s...)", \
       "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \

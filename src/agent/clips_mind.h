@@ -94,12 +94,16 @@ struct mind {
 
     /* percepts */
     struct mind_percept percept;
-    float sonar[MU_SONARS_MAX];
+    float sonar[MU_SONARS_MAX], laser_m[MU_BEAMS_MAX];
+    struct mu_blob blobs[MU_BLOBS_MAX];
+    struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
     bool sensed;
+    uint32_t senses_named; /* enum mu_sense: by calls of their functions */
     uint64_t step;
-    struct deftemplate *position, *ring, *message, *event, *mail;
+    struct deftemplate *position, *ring, *laser, *blob, *fiducial, *message, *event, *mail;
     struct defglobal *globals[CLIPS_GLOBALS];
-    struct fact *position_fact, *ring_fact;
+    struct fact *position_fact, *ring_fact, *laser_fact;
+    struct fact *blob_facts[MU_BLOBS_MAX], *fiducial_facts[MU_FIDUCIALS_MAX];
 
     /* mail */
     struct clips_messages *messages;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Percepts as facts, in the units of the paper: millimetres, mm/s, degrees. */
 #include "agent/clips_physical.h"
+#include "agent/clips_sense.h"
 #include "agent/clips_value.h"
 
 #include <math.h>
@@ -58,27 +59,115 @@ static struct fact *percept_sonar(struct mind *m)
     return clips_percept_assert(m, m->ring, fields);
 }
 
+static struct fact *percept_laser(struct mind *m)
+{
+    size_t count = m->percept.laser_count;
+    if (count == 0 || !(mind_senses(m) & MU_SENSE_LASER)) {
+        return NULL;
+    }
+    struct multifield *fields = CreateMultifield2(m->env, (long)count + 1);
+    clips_value_set_float(m->env, fields, 0, (double)m->percept.time_ns * 1e-9);
+    for (size_t i = 0; i < count; i++) {
+        clips_value_set_float(m->env, fields, i + 1, (double)m->laser_m[i] * 1000);
+    }
+    return clips_percept_assert(m, m->laser, fields);
+}
+
+/* What is seen becomes facts for those who have a pattern of them. */
+static void percept_sights(struct mind *m)
+{
+    double time_s = (double)m->percept.time_ns * 1e-9;
+    for (size_t i = 0; m->blob->patternNetwork && i < m->percept.blob_count; i++) {
+        struct multifield *fields = CreateMultifield2(m->env, 5);
+        clips_value_set_float(m->env, fields, 0, time_s);
+        clips_sense_blob(m, &m->blobs[i], fields, 1);
+        m->blob_facts[i] = clips_percept_assert(m, m->blob, fields);
+    }
+    for (size_t i = 0; m->fiducial->patternNetwork && i < m->percept.fiducial_count; i++) {
+        struct multifield *fields = CreateMultifield2(m->env, 5);
+        clips_value_set_float(m->env, fields, 0, time_s);
+        clips_sense_fiducial(m, &m->fiducials[i], fields, 1);
+        m->fiducial_facts[i] = clips_percept_assert(m, m->fiducial, fields);
+    }
+}
+
+static void percept_retract_all(struct mind *m)
+{
+    clips_percept_retract(m, &m->position_fact);
+    clips_percept_retract(m, &m->ring_fact);
+    clips_percept_retract(m, &m->laser_fact);
+    for (size_t i = 0; i < MU_BLOBS_MAX; i++) {
+        clips_percept_retract(m, &m->blob_facts[i]);
+    }
+    for (size_t i = 0; i < MU_FIDUCIALS_MAX; i++) {
+        clips_percept_retract(m, &m->fiducial_facts[i]);
+    }
+}
+
 /* Numbers that are no numbers would only poison what rules compute: 0 stands for them. */
 static double percept_finite(double x)
 {
     return isfinite(x) ? x : 0;
 }
 
+static size_t percept_ranges(float *to, const float *from_m, size_t count, size_t most)
+{
+    count = count < most ? count : most;
+    for (size_t i = 0; i < count; i++) {
+        to[i] = isfinite(from_m[i]) ? from_m[i] : 0;
+    }
+    return count;
+}
+
+static void percept_copy_body(struct mind_percept *p)
+{
+    double *const numbers[] = {&p->x_m,
+                               &p->y_m,
+                               &p->heading_rad,
+                               &p->forward_m_s,
+                               &p->turn_rad_s,
+                               &p->gps_x_m,
+                               &p->gps_y_m,
+                               &p->compass_rad,
+                               &p->odometer_x_m,
+                               &p->odometer_y_m,
+                               &p->odometer_heading_rad,
+                               &p->battery_share};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        *numbers[i] = percept_finite(*numbers[i]);
+    }
+}
+
+static void percept_copy_sights(struct mind *m, const struct mind_percept *p)
+{
+    size_t blobs = p->blob_count < MU_BLOBS_MAX ? p->blob_count : MU_BLOBS_MAX;
+    size_t fiducials = p->fiducial_count < MU_FIDUCIALS_MAX ? p->fiducial_count : MU_FIDUCIALS_MAX;
+    for (size_t i = 0; i < blobs; i++) {
+        const struct mu_blob *b = &p->blobs[i];
+        m->blobs[i] = (struct mu_blob){b->rgb, percept_finite(b->bearing_rad),
+                                       percept_finite(b->width_rad), percept_finite(b->range_m)};
+    }
+    for (size_t i = 0; i < fiducials; i++) {
+        const struct mu_fiducial *f = &p->fiducials[i];
+        m->fiducials[i] =
+            (struct mu_fiducial){f->number, percept_finite(f->bearing_rad),
+                                 percept_finite(f->range_m), percept_finite(f->heading_rad)};
+    }
+    m->percept.blob_count = blobs;
+    m->percept.fiducial_count = fiducials;
+    m->percept.blobs = m->blobs;
+    m->percept.fiducials = m->fiducials;
+}
+
 static void percept_copy(struct mind *m, const struct mind_percept *p)
 {
     m->percept = *p;
-    m->percept.x_m = percept_finite(p->x_m);
-    m->percept.y_m = percept_finite(p->y_m);
-    m->percept.heading_rad = percept_finite(p->heading_rad);
-    m->percept.forward_m_s = percept_finite(p->forward_m_s);
-    m->percept.turn_rad_s = percept_finite(p->turn_rad_s);
-    if (m->percept.sonar_count > MU_SONARS_MAX) {
-        m->percept.sonar_count = MU_SONARS_MAX;
-    }
-    for (size_t i = 0; i < m->percept.sonar_count; i++) {
-        m->sonar[i] = isfinite(p->sonar_m[i]) ? p->sonar_m[i] : 0;
-    }
+    percept_copy_body(&m->percept);
+    percept_copy_sights(m, p);
+    m->percept.sonar_count = percept_ranges(m->sonar, p->sonar_m, p->sonar_count, MU_SONARS_MAX);
+    m->percept.laser_count = percept_ranges(m->laser_m, p->laser_m, p->laser_count, MU_BEAMS_MAX);
     m->percept.sonar_m = m->sonar;
+    m->percept.laser_m = m->laser_m;
     m->sensed = true;
 }
 
@@ -89,10 +178,11 @@ void mind_percept(struct mind *m, const struct mind_percept *percept)
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
-    clips_percept_retract(m, &m->position_fact);
-    clips_percept_retract(m, &m->ring_fact);
+    percept_retract_all(m);
     m->position_fact = percept_position(m);
     m->ring_fact = percept_sonar(m);
+    m->laser_fact = percept_laser(m);
+    percept_sights(m);
     clips_event_assert(m);
     clips_message_age(m);
     EnvDecrementGCLocks(m->env);

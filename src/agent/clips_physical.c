@@ -47,18 +47,6 @@ void clips_physical_get_position(void *env, DATA_OBJECT *out)
     clips_value_multifield(out, fields);
 }
 
-void clips_physical_gps(void *env, DATA_OBJECT *out)
-{
-    const struct mind *m = clips_env_mind(env);
-    double values[6];
-    if (!m->sensed) {
-        EnvSetMultifieldErrorValue(env, out);
-        return;
-    }
-    clips_physical_position(&m->percept, values);
-    clips_value_floats(env, out, 3, (double[]){values[1], values[2], values[5]});
-}
-
 void clips_physical_stalled(void *env, DATA_OBJECT *out)
 {
     clips_value_bool(env, out, clips_env_mind(env)->percept.stalled);

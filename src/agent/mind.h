@@ -18,13 +18,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* As struct mu_percept has it; what it points to is copied. */
 struct mind_percept {
     uint64_t time_ns; /* simulated */
     double x_m, y_m, heading_rad;
     double forward_m_s, turn_rad_s;
     bool stalled;
-    size_t sonar_count;
-    const float *sonar_m;
+    double gps_x_m, gps_y_m, compass_rad;
+    double odometer_x_m, odometer_y_m, odometer_heading_rad;
+    double battery_share; /* < 0: it has none */
+    uint32_t bumpers, gripper;
+    size_t sonar_count, laser_count, blob_count, fiducial_count;
+    const float *sonar_m, *laser_m;
+    const struct mu_blob *blobs;
+    const struct mu_fiducial *fiducials;
 };
 
 /* A mail that came; every string is set, "" where the sender said nothing. */
@@ -109,6 +116,8 @@ enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
 struct mind_act {
     bool drives; /* setSpeed or stop was called; the last call counts */
     double forward_m_s, turn_rad_s;
+    enum mu_paddles paddles; /* of the gripper */
+    enum mu_lift lift;
     uint32_t firings;
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
@@ -133,6 +142,14 @@ MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_faul
 
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
+
+/**
+ * Which sensors the rules look at: by a pattern, by a call of a sensor's function, or on a line.
+ * Loading, lines and rules that build rules change it.
+ *
+ * @return bits of enum mu_sense
+ */
+uint32_t mind_senses(const struct mind *m);
 
 /** Replaces the percept facts; events become facts; message facts age and go.  Opens a control
  * step. */

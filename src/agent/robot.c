@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "agent/robot.h"
+#include "agent/body.h"
 
 #include "core/fault.h"
 
@@ -58,5 +59,6 @@ mu_result robot_join(struct robot *r)
     mu_process *p = r->crew->process;
     MU_TRY(mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers));
     mu_agent_be(r->agent, &robot_kind);
+    body_ask(r->agent, r->mind);
     return MU_OK;
 }

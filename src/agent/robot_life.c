@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a robot lives through: its registration, states and control steps. */
+#include "agent/body.h"
 #include "agent/robot.h"
 #include "core/log.h"
 
@@ -132,15 +133,7 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
-    struct mind_percept percept = {.time_ns = p->time_ns,
-                                   .x_m = p->x_m,
-                                   .y_m = p->y_m,
-                                   .heading_rad = p->heading_rad,
-                                   .forward_m_s = p->forward_m_s,
-                                   .turn_rad_s = p->turn_rad_s,
-                                   .stalled = p->stalled,
-                                   .sonar_count = p->sonar_count,
-                                   .sonar_m = p->sonar_m};
+    struct mind_percept percept = body_percept(p);
     mind_percept(r->mind, &percept);
 }
 
@@ -154,9 +147,8 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     if (act.end == MIND_STOPPED) {
         mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
     }
-    if (act.drives && mu_agent_drive(a, act.forward_m_s, act.turn_rad_s) != MU_OK) {
-        mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
-    }
+    body_act(a, &act);
+    body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
     if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What reaches a robot: mail, questions, directives. */
+#include "agent/body.h"
 #include "agent/robot.h"
 #include "core/log.h"
 #include "runtime/kind.h"
@@ -119,6 +120,7 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     if (mail->reply_with[0]) {
         line_answer(r, mail, done);
     }
+    body_ask(a, r->mind);
     if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
         mu_agent_set_state(a, MU_RUNNING);
     }

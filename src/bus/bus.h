@@ -32,6 +32,7 @@ enum bus_topic {
     BUS_DELIVERY,
     BUS_ROSTER,
     BUS_RUN_COMMAND,
+    BUS_RUN_ANSWER,
     BUS_RUN_STATUS,
     BUS_PAGES,
     BUS_BROKER_STATUS,

@@ -15,6 +15,8 @@ enum { RULES_TEXT_MAX = 64 * 1024 };
 enum { PART_COUNTERS_MAX = 64 };
 /* A line of the white pages, in bytes. */
 enum { LINE_TEXT_MAX = 511 };
+/* A path, and why an order was refused, in bytes. */
+enum { FILE_TEXT_MAX = 1023, REASON_TEXT_MAX = 255 };
 
 static bool text_fits(const char *text, size_t max)
 {
@@ -128,11 +130,54 @@ static bool ranges_ok(const float *range_m, uint32_t count)
     return true;
 }
 
+static bool blobs_ok(const muster_Percept *p)
+{
+    bool fit = p->blobs._length <= MU_BLOBS_MAX;
+    for (uint32_t i = 0; fit && i < p->blobs._length; i++) {
+        const muster_Blob *b = &p->blobs._buffer[i];
+        fit = isfinite(b->bearing_rad) && isfinite(b->width_rad) && isfinite(b->range_m);
+    }
+    return fit;
+}
+
+static bool fiducials_ok(const muster_Percept *p)
+{
+    bool fit = p->fiducials._length <= MU_FIDUCIALS_MAX;
+    for (uint32_t i = 0; fit && i < p->fiducials._length; i++) {
+        const muster_Fiducial *f = &p->fiducials._buffer[i];
+        fit = isfinite(f->bearing_rad) && isfinite(f->range_m) && isfinite(f->heading_rad);
+    }
+    return fit;
+}
+
+static bool body_ok(const muster_Percept *p)
+{
+    const double numbers[] = {p->x_m,
+                              p->y_m,
+                              p->heading_rad,
+                              p->forward_m_s,
+                              p->turn_rad_s,
+                              p->gps_x_m,
+                              p->gps_y_m,
+                              p->compass_rad,
+                              p->odometer_x_m,
+                              p->odometer_y_m,
+                              p->odometer_heading_rad,
+                              p->battery_share};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (!isfinite(numbers[i])) {
+            return false;
+        }
+    }
+    return is_name(p->robot);
+}
+
 static bool percept_ok(const muster_Percept *p)
 {
-    return is_name(p->robot) && isfinite(p->x_m) && isfinite(p->y_m) && isfinite(p->heading_rad) &&
-           isfinite(p->forward_m_s) && isfinite(p->turn_rad_s) &&
-           p->sonar_m._length <= MU_SONARS_MAX && ranges_ok(p->sonar_m._buffer, p->sonar_m._length);
+    return body_ok(p) && p->sonar_m._length <= MU_SONARS_MAX &&
+           ranges_ok(p->sonar_m._buffer, p->sonar_m._length) &&
+           p->laser_m._length <= MU_BEAMS_MAX &&
+           ranges_ok(p->laser_m._buffer, p->laser_m._length) && blobs_ok(p) && fiducials_ok(p);
 }
 
 bool check_sense(const void *sample)
@@ -247,7 +292,23 @@ bool check_roster(const void *sample)
 bool check_run_command(const void *sample)
 {
     const muster_RunCommand *c = sample;
-    return is_process(c->simulator);
+    const double numbers[] = {c->x_m,       c->y_m,       c->heading_rad, c->force_x_n,
+                              c->force_y_n, c->torque_nm, c->time_s,      c->rate};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (!isfinite(numbers[i])) {
+            return false;
+        }
+    }
+    return is_process(c->simulator) && text_fits(c->source, MU_PROCESS_MAX) &&
+           (unsigned)c->order <= muster_RUN_SAVE && text_fits(c->name, MU_FIELD_MAX) &&
+           text_fits(c->file, FILE_TEXT_MAX);
+}
+
+bool check_run_answer(const void *sample)
+{
+    const muster_RunAnswer *a = sample;
+    return is_process(a->simulator) && text_fits(a->source, MU_PROCESS_MAX) &&
+           (unsigned)a->result <= muster_ORDER_NOT_WRITTEN && text_fits(a->reason, REASON_TEXT_MAX);
 }
 
 bool check_run_status(const void *sample)

@@ -20,6 +20,7 @@ bool check_sense(const void *sample);
 bool check_delivery(const void *sample);
 bool check_roster(const void *sample);
 bool check_run_command(const void *sample);
+bool check_run_answer(const void *sample);
 bool check_run_status(const void *sample);
 bool check_page(const void *sample);
 bool check_broker_status(const void *sample);

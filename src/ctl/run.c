@@ -475,7 +475,14 @@ static int gather(struct run *r)
 
 static int watch(struct run *r)
 {
-    muster_RunCommand go = {.simulator = r->simulator, .order = muster_RUN_GO};
+    static char observer_name[] = "observer";
+    static char none[1];
+    muster_RunCommand go = {.simulator = r->simulator,
+                            .source = observer_name,
+                            .seq = 1,
+                            .order = muster_RUN_GO,
+                            .name = none,
+                            .file = none};
     if (bus_write(&r->command, &go) != MU_OK) {
         return MU_EXIT_DDS;
     }

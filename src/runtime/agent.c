@@ -6,6 +6,7 @@
 #include "runtime/process.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The public enumerations are those of the wire, so that they can be cast. */
@@ -87,6 +88,7 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     a->kind = kind;
     a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
     a->handlers = *handlers;
+    a->senses = kind == MU_KIND_ROBOT ? MU_SENSE_SONAR : 0;
     a->since_wall_ns = mu_clock_wall_ns();
     a->last_number = a->acked_number = last_number;
     a->rules = p->rules_text ? p->rules_text + (size_t)index * (PROCESS_RULES_MAX + 1) : NULL;
@@ -294,6 +296,24 @@ mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s)
     a->drives = true;
     a->forward_m_s = forward_m_s;
     a->turn_rad_s = turn_rad_s;
+    return MU_OK;
+}
+
+void mu_agent_senses(mu_agent *a, uint32_t senses)
+{
+    if (a->senses != (senses & MU_SENSES)) {
+        a->senses = senses & MU_SENSES;
+        roll_mark(a);
+    }
+}
+
+mu_result mu_agent_grip(mu_agent *a, enum mu_paddles paddles, enum mu_lift lift)
+{
+    if (abs((int)paddles) > 1 || abs((int)lift) > 1) {
+        return MU_MALFORMED;
+    }
+    a->paddles = paddles == MU_PADDLES_KEEP ? a->paddles : paddles;
+    a->lift = lift == MU_LIFT_KEEP ? a->lift : lift;
     return MU_OK;
 }
 

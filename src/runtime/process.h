@@ -52,13 +52,16 @@ struct mu_agent {
     bool leaving;             /* its registration is still there, until its last mails are out, */
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
-    uint64_t progress_ns;  /* wall: when the broker last answered for mail, or mail went out */
-    uint64_t earlier_end;  /* mails below this number were there before that one came */
-    bool in_order;         /* the box's numbers go on after last_number, without gaps */
-    uint64_t last_number;  /* taken from the box */
-    uint64_t acked_number; /* told the broker */
-    uint64_t handed;       /* parcels that reached its handlers */
-    bool drives;           /* this step */
+    uint64_t progress_ns;    /* wall: when the broker last answered for mail, or mail went out */
+    uint64_t earlier_end;    /* mails below this number were there before that one came */
+    bool in_order;           /* the box's numbers go on after last_number, without gaps */
+    uint64_t last_number;    /* taken from the box */
+    uint64_t acked_number;   /* told the broker */
+    uint64_t handed;         /* parcels that reached its handlers */
+    uint32_t senses;         /* enum mu_sense: that its body is to read */
+    enum mu_paddles paddles; /* this step */
+    enum mu_lift lift;
+    bool drives; /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
     uint64_t repeats; /* mails that came again through another broker, and were dropped */

@@ -53,6 +53,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .kind = (muster_Kind)a->kind,
                           .state = state_of(a),
                           .no_broadcasts = a->no_broadcasts,
+                          .senses = a->senses,
                           .full = (muster_BoxPolicy)a->box_policy,
                           .box_mails = a->box_mails,
                           .box_bytes = a->box_bytes,

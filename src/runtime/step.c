@@ -140,6 +140,20 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
+/* The lists of a percept are handed over as they came. */
+_Static_assert(sizeof(struct mu_blob) == sizeof(muster_Blob) &&
+                   offsetof(struct mu_blob, bearing_rad) == offsetof(muster_Blob, bearing_rad) &&
+                   offsetof(struct mu_blob, width_rad) == offsetof(muster_Blob, width_rad) &&
+                   offsetof(struct mu_blob, range_m) == offsetof(muster_Blob, range_m),
+               "blobs");
+_Static_assert(sizeof(struct mu_fiducial) == sizeof(muster_Fiducial) &&
+                   offsetof(struct mu_fiducial, bearing_rad) ==
+                       offsetof(muster_Fiducial, bearing_rad) &&
+                   offsetof(struct mu_fiducial, range_m) == offsetof(muster_Fiducial, range_m) &&
+                   offsetof(struct mu_fiducial, heading_rad) ==
+                       offsetof(muster_Fiducial, heading_rad),
+               "fiducials");
+
 static struct mu_percept percept_of(const muster_Sense *sense, const muster_Percept *robot)
 {
     return (struct mu_percept){.robot = robot->robot,
@@ -152,7 +166,23 @@ static struct mu_percept percept_of(const muster_Sense *sense, const muster_Perc
                                .turn_rad_s = robot->turn_rad_s,
                                .stalled = robot->stalled,
                                .sonar_count = robot->sonar_m._length,
-                               .sonar_m = robot->sonar_m._buffer};
+                               .sonar_m = robot->sonar_m._buffer,
+                               .fault = robot->fault,
+                               .gps_x_m = robot->gps_x_m,
+                               .gps_y_m = robot->gps_y_m,
+                               .compass_rad = robot->compass_rad,
+                               .odometer_x_m = robot->odometer_x_m,
+                               .odometer_y_m = robot->odometer_y_m,
+                               .odometer_heading_rad = robot->odometer_heading_rad,
+                               .bumpers = robot->bumpers,
+                               .gripper = robot->gripper,
+                               .battery_share = robot->battery_share,
+                               .laser_count = robot->laser_m._length,
+                               .laser_m = robot->laser_m._buffer,
+                               .blob_count = robot->blobs._length,
+                               .blobs = (const struct mu_blob *)robot->blobs._buffer,
+                               .fiducial_count = robot->fiducials._length,
+                               .fiducials = (const struct mu_fiducial *)robot->fiducials._buffer};
 }
 
 /* Who watches is shown the whole world. */
@@ -258,6 +288,9 @@ static muster_Act act_of(struct mu_agent *a)
                         .drives = runs ? a->drives : true, /* who does not run stands still */
                         .forward_m_s = runs ? a->forward_m_s : 0.0,
                         .turn_rad_s = runs ? a->turn_rad_s : 0.0,
+                        .paddles = runs ? (int32_t)a->paddles : 0,
+                        .lift = runs ? (int32_t)a->lift : 0,
+                        .senses = a->senses,
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq};
@@ -304,8 +337,8 @@ static bool up_fill(mu_process *p, int64_t step)
     return load.mails > 0 || acks > 0;
 }
 
-/* The act of an agent has gone out. */
-static void act_sent(struct mu_agent *a, uint32_t mails)
+/* The act of an agent has gone out; answer: to a step. */
+static void act_sent(struct mu_agent *a, uint32_t mails, bool answer)
 {
     if (mails > 0) {
         outbox_sent(&a->outbox, mails);
@@ -315,6 +348,10 @@ static void act_sent(struct mu_agent *a, uint32_t mails)
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
     a->drives = false;
+    if (answer) { /* the simulator takes orders from nothing else */
+        a->paddles = MU_PADDLES_KEEP;
+        a->lift = MU_LIFT_KEEP;
+    }
     mu_agent_fired(a, 0, "");
 }
 
@@ -328,7 +365,7 @@ bool step_retry(mu_process *p)
     }
     p->out_pending = false;
     for (uint32_t i = 0; i < p->out.acts._length; i++) {
-        act_sent(p->out_agents[i], p->acts[i].mails._length);
+        act_sent(p->out_agents[i], p->acts[i].mails._length, p->out.step != muster_STEP_NOW);
     }
     for (uint32_t i = 0; i < p->out.acks._length; i++) {
         struct mu_agent *a = p->out_ackers[i];

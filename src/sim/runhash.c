@@ -69,6 +69,11 @@ void runhash_act(struct runhash *h, const muster_Act *act, unsigned char digest[
     fold_number(h->act, act->drives);
     fold_double(h->act, act->forward_m_s);
     fold_double(h->act, act->turn_rad_s);
+    if (act->paddles != 0 || act->lift != 0) { /* else an act is what it was without a gripper */
+        fold_text(h->act, "grip");
+        fold_number(h->act, (uint64_t)act->paddles);
+        fold_number(h->act, (uint64_t)act->lift);
+    }
     fold_number(h->act, act->firings);
     fold_text(h->act, act->rules);
     for (uint32_t i = 0; i < act->mails._length; i++) {
@@ -85,6 +90,21 @@ void runhash_fold(struct runhash *h, const void *bytes, size_t count)
 void runhash_fold_number(struct runhash *h, uint64_t number)
 {
     fold_number(h->run, number);
+}
+
+void runhash_order(struct runhash *h, const muster_RunCommand *order)
+{
+    const double numbers[] = {order->x_m,       order->y_m,       order->heading_rad,
+                              order->force_x_n, order->force_y_n, order->torque_nm,
+                              order->time_s};
+    fold_number(h->run, (uint64_t)order->order);
+    fold_text(h->run, order->name);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        fold_double(h->run, numbers[i]);
+    }
+    fold_number(h->run, order->keeps_heading);
+    fold_number(h->run, order->senses);
+    fold_number(h->run, order->on);
 }
 
 void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count,

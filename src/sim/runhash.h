@@ -30,6 +30,9 @@ void runhash_fold(struct runhash *h, const void *bytes, size_t count);
 /** Folds a number in, the same on every machine. */
 void runhash_fold_number(struct runhash *h, uint64_t number);
 
+/** Folds in what somebody outside did to the world: which order, to whom, and its numbers. */
+void runhash_order(struct runhash *h, const muster_RunCommand *order);
+
 /** Digests the mails that came from outside the roster in one step. */
 void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count,
                      unsigned char digest[RUNHASH_BYTES]);

@@ -20,6 +20,7 @@ static mu_result topics_open(struct session *s)
 {
     MU_TRY(bus_writer_open(&s->bus, BUS_ROSTER, NULL, NULL, &s->roster));
     MU_TRY(bus_writer_open(&s->bus, BUS_RUN_STATUS, NULL, NULL, &s->status));
+    MU_TRY(bus_writer_open(&s->bus, BUS_RUN_ANSWER, NULL, NULL, &s->answers));
     MU_TRY(bus_reader_open(&s->bus, BUS_REGISTRATION, NULL, &s->registrations));
     MU_TRY(bus_reader_open(&s->bus, BUS_UP, "simulator", &s->ups));
     MU_TRY(bus_reader_open(&s->bus, BUS_DELIVERY, s->name, &s->deliveries));
@@ -40,13 +41,13 @@ mu_result session_open(struct session *s, const struct session_options *options,
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
-    s->senses = mu_startup_array(s->robot_count, sizeof *s->senses);
     for (size_t i = 0; i < s->robot_count; i++) {
         s->robots[i].name = world->robots[i].name;
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
-        s->senses[i] = 1u << WORLD_SONAR;
     }
+    s->orders = mu_startup_alloc(sizeof *s->orders);
+    s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
     s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
@@ -143,6 +144,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     }
     robot->process = holds ? robot->process : process_add(s, r->process);
     robot->slot = slot;
+    robot->senses = e->senses;
     return !holds && robot->process >= 0;
 }
 
@@ -215,7 +217,12 @@ static void commands_take(struct session *s)
     enum bus_life life;
     const muster_RunCommand *c;
     while ((c = bus_next(&s->commands, &life))) {
-        if (life == BUS_DATA && strcmp(c->simulator, s->name) == 0) {
+        if (life != BUS_DATA || strcmp(c->simulator, s->name) != 0) {
+            continue;
+        }
+        if (c->order > muster_RUN_END) {
+            session_order_take(s, c);
+        } else {
             s->go = s->go || c->order == muster_RUN_GO;
             s->end = s->end || c->order == muster_RUN_END;
         }
@@ -411,7 +418,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
     processes_prune(s);
     samples_lay_out(s);
     s->step = 0;
-    s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+    s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
     mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
            s->process_count, !s->options.free);
     mu_result told = session_tell_roster(s, !s->options.free);
@@ -419,6 +426,12 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
 }
 
 /* --- what comes in ---------------------------------------------------------------------------- */
+
+/* An order that a gripper does not know is none. */
+static int32_t order_of(int32_t order)
+{
+    return order >= -1 && order <= 1 ? order : 0;
+}
 
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
 {
@@ -435,6 +448,9 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
         r->forward_m_s = act->forward_m_s;
         r->turn_rad_s = act->turn_rad_s;
     }
+    r->paddles = order_of(act->paddles);
+    r->lift = order_of(act->lift);
+    r->senses = act->senses;
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);

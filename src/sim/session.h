@@ -11,6 +11,7 @@
 
 #include "bus/bus.h"
 #include "sim/engine.h"
+#include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
 #include "wire.h"
@@ -27,7 +28,10 @@ struct session_robot {
     uint32_t slot;   /* of its controller in that process */
     bool drives;     /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
-    uint32_t quiet_steps; /* since a speed was set */
+    int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
+    uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
+    uint32_t off;          /* of them, those that somebody has switched off */
+    uint32_t quiet_steps;  /* since a speed was set */
     unsigned char digest[RUNHASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
     struct engine_percept percept;
@@ -66,11 +70,11 @@ struct session {
     struct runhash *hash;
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
-    struct bus_writer roster, status;
+    struct bus_writer roster, status, answers;
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
-    uint32_t *senses;                  /* of each robot, that are read: bits of enum world_sensor */
+    uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
@@ -82,6 +86,10 @@ struct session {
      */
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
+    struct orders *orders; /* that wait for the end of this step */
+    int64_t pace_step;     /* since when, and since which step, it goes at this rate */
+    uint64_t pace_wall_ns;
+    bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
     bool go, end;
@@ -113,6 +121,12 @@ MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t
 
 /** Takes what has come on every topic. */
 void session_take(struct session *s);
+
+/** Takes an order from outside: one that changes the world waits for session_orders_apply. */
+void session_order_take(struct session *s, const muster_RunCommand *c);
+
+/** Carries out what came from outside since the last step, and answers for it. */
+void session_orders_apply(struct session *s);
 
 /** Tells the broker which processes make the lock step, or that there is none any more. */
 MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How a run goes on: one step after the other. */
 #include "core/clock.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "sim/session.h"
 
@@ -15,15 +16,57 @@ static const uint64_t DEADMAN_NS = 300000000;
 
 /* --- senses out ------------------------------------------------------------------------------- */
 
+/* The lists of a percept go out as the engine has them. */
+_Static_assert(sizeof(struct engine_blob) == sizeof(muster_Blob) &&
+                   offsetof(struct engine_blob, bearing_rad) ==
+                       offsetof(muster_Blob, bearing_rad) &&
+                   offsetof(struct engine_blob, width_rad) == offsetof(muster_Blob, width_rad) &&
+                   offsetof(struct engine_blob, range_m) == offsetof(muster_Blob, range_m),
+               "blobs");
+_Static_assert(
+    sizeof(struct engine_fiducial) == sizeof(muster_Fiducial) &&
+        offsetof(struct engine_fiducial, bearing_rad) == offsetof(muster_Fiducial, bearing_rad) &&
+        offsetof(struct engine_fiducial, range_m) == offsetof(muster_Fiducial, range_m) &&
+        offsetof(struct engine_fiducial, heading_rad) == offsetof(muster_Fiducial, heading_rad),
+    "fiducials");
+
+/* What nobody asks for is not read; a robot without a controller asks for nothing. */
+static void wanted_set(struct session *s)
+{
+    for (size_t r = 0; r < s->robot_count; r++) {
+        const struct session_robot *robot = &s->robots[r];
+        s->wanted[r] = robot->process >= 0 ? robot->senses & ~robot->off : 0;
+    }
+}
+
 static void percepts_read(struct session *s)
 {
-    const struct engine_percept *percepts = engine_sense_all(s->engine, s->senses);
+    wanted_set(s);
+    const struct engine_percept *percepts = engine_sense_all(s->engine, s->wanted);
     for (size_t r = 0; r < s->robot_count; r++) {
         s->robots[r].percept = percepts[r];
     }
 }
 
-static void percept_fill(muster_Percept *to, const struct engine_percept *from)
+/* @param wanted  the sensors whose readings go out, 1 << enum world_sensor */
+static void readings_fill(muster_Percept *to, const struct engine_percept *from, uint32_t wanted)
+{
+    bool sonar = wanted & 1u << WORLD_SONAR;
+    bool laser = wanted & 1u << WORLD_LASER;
+    bool camera = wanted & 1u << WORLD_CAMERA;
+    bool finder = wanted & 1u << WORLD_FIDUCIALS;
+    /* Nobody writes through these. */
+    to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m;
+    to->sonar_m._length = to->sonar_m._maximum = sonar ? (uint32_t)from->sonar_count : 0;
+    to->laser_m._buffer = (float *)(uintptr_t)from->laser_m;
+    to->laser_m._length = to->laser_m._maximum = laser ? (uint32_t)from->laser_count : 0;
+    to->blobs._buffer = (muster_Blob *)(uintptr_t)from->blobs;
+    to->blobs._length = to->blobs._maximum = camera ? (uint32_t)from->blob_count : 0;
+    to->fiducials._buffer = (muster_Fiducial *)(uintptr_t)from->fiducials;
+    to->fiducials._length = to->fiducials._maximum = finder ? (uint32_t)from->fiducial_count : 0;
+}
+
+static void body_fill(muster_Percept *to, const struct engine_percept *from)
 {
     to->x_m = from->position.x_m;
     to->y_m = from->position.y_m;
@@ -41,20 +84,17 @@ static void percept_fill(muster_Percept *to, const struct engine_percept *from)
     to->bumpers = from->bumpers;
     to->gripper = from->gripper;
     to->battery_share = from->battery_share;
-    to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m; /* nobody writes there */
-    to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
 }
 
-/* Who watches sees where each body is and how it moves, and hears no echo. */
+/* Who watches sees where each body is and how it moves, and nothing of what its sensors read. */
 static void bodies_fill(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
         const struct engine_percept *percept = &s->robots[r].percept;
-        percept_fill(&s->bodies[r], percept);
+        body_fill(&s->bodies[r], percept);
         s->bodies[r].x_m = percept->pose.x_m;
         s->bodies[r].y_m = percept->pose.y_m;
         s->bodies[r].heading_rad = percept->pose.heading_rad;
-        s->bodies[r].sonar_m._length = s->bodies[r].sonar_m._maximum = 0;
     }
 }
 
@@ -71,7 +111,8 @@ static void senses_send(struct session *s, bool last)
     for (uint32_t i = 0; i < s->process_count; i++) {
         for (size_t r = 0; r < s->robot_count; r++) {
             if (s->robots[r].process == (int32_t)i) {
-                percept_fill(&s->percepts[next++], &s->robots[r].percept);
+                body_fill(&s->percepts[next], &s->robots[r].percept);
+                readings_fill(&s->percepts[next++], &s->robots[r].percept, s->wanted[r]);
             }
         }
         struct session_process *p = &s->processes[i];
@@ -130,6 +171,21 @@ static bool robot_is_held(const struct session *s, const struct session_robot *r
     return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < patience_ns;
 }
 
+/* An order counts once; what cannot be done is not, and the percept shows it. */
+static void gripper_apply(struct session *s, size_t robot)
+{
+    struct session_robot *r = &s->robots[robot];
+    if (r->paddles != 0 || r->lift != 0) {
+        mu_result done = engine_grip(s->engine, robot, r->paddles, r->lift);
+        if (done != MU_OK) {
+            mu_log(MU_LOG_INFO, "gripper-refused", "robot=%s step=%lld: %s", r->name,
+                   (long long)s->step,
+                   done == MU_ABSENT ? "it has none" : "there is no room to let go");
+        }
+    }
+    r->paddles = r->lift = 0;
+}
+
 static void commands_apply(struct session *s)
 {
     uint64_t now_ns = s->options.free ? mu_clock_ns() : 0;
@@ -142,6 +198,7 @@ static void commands_apply(struct session *s)
         double turn_rad_s = held ? r->turn_rad_s : 0.0;
         /* The border has refused what is not finite, so the engine cannot. */
         MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        gripper_apply(s, i);
         runhash_fold(s->hash, r->digest, sizeof r->digest);
     }
 }
@@ -156,6 +213,7 @@ static void step_finish(struct session *s)
 {
     outside_fold(s);
     commands_apply(s);
+    session_orders_apply(s);
     engine_step(s->engine);
     s->step++;
     s->last_step_wall_ns = mu_clock_ns();
@@ -225,8 +283,8 @@ static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal
 /* Waits until its time has come on the monotonic clock, taking in what comes meanwhile. */
 static void wait_until(struct session *s, uint64_t due_ns, const volatile sig_atomic_t *signal_came)
 {
-    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !s->end && !*signal_came;
-         now_ns = mu_clock_ns()) {
+    for (uint64_t now_ns = mu_clock_ns();
+         now_ns < due_ns && !s->end && !*signal_came && !s->paced_anew; now_ns = mu_clock_ns()) {
         int64_t wait_ns = (int64_t)(due_ns - now_ns);
         bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
         session_take(s);
@@ -240,8 +298,12 @@ static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
     if (s->options.rate <= 0.0) {
         return;
     }
-    double due_ns = (double)s->step * (double)s->options.step_ns / s->options.rate;
-    wait_until(s, s->first_step_wall_ns + (uint64_t)due_ns, signal_came);
+    do {
+        s->paced_anew = false;
+        double due_ns =
+            (double)(s->step - s->pace_step) * (double)s->options.step_ns / s->options.rate;
+        wait_until(s, s->pace_wall_ns + (uint64_t)due_ns, signal_came);
+    } while (s->paced_anew && s->options.rate > 0.0);
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
@@ -259,7 +321,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
         if (s->step == 0) {
             s->answers_missing = 0;
             waited = answers_wait(s, signal_came);
-            s->first_step_wall_ns = s->last_step_wall_ns = mu_clock_ns();
+            s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
             senses_send(s, false);
         }
         waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;

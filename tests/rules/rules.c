@@ -12,16 +12,21 @@
  *   ; event: on-run                   happens to the robot
  *   ; refused: group-create north group-exists   what the broker says to a change
  *   ; step: x=100 heading=90 sonar=5000 s3=400 stalled=1   one control step; mm, deg; values stay
+ *                                   (also ox oy oheading: the odometer; bumpers gripper battery)
  *   ; steps: 50                       so many
  *   ; line: (follow red)              what a person types
  *   ; facts: goal                     what another agent asks for; no word: all facts
- *   ; acts: on                        each step also says why it ended and which rules fired
- *   ; expect: text                    the next line of output
+ *   ; laser: 500 1000               what the beams read from now on if rules look at it; mm
+ *   ; blob: ff0000 10 5 1500        one more in the camera: rgb, bearing, width deg, range mm; or
+ * none ; fiducial: 7 10 1500 90        likewise: number, bearing deg, range mm, heading deg ;
+ * senses:                       prints which sensors the rules look at ; acts: on each step also
+ * says why it ended and which rules fired ; expect: text                    the next line of output
  *
- * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `mail TO "content"`,
- * `do WHO "line"`, `change WHAT NAME "attributes"`, and what becomes of a mail that is not kept.
- * The file is loaded over the library as a robot's rule file, then its comments are done in order.
- * Output that no expect: names is a failure.
+ * Output is what rules print, the answers to lines, `speed V W` (mm/s, deg/s), `gripper PADDLES
+ * LIFT` (1 close or up, -1 open or down), `mail TO "content"`, `do WHO "line"`, `change WHAT NAME
+ * "attributes"`, and what becomes of a mail that is not kept. The file is loaded over the library
+ * as a robot's rule file, then its comments are done in order. Output that no expect: names is a
+ * failure.
  */
 #include "agent/mind.h"
 #include "core/attributes.h"
@@ -32,7 +37,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LINES_MAX = 512, LINE_MAX_BYTES = 4096, MAILS_MAX = 64, FILES_MAX = 256, SONARS = 16 };
+enum {
+    LINES_MAX = 512,
+    LINE_MAX_BYTES = 4096,
+    MAILS_MAX = 64,
+    FILES_MAX = 256,
+    SONARS = 16,
+    BEAMS = 8
+};
 
 static const double deg = 180 / 3.14159265358979323846;
 
@@ -54,6 +66,12 @@ struct bench {
     /* the body */
     double x_mm, y_mm, heading_deg, speed_mm_s, turn_deg_s;
     float sonar_m[SONARS];
+    double odometer_x_mm, odometer_y_mm, odometer_deg, bumpers, gripper, battery;
+    float laser_m[BEAMS];
+    struct mu_blob blobs[MU_BLOBS_MAX];
+    struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
+    size_t laser_count, blob_count, fiducial_count;
+    uint32_t senses; /* that the simulator was asked for with the last step */
     bool stalled, acts;
     uint64_t steps, mail_id;
     struct waiting mails[MAILS_MAX];
@@ -262,6 +280,11 @@ static void show_act(struct bench *b, const struct mind_act *act)
                        act->turn_rad_s * deg + 0.0);
         out_line(b, line);
     }
+    if (act->paddles || act->lift) {
+        mu_text_clear(&t);
+        mu_text_format(&t, "gripper %d %d", (int)act->paddles, (int)act->lift);
+        out_line(b, line);
+    }
     if (b->acts) {
         mu_text_clear(&t);
         mu_text_format(&t, "%s%s%s, %u fired, %u errors:%s%.200s", ends[act->end],
@@ -295,6 +318,22 @@ static void step(struct bench *b)
                              .forward_m_s = b->speed_mm_s / 1000,
                              .turn_rad_s = b->turn_deg_s / deg,
                              .stalled = b->stalled,
+                             .gps_x_m = b->x_mm / 1000,
+                             .gps_y_m = b->y_mm / 1000,
+                             .compass_rad = b->heading_deg / deg,
+                             .odometer_x_m = b->odometer_x_mm / 1000,
+                             .odometer_y_m = b->odometer_y_mm / 1000,
+                             .odometer_heading_rad = b->odometer_deg / deg,
+                             .battery_share = b->battery,
+                             .bumpers = (uint32_t)b->bumpers,
+                             .gripper = (uint32_t)b->gripper,
+                             .laser_count = b->senses & MU_SENSE_LASER ? b->laser_count : 0,
+                             .laser_m = b->laser_m,
+                             .blob_count = b->senses & MU_SENSE_CAMERA ? b->blob_count : 0,
+                             .blobs = b->blobs,
+                             .fiducial_count =
+                                 b->senses & MU_SENSE_FIDUCIALS ? b->fiducial_count : 0,
+                             .fiducials = b->fiducials,
                              .sonar_count = SONARS,
                              .sonar_m = b->sonar_m};
     mind_percept(b->mind, &p);
@@ -307,6 +346,7 @@ static void step(struct bench *b)
     }
     b->mail_count = 0;
     mind_fire(b->mind, &act);
+    b->senses = mind_senses(b->mind);
     out_flush(b);
     show_act(b, &act);
 }
@@ -327,7 +367,13 @@ static void set_value(struct bench *b, const char *key, double value)
                    {"y", &b->y_mm},
                    {"heading", &b->heading_deg},
                    {"speed", &b->speed_mm_s},
-                   {"turn", &b->turn_deg_s}};
+                   {"turn", &b->turn_deg_s},
+                   {"ox", &b->odometer_x_mm},
+                   {"oy", &b->odometer_y_mm},
+                   {"oheading", &b->odometer_deg},
+                   {"bumpers", &b->bumpers},
+                   {"gripper", &b->gripper},
+                   {"battery", &b->battery}};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         if (strcmp(key, numbers[i].key) == 0) {
             *numbers[i].at = value;
@@ -468,6 +514,55 @@ static void do_line(struct bench *b, const char *text)
     }
 }
 
+static void do_laser(struct bench *b, const char *text)
+{
+    double mm;
+    int len;
+    for (b->laser_count = 0; b->laser_count < BEAMS && sscanf(text, "%lf%n", &mm, &len) == 1;
+         text += len) {
+        b->laser_m[b->laser_count++] = (float)(mm / 1000);
+    }
+}
+
+/* Adds one; without words all are gone. */
+static void do_blob(struct bench *b, const char *text)
+{
+    unsigned rgb;
+    double bearing_deg, width_deg, range_mm;
+    if (sscanf(text, "%x %lf %lf %lf", &rgb, &bearing_deg, &width_deg, &range_mm) != 4) {
+        b->blob_count = 0;
+    } else if (b->blob_count < MU_BLOBS_MAX) {
+        b->blobs[b->blob_count++] =
+            (struct mu_blob){rgb, bearing_deg / deg, width_deg / deg, range_mm / 1000};
+    }
+}
+
+static void do_fiducial(struct bench *b, const char *text)
+{
+    int number;
+    double bearing_deg, range_mm, heading_deg;
+    if (sscanf(text, "%d %lf %lf %lf", &number, &bearing_deg, &range_mm, &heading_deg) != 4) {
+        b->fiducial_count = 0;
+    } else if (b->fiducial_count < MU_FIDUCIALS_MAX) {
+        b->fiducials[b->fiducial_count++] =
+            (struct mu_fiducial){number, bearing_deg / deg, range_mm / 1000, heading_deg / deg};
+    }
+}
+
+static void do_senses(struct bench *b, const char *text)
+{
+    static const char *const names[] = {"sonar", "laser", "camera", "fiducials"};
+    char line[64] = "senses";
+    (void)text;
+    for (size_t i = 0; i < 4; i++) {
+        size_t len = strlen(line);
+        if (mind_senses(b->mind) & 1u << i) {
+            snprintf(line + len, sizeof line - len, " %s", names[i]);
+        }
+    }
+    out_line(b, line);
+}
+
 static void do_acts(struct bench *b, const char *text)
 {
     b->acts = strcmp(text, "on") == 0;
@@ -476,10 +571,11 @@ static void do_acts(struct bench *b, const char *text)
 static const struct {
     const char *word;
     void (*call)(struct bench *b, const char *text);
-} directives[] = {{"step", do_step},     {"steps", do_steps}, {"mail", do_mail},
-                  {"speech", do_speech}, {"text", do_text},   {"line", do_line},
-                  {"layer", do_layer},   {"event", do_event}, {"refused", do_refused},
-                  {"facts", do_facts},   {"acts", do_acts}};
+} directives[] = {{"step", do_step},     {"steps", do_steps},       {"mail", do_mail},
+                  {"speech", do_speech}, {"text", do_text},         {"line", do_line},
+                  {"layer", do_layer},   {"event", do_event},       {"refused", do_refused},
+                  {"facts", do_facts},   {"acts", do_acts},         {"laser", do_laser},
+                  {"blob", do_blob},     {"fiducial", do_fiducial}, {"senses", do_senses}};
 
 /* One line of the file; a comment that is a directive is done. */
 static void do_file_line(struct bench *b, const char *line)
@@ -565,7 +661,8 @@ static void run_file(struct bench *b, const char *path)
     struct mu_fault fault = {.line = 0};
     unsigned passed = b->passed;
     unsigned failed = b->failed;
-    *b = (struct bench){.file = path, .passed = passed, .failed = failed};
+    *b = (struct bench){
+        .file = path, .passed = passed, .failed = failed, .battery = -1, .senses = MU_SENSE_SONAR};
     set_sonar(b, -1, 5000);
     FILE *f = fopen(path, "r");
     if (!f) {

@@ -449,9 +449,45 @@ static void test_percepts_that_are_no_numbers(void)
 {
     struct mind *m = open_mind(NULL);
     float bad[2] = {NAN, INFINITY};
-    struct mind_percept p = {.x_m = NAN, .y_m = INFINITY, .sonar_count = 2, .sonar_m = bad};
+    struct mu_blob blob = {0xff0000, NAN, INFINITY, NAN};
+    struct mu_fiducial fiducial = {1, NAN, INFINITY, NAN};
+    struct mind_percept p = {.x_m = NAN,
+                             .y_m = INFINITY,
+                             .gps_x_m = NAN,
+                             .compass_rad = INFINITY,
+                             .battery_share = NAN,
+                             .sonar_count = 2,
+                             .sonar_m = bad,
+                             .laser_count = 2,
+                             .laser_m = bad,
+                             .blob_count = 1,
+                             .blobs = &blob,
+                             .fiducial_count = 1,
+                             .fiducials = &fiducial};
     mind_percept(m, &p);
     CU_ASSERT_EQUAL(answers(m, "(gps) (sonar)", "(0.0 0.0 0.0)\n(0.0 0.0)\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(laser) (camera)", "(0.0 0.0)\n(red 0.0 0.0 0.0)\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(fiducials) (battery)", "(1 0.0 0.0 0.0)\n0.0\n"), MU_OK);
+    mind_close(m);
+}
+
+/* What is more than a mind has room for is left out; what comes after a call is not hurt. */
+static void test_limit_readings(void)
+{
+    static float laser_m[MU_BEAMS_MAX + 1];
+    static struct mu_blob blobs[MU_BLOBS_MAX + 1];
+    static struct mu_fiducial fiducials[MU_FIDUCIALS_MAX + 1];
+    struct mind *m = open_mind(NULL);
+    struct mind_percept p = {.laser_count = MU_BEAMS_MAX + 1,
+                             .laser_m = laser_m,
+                             .blob_count = MU_BLOBS_MAX + 1,
+                             .blobs = blobs,
+                             .fiducial_count = MU_FIDUCIALS_MAX + 1,
+                             .fiducials = fiducials};
+    mind_percept(m, &p);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (laser))", "1024\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(div (length$ (camera)) 4)", "32\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(div (length$ (fiducials)) 4)", "32\n"), MU_OK);
     mind_close(m);
 }
 
@@ -487,6 +523,7 @@ int main(void)
         {"limit: size of a rule file", test_limit_file},
         {"limit: files that extend each other", test_limit_extends},
         {"percepts that are no numbers", test_percepts_that_are_no_numbers},
+        {"limit: readings", test_limit_readings},
         {"the same seed gives the same numbers", test_same_seed_same_numbers},
         CU_TEST_INFO_NULL,
     };

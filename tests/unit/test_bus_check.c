@@ -47,8 +47,16 @@ static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
 static muster_Up up = {.process = W("p1"), .acts = LIST(acts), .acks = LIST(acks)};
 
 static float sonar_m[MU_SONARS_MAX + 1] = {0.5f, 1.0f, 2.0f};
-static muster_Percept percepts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.robot = W("red")}, {.robot = W("blue")}, {.robot = W("green"), .sonar_m = LIST(sonar_m)}};
+static float laser_m[MU_BEAMS_MAX + 1] = {0.5f, 1.0f, 2.0f};
+static muster_Blob blobs[MU_BLOBS_MAX + 1];
+static muster_Fiducial fiducials[MU_FIDUCIALS_MAX + 1];
+static muster_Percept percepts[MU_LOCAL_AGENTS_MAX + 1] = {{.robot = W("red")},
+                                                           {.robot = W("blue")},
+                                                           {.robot = W("green"),
+                                                            .sonar_m = LIST(sonar_m),
+                                                            .laser_m = LIST(laser_m),
+                                                            .blobs = LIST(blobs),
+                                                            .fiducials = LIST(fiducials)}};
 static muster_Sense sense = {.process = W("p1"), .robots = LIST(percepts)};
 
 static muster_Parcel parcels[FEW] = {{.box = W("red"), .number = 1, .letter = A_MAIL},
@@ -89,7 +97,10 @@ static muster_Registration registration = {.process = W("p1"),
 static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {
     .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
-static muster_RunCommand command = {.simulator = W("sim")};
+static muster_RunCommand command = {
+    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W("")};
+static muster_RunAnswer run_answer = {
+    .simulator = W("sim"), .source = W("operator"), .reason = W("")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
 static muster_RunStatus status = {
@@ -184,6 +195,29 @@ static const struct field {
      MU_SONARS_MAX},
     {"sense.robot.first sonar", check_sense, &sense, &sonar_m[0], A_FLOAT, 0},
     {"sense.robot.last sonar", check_sense, &sense, &sonar_m[2], A_FLOAT, 0},
+    {"sense.robot.gps_x_m", check_sense, &sense, &percepts[2].gps_x_m, A_DOUBLE, 0},
+    {"sense.robot.gps_y_m", check_sense, &sense, &percepts[2].gps_y_m, A_DOUBLE, 0},
+    {"sense.robot.compass_rad", check_sense, &sense, &percepts[2].compass_rad, A_DOUBLE, 0},
+    {"sense.robot.odometer_x_m", check_sense, &sense, &percepts[2].odometer_x_m, A_DOUBLE, 0},
+    {"sense.robot.odometer_y_m", check_sense, &sense, &percepts[2].odometer_y_m, A_DOUBLE, 0},
+    {"sense.robot.odometer_heading_rad", check_sense, &sense, &percepts[2].odometer_heading_rad,
+     A_DOUBLE, 0},
+    {"sense.robot.battery_share", check_sense, &sense, &percepts[2].battery_share, A_DOUBLE, 0},
+    {"sense.robot.beams", check_sense, &sense, &percepts[2].laser_m._length, A_LENGTH,
+     MU_BEAMS_MAX},
+    {"sense.robot.first beam", check_sense, &sense, &laser_m[0], A_FLOAT, 0},
+    {"sense.robot.last beam", check_sense, &sense, &laser_m[2], A_FLOAT, 0},
+    {"sense.robot.blobs", check_sense, &sense, &percepts[2].blobs._length, A_LENGTH, MU_BLOBS_MAX},
+    {"sense.robot.fiducials", check_sense, &sense, &percepts[2].fiducials._length, A_LENGTH,
+     MU_FIDUCIALS_MAX},
+    {"sense.robot.blob.bearing_rad", check_sense, &sense, &blobs[2].bearing_rad, A_DOUBLE, 0},
+    {"sense.robot.blob.width_rad", check_sense, &sense, &blobs[2].width_rad, A_DOUBLE, 0},
+    {"sense.robot.blob.range_m", check_sense, &sense, &blobs[2].range_m, A_DOUBLE, 0},
+    {"sense.robot.fiducial.bearing_rad", check_sense, &sense, &fiducials[2].bearing_rad, A_DOUBLE,
+     0},
+    {"sense.robot.fiducial.range_m", check_sense, &sense, &fiducials[2].range_m, A_DOUBLE, 0},
+    {"sense.robot.fiducial.heading_rad", check_sense, &sense, &fiducials[2].heading_rad, A_DOUBLE,
+     0},
 
     {"delivery.process", check_delivery, &delivery, &delivery.process, A_WORD, MU_PROCESS_MAX},
     {"delivery.broker", check_delivery, &delivery, &delivery.broker, A_TEXT, MU_FIELD_MAX},
@@ -219,6 +253,21 @@ static const struct field {
     {"roster.process", check_roster, &roster, &processes[2], A_WORD, MU_PROCESS_MAX},
     {"roster.first process", check_roster, &roster, &processes[0], A_WORD, MU_PROCESS_MAX},
     {"command.simulator", check_run_command, &command, &command.simulator, A_WORD, MU_PROCESS_MAX},
+    {"command.source", check_run_command, &command, &command.source, A_TEXT, MU_PROCESS_MAX},
+    {"command.name", check_run_command, &command, &command.name, A_TEXT, MU_FIELD_MAX},
+    {"command.file", check_run_command, &command, &command.file, A_TEXT, 1023},
+    {"command.x_m", check_run_command, &command, &command.x_m, A_DOUBLE, 0},
+    {"command.y_m", check_run_command, &command, &command.y_m, A_DOUBLE, 0},
+    {"command.heading_rad", check_run_command, &command, &command.heading_rad, A_DOUBLE, 0},
+    {"command.force_x_n", check_run_command, &command, &command.force_x_n, A_DOUBLE, 0},
+    {"command.force_y_n", check_run_command, &command, &command.force_y_n, A_DOUBLE, 0},
+    {"command.torque_nm", check_run_command, &command, &command.torque_nm, A_DOUBLE, 0},
+    {"command.time_s", check_run_command, &command, &command.time_s, A_DOUBLE, 0},
+    {"command.rate", check_run_command, &command, &command.rate, A_DOUBLE, 0},
+    {"answer.simulator", check_run_answer, &run_answer, &run_answer.simulator, A_WORD,
+     MU_PROCESS_MAX},
+    {"answer.source", check_run_answer, &run_answer, &run_answer.source, A_TEXT, MU_PROCESS_MAX},
+    {"answer.reason", check_run_answer, &run_answer, &run_answer.reason, A_TEXT, 255},
 
     {"status.simulator", check_run_status, &status, &status.simulator, A_WORD, MU_PROCESS_MAX},
     {"status.hash", check_run_status, &status, &status.hash, A_TEXT, 64},
@@ -413,6 +462,7 @@ static void test_every_topic_has_its_check(void)
         [BUS_DELIVERY] = check_delivery,
         [BUS_ROSTER] = check_roster,
         [BUS_RUN_COMMAND] = check_run_command,
+        [BUS_RUN_ANSWER] = check_run_answer,
         [BUS_RUN_STATUS] = check_run_status,
         [BUS_PAGES] = check_page,
         [BUS_BROKER_STATUS] = check_broker_status,

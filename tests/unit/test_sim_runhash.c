@@ -94,6 +94,8 @@ enum change_field {
     DRIVES,
     FORWARD,
     TURN,
+    PADDLES,
+    LIFT,
     FIRINGS,
     RULES,
     MAILS, /* of the act */
@@ -120,6 +122,12 @@ static const struct change {
     {{{FORWARD, NULL, 0.0}}},
     {{{FORWARD, NULL, -0.0}}},
     {{{TURN, NULL, 0.5}}},
+    {{{PADDLES, NULL, 1}}},
+    {{{PADDLES, NULL, -1}}},
+    {{{LIFT, NULL, 1}}},
+    {{{LIFT, NULL, -1}}},
+    {{{PADDLES, NULL, 1}, {LIFT, NULL, -1}}},
+    {{{PADDLES, NULL, -1}, {LIFT, NULL, 1}}},
     {{{FIRINGS, NULL, 3}}},
     {{{RULES, "act see", 0}}},
     {{{MAILS, NULL, 1}}},
@@ -151,6 +159,8 @@ static void change_field(muster_Act *act, enum change_field field, const char *t
     case DRIVES: act->drives = number > 0; break;
     case FORWARD: act->forward_m_s = number; break;
     case TURN: act->turn_rad_s = number; break;
+    case PADDLES: act->paddles = (int32_t)number; break;
+    case LIFT: act->lift = (int32_t)number; break;
     case FIRINGS: act->firings = (uint32_t)number; break;
     case RULES: act->rules = words(text); break;
     case MAILS: act->mails._length = (uint32_t)number; break;

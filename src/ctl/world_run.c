@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster world place, push, ...: hands on the world of a run that lives. */
+#include "bus/bus.h"
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/json.h"
+#include "core/network.h"
+#include "core/text.h"
+#include "ctl/runs.h"
+#include "ctl/verbs.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const uint64_t SIMULATOR_PATIENCE_NS = 2500000000;
+static const int64_t ROUND_NS = 20000000;
+
+struct settings {
+    struct mu_network network;
+    double wait_s, push_s;
+    bool json;
+};
+
+struct request {
+    const char *program; /* "muster world place" */
+    const char *const *words;
+    size_t count; /* of words behind the verb */
+    const struct settings *set;
+    muster_RunCommand command;
+    char file[PATH_MAX];
+};
+
+/* The two ends of a conversation with the simulator. */
+struct line {
+    struct bus bus;
+    struct bus_reader status, answers;
+    struct bus_writer commands;
+    char simulator[MU_PROCESS_MAX + 1]; /* "": not heard of yet */
+    bool over;                          /* its run is */
+    bool answered;
+    muster_RunOutcome result;
+    int64_t step;
+    char reason[256];
+};
+
+/* --- words ------------------------------------------------------------------------------------ */
+
+static bool number_read(const struct request *r, size_t word, double *out)
+{
+    char *end;
+    *out = strtod(r->words[word], &end);
+    if (end != r->words[word] && *end == '\0' && isfinite(*out)) {
+        return true;
+    }
+    char shown[MU_TEXT_SHOWN];
+    fprintf(stderr, "%s: '%s': expected a number\n", r->program,
+            mu_text_show(shown, r->words[word]));
+    return false;
+}
+
+static bool numbers_read(const struct request *r, size_t first, double *const *to, size_t count)
+{
+    for (size_t i = 0; i < count && first + i < r->count; i++) {
+        if (!number_read(r, first + i, to[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool name_read(struct request *r)
+{
+    char shown[MU_TEXT_SHOWN];
+    if (strlen(r->words[0]) > MU_NAME_MAX) {
+        fprintf(stderr, "%s: '%s': no name is that long\n", r->program,
+                mu_text_show(shown, r->words[0]));
+        return false;
+    }
+    r->command.name = (char *)(uintptr_t)r->words[0]; /* nobody writes there */
+    return true;
+}
+
+static bool place_read(struct request *r)
+{
+    double deg = 0;
+    double *const numbers[] = {&r->command.x_m, &r->command.y_m, &deg};
+    bool good = name_read(r) && numbers_read(r, 1, numbers, 3);
+    r->command.keeps_heading = r->count < 4;
+    r->command.heading_rad = deg * M_PI / 180;
+    return good;
+}
+
+static bool push_read(struct request *r)
+{
+    muster_RunCommand *c = &r->command;
+    double *const numbers[] = {&c->force_x_n, &c->force_y_n, &c->torque_nm};
+    c->time_s = r->set->push_s;
+    return name_read(r) && numbers_read(r, 1, numbers, 3);
+}
+
+static bool reset_read(struct request *r)
+{
+    return r->count == 0 || name_read(r);
+}
+
+static bool sensor_read(struct request *r)
+{
+    static const struct {
+        const char *word;
+        uint32_t senses;
+    } sensors[] = {{"sonar", 1}, {"laser", 2}, {"camera", 4}, {"fiducials", 8}, {"all", 15}};
+    for (size_t i = 0; i < sizeof sensors / sizeof sensors[0]; i++) {
+        r->command.senses |= strcmp(r->words[1], sensors[i].word) == 0 ? sensors[i].senses : 0;
+    }
+    r->command.on = strcmp(r->words[2], "on") == 0;
+    if (r->command.senses == 0 || (!r->command.on && strcmp(r->words[2], "off") != 0)) {
+        fprintf(stderr,
+                "%s: expected NAME, then sonar, laser, camera, fiducials or all, then on "
+                "or off\n",
+                r->program);
+        return false;
+    }
+    return name_read(r);
+}
+
+static bool pace_read(struct request *r)
+{
+    if (!number_read(r, 0, &r->command.rate)) {
+        return false;
+    }
+    if (r->command.rate < 0) {
+        fprintf(stderr, "%s: expected times real time, or 0: as fast as it goes\n", r->program);
+        return false;
+    }
+    return true;
+}
+
+/* The simulator may have been started elsewhere. */
+static bool save_read(struct request *r)
+{
+    char here[PATH_MAX] = "";
+    bool absolute = r->words[0][0] == '/';
+    bool good = absolute || getcwd(here, sizeof here) != NULL;
+    int len = snprintf(r->file, sizeof r->file, "%s%s%s", here, absolute ? "" : "/", r->words[0]);
+    if (!good || len < 0 || len > 1023) {
+        fprintf(stderr, "%s: the name of the file is too long\n", r->program);
+        return false;
+    }
+    r->command.file = r->file;
+    return true;
+}
+
+static const struct {
+    const char *word;
+    size_t min, max; /* words behind it */
+    muster_RunOrder order;
+    bool (*read)(struct request *r);
+    const char *usage;
+} requests[] = {
+    {"place", 3, 4, muster_RUN_PLACE, place_read, "place NAME X Y [DEG]"},
+    {"push", 3, 4, muster_RUN_PUSH, push_read, "push NAME FX FY [TORQUE]"},
+    {"reset", 0, 1, muster_RUN_RESET, reset_read, "reset [NAME]"},
+    {"sensor", 3, 3, muster_RUN_SENSOR, sensor_read, "sensor NAME SENSOR on|off"},
+    {"pace", 1, 1, muster_RUN_PACE, pace_read, "pace R"},
+    {"save", 1, 1, muster_RUN_SAVE, save_read, "save FILE"},
+};
+
+enum { REQUESTS = sizeof requests / sizeof requests[0] };
+
+/* --- the simulator ---------------------------------------------------------------------------- */
+
+/* @return the exit code, explained */
+static int line_open(struct line *l, const struct request *r)
+{
+    int domain = (int)r->set->network.domain;
+    if (domain < 0 && runs_find(&domain) != MU_OK) {
+        return MU_EXIT_USAGE;
+    }
+    struct bus_options bus = {.domain = domain,
+                              .place = BUS_AGENT,
+                              .name = "operator",
+                              .interface = r->set->network.interface,
+                              .hub = mu_network_peers(&r->set->network)};
+    if (bus_open(&l->bus, &bus) != MU_OK ||
+        bus_reader_open(&l->bus, BUS_RUN_STATUS, NULL, &l->status) != MU_OK ||
+        bus_reader_open(&l->bus, BUS_RUN_ANSWER, NULL, &l->answers) != MU_OK ||
+        bus_writer_open(&l->bus, BUS_RUN_COMMAND, NULL, NULL, &l->commands) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    return MU_EXIT_DONE;
+}
+
+static void status_take(struct line *l)
+{
+    enum bus_life life;
+    const muster_RunStatus *s;
+    while ((s = bus_next(&l->status, &life))) {
+        if (life == BUS_DATA) {
+            mu_text_copy(l->simulator, sizeof l->simulator, s->simulator);
+            l->over = s->state == muster_RUN_DONE || s->state == muster_RUN_FAULT;
+        }
+    }
+}
+
+static void answers_take(struct line *l, const muster_RunCommand *c)
+{
+    enum bus_life life;
+    const muster_RunAnswer *a;
+    while ((a = bus_next(&l->answers, &life))) {
+        if (life == BUS_DATA && strcmp(a->source, c->source) == 0 && a->seq == c->seq) {
+            l->answered = true;
+            l->result = a->result;
+            l->step = a->step;
+            mu_text_copy(l->reason, sizeof l->reason, a->reason);
+        }
+    }
+}
+
+/* @return the exit code, explained */
+static int simulator_find(struct line *l, const struct request *r)
+{
+    uint64_t until_ns = mu_clock_ns() + SIMULATOR_PATIENCE_NS;
+    while ((l->simulator[0] == '\0' || bus_writer_matches(&l->commands) == 0) &&
+           mu_clock_ns() < until_ns) {
+        bus_wait(&l->bus, 1, ROUND_NS);
+        status_take(l);
+    }
+    if (l->simulator[0] != '\0' && !l->over) {
+        return MU_EXIT_DONE;
+    }
+    fprintf(stderr, "%s: %s\n", r->program,
+            l->over ? "the run is over" : "no simulator answers; muster run FILE starts one");
+    return MU_EXIT_DDS;
+}
+
+/* @return the exit code */
+static int answer_tell(const struct line *l, const struct request *r)
+{
+    static const int exits[] = {[muster_ORDER_DONE] = MU_EXIT_DONE,
+                                [muster_ORDER_NO_NAME] = MU_EXIT_NO_AGENT,
+                                [muster_ORDER_REFUSED] = MU_EXIT_UNDELIVERED,
+                                [muster_ORDER_NOT_WRITTEN] = MU_EXIT_WRITE};
+    if (l->result != muster_ORDER_DONE) {
+        fprintf(stderr, "%s: %s\n", r->program, l->reason);
+    } else if (r->set->json) {
+        struct mu_json j;
+        mu_json_to_file(&j, stdout, MU_JSON_LINE);
+        mu_json_object(&j, NULL);
+        mu_json_string(&j, "result", "done");
+        mu_json_int(&j, "step", l->step);
+        mu_json_end(&j);
+    } else {
+        printf("done at step %lld\n", (long long)l->step);
+    }
+    return exits[l->result];
+}
+
+static int order_send(struct line *l, struct request *r)
+{
+    static char source[] = "operator";
+    r->command.simulator = l->simulator;
+    r->command.source = source;
+    r->command.seq = mu_clock_wall_ns(); /* higher than that of every verb before */
+    if (bus_write(&l->commands, &r->command) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    uint64_t until_ns = mu_clock_ns() + (uint64_t)(r->set->wait_s * 1e9);
+    while (!l->answered && !l->over && mu_clock_ns() < until_ns) {
+        bus_wait(&l->bus, 1, ROUND_NS);
+        answers_take(l, &r->command);
+        status_take(l);
+    }
+    if (l->answered) {
+        return answer_tell(l, r);
+    }
+    fprintf(stderr, "%s: %s\n", r->program,
+            l->over ? "the run has ended" : "no answer yet: the run makes no steps");
+    return MU_EXIT_TIME;
+}
+
+static int request_run(struct request *r)
+{
+    static struct line line;
+    int code = line_open(&line, r);
+    code = code == MU_EXIT_DONE ? simulator_find(&line, r) : code;
+    code = code == MU_EXIT_DONE ? order_send(&line, r) : code;
+    bus_close(&line.bus);
+    return code;
+}
+
+/* --- the verb --------------------------------------------------------------------------------- */
+
+bool world_run_knows(const char *verb)
+{
+    for (size_t i = 0; i < REQUESTS; i++) {
+        if (strcmp(verb, requests[i].word) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int words_run(const struct mu_options *o, const struct settings *set)
+{
+    static char none[1];
+    char program[64];
+    size_t behind = o->words_count - (o->words_count > 0);
+    for (size_t i = 0; i < REQUESTS; i++) {
+        if (o->words_count == 0 || strcmp(o->words[0], requests[i].word) != 0) {
+            continue;
+        }
+        snprintf(program, sizeof program, "muster world %s", requests[i].word);
+        static struct request r;
+        r = (struct request){
+            .program = program, .words = o->words + 1, .count = behind, .set = set};
+        r.command.order = requests[i].order;
+        r.command.name = r.command.file = none;
+        if (behind < requests[i].min || behind > requests[i].max) {
+            fprintf(stderr, "muster world: expected %s\n", requests[i].usage);
+            return MU_EXIT_USAGE;
+        }
+        return requests[i].read(&r) ? request_run(&r) : MU_EXIT_USAGE;
+    }
+    fprintf(stderr, "muster world: expected place, push, reset, sensor, pace or save, for "
+                    "example: muster world place red 1 2 90\n");
+    return MU_EXIT_USAGE;
+}
+
+int world_run_verb(int argc, char **argv)
+{
+    static struct settings set;
+    struct mu_option table[] = {
+        MU_NETWORK_OPTIONS(set.network),
+        {.name = "wait",
+         .kind = MU_OPTION_REAL,
+         .unit = "S",
+         .fallback = "5",
+         .help = "how long to wait for the simulator's answer",
+         .target = &set.wait_s,
+         .max = 3600},
+        {.name = "for",
+         .kind = MU_OPTION_REAL,
+         .unit = "S",
+         .fallback = "0.1",
+         .help = "push: simulated time that it lasts; 0: FX, FY are an impulse in N s",
+         .target = &set.push_s,
+         .max = 3600},
+        {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object a line", .target = &set.json},
+    };
+    static struct mu_options o;
+    o = (struct mu_options){
+        .program = "muster world",
+        .usage = "place NAME X Y [DEG] | push NAME FX FY [TORQUE] | reset [NAME] | "
+                 "sensor NAME SENSOR on|off | pace R | save FILE [OPTION...]",
+        .about =
+            "Changes the world of a run that lives, at the end of the step at hand: puts a robot "
+            "or an object elsewhere (m, deg), pushes it (N, N m), puts it or all back to where "
+            "they began, switches sonar, laser, camera, fiducials or all of a robot off or on, "
+            "sets the rate (times real time; 0: as fast as it goes), saves the state of all "
+            "bodies for muster sim --restore into a file that is not there yet.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    set.network.domain = -1;
+    mu_result parsed = mu_options_parse(&o, argc, argv);
+    return parsed == MU_OK ? words_run(&o, &set) : mu_exit_for(parsed);
+}

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hands on the world of a run that lives: muster world place, push, reset, sensor, pace, save."""
+import csv
+import json
+import math
+import pathlib
+
+from support import (FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder, members,
+                     muster, new_domain, wait_for)
+
+
+def world(domain, *words):
+    return muster("world", *words, "--domain", domain)
+
+
+def done_at(domain, *words):
+    """An order that is carried out; gives the last step that does not show it."""
+    done = world(domain, *words, "--json")
+    check_equal((done.returncode, done.stderr), (0, ""), f"{words}")
+    answer = json.loads(done.stdout)
+    check_equal(answer["result"], "done", f"{words}")
+    return answer["step"]
+
+
+def track(out, robot):
+    with open(pathlib.Path(out) / "run.csv", newline="") as f:
+        return [{k: float(v) for k, v in row.items() if k != "robot"}
+                for row in csv.DictReader(f) if row["robot"] == robot]
+
+
+def run_start(processes, domain, out, *words):
+    p = processes.start(MUSTER, "run", FOLLOW, "--domain", domain, "--out", out, "--quiet", *words)
+    wait_for(lambda: "red" in members(domain) and members(domain)["red"]["state"] == "running", 20,
+             "red runs")
+    return p
+
+
+def test_orders_change_the_world_of_a_run():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "30")
+        placed = done_at(domain, "place", "red", "0", "-3", "90")
+        pushed = done_at(domain, "push", "blue", "0", "-40", "--for", "0.2")
+        again = done_at(domain, "reset", "red")
+        check(placed <= pushed <= again, f"in this order: {placed} {pushed} {again}")
+        done_at(domain, "pace", "0")
+        check_equal(run.wait(60), 0, "the run ends well")
+        red, blue = track(out / "report", "red"), track(out / "report", "blue")
+        near = math.hypot(red[placed + 1]["x_m"], red[placed + 1]["y_m"] + 3)
+        check(near < 0.1, f"red is put there: {red[placed + 1]}")
+        check(math.hypot(red[placed]["x_m"], red[placed]["y_m"] + 3) > 0.5, "and was not there")
+        check(abs(red[placed + 1]["heading_rad"] - math.pi / 2) < 0.1, "looking north")
+        first = red[0]
+        back = math.hypot(red[again + 1]["x_m"] - first["x_m"], red[again + 1]["y_m"] - first["y_m"])
+        check(back < 0.1, f"and back to where it began: {red[again + 1]}")
+        check(blue[pushed + 2]["y_m"] < blue[pushed]["y_m"] - 0.005,
+              f"blue is pushed to the side: {blue[pushed]} {blue[pushed + 2]}")
+
+
+def test_orders_that_cannot_be_carried_out_say_why():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run_start(processes, domain, out / "report", "--rate", "1", "--duration", "60")
+        for words, code, why in (
+                (("place", "nobody", "1", "2"), 7, "no robot or object of that name"),
+                (("push", "nobody", "1", "2"), 7, "no robot or object of that name"),
+                (("reset", "nobody"), 7, "no robot or object of that name"),
+                (("sensor", "nobody", "sonar", "off"), 7, "no robot or object of that name"),
+                (("place", "red", "1000", "0"), 8, "outside"),
+                (("place", "red", "1.0", "3.7"), 8, "overlap"),
+                (("place", "red", "1"), 2, "expected place NAME X Y [DEG]"),
+                (("place", "red", "1", "nan"), 2, "expected a number"),
+                (("sensor", "red", "smell", "off"), 2, "sonar, laser, camera"),
+                (("pace", "-1"), 2, "or 0"),
+                (("fly", "red"), 2, "expected place")):
+            done = world(domain, *words)
+            check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
+            check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_a_sensor_is_switched_off_and_on():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run_start(processes, domain, out / "report", "--rate", "1", "--duration", "60")
+
+        def sonars():
+            done = muster("do", "red", "(length$ (sonar))", "--domain", domain, "--wait", "5")
+            check_equal(done.returncode, 0, done.stderr)
+            return done.stdout.split()[-1].strip('"\\n')
+
+        wait_for(lambda: sonars().startswith("16"), 10, "red hears its sonars")
+        done_at(domain, "sensor", "red", "sonar", "off")
+        wait_for(lambda: sonars().startswith("0"), 10, "red hears nothing")
+        done_at(domain, "sensor", "red", "sonar", "on")
+        wait_for(lambda: sonars().startswith("16"), 10, "red hears again")
+
+
+def test_pace_and_a_sensor_that_nobody_reads_leave_the_hash():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "paced", "--rate", "1", "--duration", "20")
+        done_at(domain, "pace", "4")
+        done_at(domain, "pace", "0")
+        check_equal(run.wait(60), 0, "the run ends well")
+        hashes = {json.loads((out / "paced" / "summary.json").read_text())["hash"]}
+        _, summary = experiment_run(out / "plain", "--duration", "20")
+        hashes.add(summary["hash"])
+        check_equal(len(hashes), 1, f"{hashes}")
+
+
+def test_without_a_simulator_nobody_answers():
+    done = world(new_domain(), "reset")
+    check_equal((done.returncode, done.stdout), (4, ""), done.stderr)
+    check("no simulator answers" in done.stderr, done.stderr)
