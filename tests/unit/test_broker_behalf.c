@@ -190,6 +190,21 @@ static void test_a_change_for_a_member_waits_for_the_step(void)
     SHOWN("-mapper@green");
 }
 
+/* When the step ends, neither is in a process: that does not make them live in one. */
+static void test_who_has_left_speaks_for_nobody(void)
+{
+    run_begin();
+    story_join("mallory");
+    story_mail(to_broker("mallory", "group-join", "scouts red"));
+    story_gone("p-mallory");
+    story_up("red", 0, muster_STATE_ABSENT, NULL, 0, 0);
+    answer_step("green", 0, NULL);
+    (void)hear(false);
+    CU_ASSERT_FALSE(groups_has(&story.b->pages.groups, "scouts", "red", false));
+    CU_ASSERT_EQUAL(story.b->counters.unspoken, 1);
+    CU_ASSERT_STRING_EQUAL(audited(), "mallory group-join red refused");
+}
+
 /* What another broker says of a member meanwhile is not seen inside. */
 static void test_mail_to_a_group_of_members(void)
 {
@@ -217,6 +232,7 @@ int main(void)
         {"inside the lock step outsiders have no name",
          test_inside_the_lock_step_outsiders_have_no_name},
         {"a change for a member waits for the step", test_a_change_for_a_member_waits_for_the_step},
+        {"who has left speaks for nobody", test_who_has_left_speaks_for_nobody},
         {"mail to a group of members", test_mail_to_a_group_of_members},
         CU_TEST_INFO_NULL,
     };

@@ -205,6 +205,22 @@ static void test_limit_lines(void)
     CU_ASSERT_EQUAL(mu_pairs_find(&g->pairs, "scouts", "m7"), MU_NONE);
 }
 
+/* There is room for the group and none for its first member: then there is no group. */
+static void test_limit_a_new_group_has_no_room(void)
+{
+    struct groups *g = &kept[6];
+    struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
+    char name[MU_NAME_MAX + 1];
+    groups_init(g);
+    for (unsigned i = 2; i < MU_MEMBERSHIPS_MAX; i++) {
+        name_of(name, "m", i);
+        CU_ASSERT_PTR_NULL_FATAL(groups_join(g, "scouts", name, &said));
+    }
+    CU_ASSERT_STRING_EQUAL(groups_join(g, "cooks", "red", &said), "full");
+    CU_ASSERT_FALSE(groups_exists(g, "cooks", true) || groups_exists(g, "cooks", false));
+    CU_ASSERT_EQUAL(g->groups_now, 1);
+}
+
 static void test_limit_groups(void)
 {
     struct groups *g = &kept[5];
@@ -359,6 +375,7 @@ int main(void)
         {"a refused delivery is told again", test_a_refused_delivery_is_told_again},
         {"the last word counts in any order", test_the_last_word_counts_in_any_order},
         {"limit: lines", test_limit_lines},
+        {"limit: a new group has no room", test_limit_a_new_group_has_no_room},
         {"limit: groups", test_limit_groups},
         {"changes come in their order", test_changes_come_in_their_order},
         {"changes take effect at the end of a step", test_changes_take_effect_at_the_end_of_a_step},

@@ -525,12 +525,34 @@ static void test_lock_step_waits_for_its_mail(void)
     CU_ASSERT_EQUAL(seen.mails, 0); /* goes out with the next step */
 }
 
+/* Its simulator is gone, and nothing goes with it. */
+static void test_mail_of_an_earlier_lock_step_is_dropped(void)
+{
+    forget();
+    deliver_mail(&body, 5, "robot", 5);
+    sense(&body, 23, true, false);
+    spin_for(&body, 20000000);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    deliver_mail(&body, 22, "robot", 5);
+    SPIN_UNTIL(&body, seen.ups == 2);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#5 blue hi; robot acts in 23; ");
+}
+
+static void test_who_watches_serves_the_next_run(void)
+{
+    body.process->watches = true;
+    sense(&body, 24, true, true);
+    SPIN_UNTIL(&body, !body.process->in_lockstep);
+    CU_ASSERT_EQUAL(mu_process_spin(body.process, 0), MU_OK);
+    body.process->watches = false;
+}
+
 static void test_the_end_of_the_run(void)
 {
     mu_result spun = MU_OK;
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
     forget();
-    sense(&body, 23, true, true);
+    sense(&body, 25, true, true);
     while (spun == MU_OK && mu_clock_ns() < until_ns) {
         spun = mu_process_spin(body.process, 2000000);
     }
@@ -566,6 +588,8 @@ int main(void)
         {"free running", test_free_running},
         {"a speed is said once", test_a_speed_is_said_once},
         {"lock step waits for its mail", test_lock_step_waits_for_its_mail},
+        {"mail of an earlier lock step", test_mail_of_an_earlier_lock_step_is_dropped},
+        {"who watches serves the next run", test_who_watches_serves_the_next_run},
         {"the end of the run", test_the_end_of_the_run},
         CU_TEST_INFO_NULL,
     };

@@ -120,13 +120,17 @@ static void test_who_was_refused_says_that_it_is_not_there(void)
     process.link.broker[0] = 'm';
     muster_Verdict no = {.agent = words("a0"), .broker_incarnation = 5, .reason = words("held")};
     muster_Delivery d = delivery(&no, false);
+    forget();
     step_take_delivery(&process, &d, NULL);
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
     write_in_vain();
     const muster_Entry *said = process.roll.entries;
     CU_ASSERT_STRING_EQUAL(said[0].name, "a0");
     CU_ASSERT_EQUAL(said[0].state, muster_STATE_ABSENT);
     CU_ASSERT_EQUAL(said[1].state, muster_STATE_RUNNING);
+    forget();
     accept(5); /* its holder has left, and nobody else was asked */
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
     write_in_vain();
     CU_ASSERT_EQUAL(said[0].state, muster_STATE_RUNNING);
 }

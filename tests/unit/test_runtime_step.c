@@ -424,6 +424,20 @@ static void test_another_broker_begins_anew(void)
     CU_ASSERT_PTR_NULL(mu_process_member(&process, 1));
 }
 
+/* What one broker was told of its box says nothing of the same number at another. */
+static void test_another_broker_is_acknowledged_the_same_number(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
+    verdict_deliver(verdict("red", 5, 0), "red welcome; ");
+    expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
+    red->acked_number = 3; /* as if it had gone out */
+    verdict_deliver(verdict("red", 6, 0), "");
+    expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
+    const muster_Up *up = answer(NULL);
+    CU_ASSERT_EQUAL_FATAL(up->acks._length, 1);
+    CU_ASSERT_EQUAL(up->acks._buffer[0].number, 3);
+}
+
 /* A number of an earlier life, which a new sender would go on after, changes nothing of what is
  * out, and nothing is taken for answered. */
 static void test_a_broker_that_is_back_renumbers_nothing(void)
@@ -738,6 +752,7 @@ int main(void)
         {"a verdict is news once", test_a_verdict_is_news_once},
         {"a verdict goes on counting", test_a_verdict_goes_on_counting},
         {"another broker begins anew", test_another_broker_begins_anew},
+        {"another broker, the same number", test_another_broker_is_acknowledged_the_same_number},
         {"a broker that is back", test_a_broker_that_is_back_renumbers_nothing},
         {"mail through another broker", test_mail_that_came_through_another_broker},
         {"receipts for an earlier process", test_receipts_for_an_earlier_process_of_that_name},
