@@ -237,8 +237,8 @@ bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosq
 	@O=$(O) BUILD=$(BUILD) bench/broker/run $(ARGS)
 
 # Against other simulators: Box2D is asked for here, and needed nowhere else.
-RACERS := $(addprefix $(O)/bench/sim/,engine box2d)
-$(O)/bench/sim/engine: $(O)/bench/sim/engine.o $(call module_objs,sim)
+RACERS := $(addprefix $(O)/bench/sim/,engine rays box2d)
+$(O)/bench/sim/engine $(O)/bench/sim/rays: $(O)/bench/sim/%: $(O)/bench/sim/%.o $(call module_objs,sim)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_sim)
 $(O)/bench/sim/box2d: bench/sim/box2d.cc bench/sim/wander.h | bench-sim-packages

@@ -2,11 +2,12 @@
 /*
  * The benchmark's scene in our own engine, without network or rules.
  *   engine WORLD SECONDS LASER THREADS
- * prints CPU and wall seconds a simulated second, metres a second driven, and a hash of the bodies.
+ * prints CPU and wall seconds a simulated second, metres a second driven, and hashes of the bodies
+ * and of what was read last.
  */
-#include "wander.h"
-#include "muster/memory.h"
 #include "sim/engine.h"
+#include "muster/memory.h"
+#include "wander.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,33 +23,82 @@ static double seconds(clockid_t clock)
 }
 
 /* FNV-1a, by 64 bits. */
-static uint64_t hash_robot(const struct engine *e, size_t robot, uint64_t hash)
+#define HASH_START 1469598103934665603ull
+
+static uint64_t hash_fold(uint64_t hash, uint64_t bits)
+{
+    return (hash ^ bits) * 1099511628211ull;
+}
+
+static uint64_t hash_bodies(const struct engine *e, uint64_t hash)
 {
     double state[ENGINE_STATE_DOUBLES];
-    engine_state(e, robot, state);
-    for (size_t k = 0; k < ENGINE_STATE_DOUBLES; k++) {
-        uint64_t bits;
-        memcpy(&bits, &state[k], sizeof bits);
-        hash = (hash ^ bits) * 1099511628211ull;
+    for (size_t i = 0; i < engine_body_count(e); i++) {
+        engine_state(e, i, state);
+        for (size_t k = 0; k < ENGINE_STATE_DOUBLES; k++) {
+            uint64_t bits;
+            memcpy(&bits, &state[k], sizeof bits);
+            hash = hash_fold(hash, bits);
+        }
     }
     return hash;
 }
 
-/* One control step of all robots.  @return how fast they are, on average */
-static double step(struct engine *e, struct wander *minds, size_t robots)
+static uint64_t hash_ranges(const float *range_m, size_t count, uint64_t hash)
 {
-    double speed = 0;
-    for (size_t i = 0; i < robots; i++) {
-        struct engine_percept percept;
-        engine_sense(e, i, &percept);
-        wander_step(&minds[i], percept.sonar_m, percept.stalled);
-        double forward_m_s = minds[i].forward_m_s;
-        double turn_rad_s = minds[i].turn_rad_s;
-        MU_ASSERT(engine_command(e, i, &forward_m_s, &turn_rad_s) == MU_OK);
-        speed += fabs(percept.forward_m_s) / (double)robots;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t bits;
+        memcpy(&bits, &range_m[k], sizeof bits);
+        hash = hash_fold(hash, bits);
     }
-    engine_step(e);
-    return speed;
+    return hash;
+}
+
+struct bench {
+    struct engine *engine;
+    size_t robots;
+    struct wander *minds;
+    uint32_t *wanted;
+    uint64_t seen; /* hash of all that was read */
+    double way;    /* sum of the robots' mean speeds */
+};
+
+static void step(struct bench *b)
+{
+    const struct engine_percept *percepts = engine_sense_all(b->engine, b->wanted);
+    for (size_t i = 0; i < b->robots; i++) {
+        const struct engine_percept *p = &percepts[i];
+        wander_step(&b->minds[i], p->sonar_m, p->bumpers != 0);
+        double forward_m_s = b->minds[i].forward_m_s;
+        double turn_rad_s = b->minds[i].turn_rad_s;
+        MU_ASSERT(engine_command(b->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        b->way += fabs(p->forward_m_s) / (double)b->robots;
+    }
+    engine_step(b->engine);
+}
+
+/* What the last step read, which is outside the time that counts. */
+static void note_last(struct bench *b)
+{
+    const struct engine_percept *percepts = engine_sense_all(b->engine, b->wanted);
+    for (size_t i = 0; i < b->robots; i++) {
+        b->seen = hash_ranges(percepts[i].sonar_m, percepts[i].sonar_count, b->seen);
+        b->seen = hash_ranges(percepts[i].laser_m, percepts[i].laser_count, b->seen);
+    }
+}
+
+static void bench_open(struct bench *b, const struct world *world, bool laser, size_t threads)
+{
+    struct engine_options options = {.seed = 1, .step_ns = MU_STEP_NS, .threads = threads};
+    b->engine = engine_open(world, &options);
+    b->robots = world->robot_count;
+    b->minds = mu_startup_array(b->robots, sizeof *b->minds);
+    b->wanted = mu_startup_array(b->robots, sizeof *b->wanted);
+    b->seen = HASH_START;
+    for (size_t i = 0; i < b->robots; i++) {
+        wander_start(&b->minds[i], i);
+        b->wanted[i] = 1u << WORLD_SONAR | (laser ? 1u << WORLD_LASER : 0);
+    }
 }
 
 int main(int argc, char **argv)
@@ -63,26 +113,20 @@ int main(int argc, char **argv)
         mu_fault_print(&fault);
         return 3;
     }
-    struct engine_options options = {.seed = 1, .step_ns = MU_STEP_NS};
-    struct engine *e = engine_open(&world, &options);
-    struct wander *minds = mu_startup_array(world.robot_count, sizeof *minds);
-    for (size_t i = 0; i < world.robot_count; i++) {
-        wander_start(&minds[i], i);
-    }
+    struct bench b = {0};
+    bench_open(&b, &world, argv[3][0] == '1', strtoul(argv[4], NULL, 10));
     int steps = (int)(10 * strtod(argv[2], NULL));
-    double way = 0;
     double wall = seconds(CLOCK_MONOTONIC);
     double cpu = seconds(CLOCK_PROCESS_CPUTIME_ID);
     for (int k = 0; k < steps; k++) {
-        way += step(e, minds, world.robot_count) / steps;
+        step(&b);
     }
     wall = seconds(CLOCK_MONOTONIC) - wall;
     cpu = seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
-    uint64_t hash = 1469598103934665603ull;
-    for (size_t i = 0; i < world.robot_count; i++) {
-        hash = hash_robot(e, i, hash);
-    }
-    printf("%.9g %.9g %.4f %016llx\n", cpu / (steps * 0.1), wall / (steps * 0.1), way,
-           (unsigned long long)hash);
+    note_last(&b);
+    printf("%.9g %.9g %.4f %016llx %016llx\n", cpu / (steps * 0.1), wall / (steps * 0.1),
+           b.way / steps, (unsigned long long)hash_bodies(b.engine, HASH_START),
+           (unsigned long long)b.seen);
+    engine_close(b.engine);
     return 0;
 }
