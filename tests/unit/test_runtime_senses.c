@@ -4,6 +4,7 @@
  * gripper is to do; without a network.
  */
 #include "../support/capture.h"
+#include "../support/suite.h"
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
@@ -163,11 +164,5 @@ int main(void)
     };
     CU_SuiteInfo suites[] = {{"runtime/senses", NULL, NULL, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suites_run(suites);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A run that goes on from a snapshot is the run that it was taken of, bit for bit. */
 #include "../support/physics.h"
+#include "../support/suite.h"
 
 enum { STEPS = 500, SAVED_AT = 250, ROOM = 1 << 16, HEAD = 5 * 8 };
 
@@ -232,6 +233,5 @@ int main(void)
         {"another world is refused", test_another_world_is_refused},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/snapshot", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/snapshot", tests);
 }
