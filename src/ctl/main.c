@@ -44,6 +44,7 @@ static const struct verb verbs[] = {
     {"step", post_verb_step, NULL, "TARGETS N", "let robots fire N rules"},
     {"group", group_verb, NULL, "list|join G|...", "groups: who is in them, join, leave, send"},
     {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
+    {"world", world_files_verb, NULL, "check FILE|...", "world files: check, draw, import"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 

@@ -25,4 +25,7 @@ int post_verb_group_send(int argc, char **argv);
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
 
+/* `muster world`, of files: check, draw, import, properties. */
+int world_files_verb(int argc, char **argv);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "world/builder.h"
 
+#include "core/hash.h"
 #include "core/spell.h"
 #include "world/properties.h"
 
@@ -9,10 +10,20 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A mistake in a definition comes again with each model that derives from it: it is told once. */
 static void builder_tell_mistake(struct builder *b)
 {
-    b->mistake_count++;
-    b->listener->tell(b->listener->self, b->fault, true);
+    struct builder_mistake m = {b->fault->line, b->fault->column, mu_hash_string(b->fault->text)};
+    for (size_t i = 0; i < b->mistake_count; i++) {
+        const struct builder_mistake *old = &b->mistakes[i];
+        if (old->line == m.line && old->column == m.column && old->text == m.text) {
+            return;
+        }
+    }
+    if (b->mistake_count < WORLDFILE_MISTAKES_MAX) {
+        b->mistakes[b->mistake_count++] = m;
+        b->listener->tell(b->listener->self, b->fault, true);
+    }
 }
 
 mu_result builder_go_on(struct builder *b, mu_result result)

@@ -42,7 +42,13 @@ struct builder {
     uint64_t seed;         /* of random places */
     double unit_length_m;  /* of the file's lengths */
     double unit_angle_deg; /* and angles */
-    size_t model_count, mistake_count;
+    size_t model_count;
+    struct builder_mistake {
+        int line, column;
+        uint64_t text;                  /* its hash */
+    } mistakes[WORLDFILE_MISTAKES_MAX]; /* that the listener was told of */
+    size_t mistake_count;
+    bool misplaced; /* the body that was read last: where it stands is not known */
     const char *warned[BUILDER_WARNINGS_MAX];
     size_t warned_count;
 };

@@ -73,18 +73,14 @@ static mu_result world_visit_robot(struct world_walk *walk, const struct worldfi
         return builder_fault(b, &entity->at, "more than %d robots", MU_ROBOTS_MAX);
     }
     struct world_robot *robot = &world->robots[world->robot_count];
-    size_t mistakes = b->mistake_count;
     MU_TRY(body_read(b, entity, walk->frame, robot));
     if (robot->name[0] != '\0' && world_name_taken(world, robot->name)) {
         struct worldfile_place at = builder_place(entity, "name");
         return builder_fault(b, &at, "expected another name: there is a robot '%s' already",
                              robot->name);
     }
-    world->source->origins[world->robot_count++] =
-        (struct worldfile_origin){.at = entity->at,
-                                  .type = entity->type,
-                                  .entity = entity,
-                                  .mistaken = b->mistake_count > mistakes};
+    world->source->origins[world->robot_count++] = (struct worldfile_origin){
+        .at = entity->at, .type = entity->type, .entity = entity, .misplaced = b->misplaced};
     return MU_OK;
 }
 

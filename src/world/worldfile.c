@@ -208,10 +208,11 @@ static mu_result parser_take_property(struct parser *p, struct worldfile_entity 
 }
 
 /*
- * After a mistake that a listener was told of, what stands on the next line is read as if it was
- * all right.  At the end of the file nothing is left to read.
+ * A listener hears of a mistake in a statement that began on some line.  Then reading goes on where
+ * a new statement may begin: at the line where the mistake was seen, or the next one if the
+ * statement began there.  At the end of the file nothing is left to say.
  */
-static mu_result parser_go_on(struct parser *p, mu_result result)
+static mu_result parser_go_on(struct parser *p, int began, mu_result result)
 {
     struct world_file *file = p->file;
     if (result != MU_FAULT_FILE || !file->listener ||
@@ -223,6 +224,11 @@ static mu_result parser_go_on(struct parser *p, mu_result result)
         file->listener->tell(file->listener->self, p->fault, true);
     }
     int line = p->token.line;
+    if (line > began && p->token.kind != TOKEN_END) {
+        p->lexer.at = p->lexer.line_start;
+        parser_next(p);
+        return MU_OK;
+    }
     while (p->token.kind != TOKEN_END && p->token.line == line) {
         parser_next(p);
     }
@@ -245,7 +251,8 @@ static mu_result parser_take_body(struct parser *p, struct worldfile_entity *int
                                "expected ')' to end '%.40s' of line %d, found the end of the file",
                                into->type, into->at.line);
         }
-        MU_TRY(parser_go_on(p, parser_take_statement(p, into, depth)));
+        int line = p->token.line;
+        MU_TRY(parser_go_on(p, line, parser_take_statement(p, into, depth)));
     }
     parser_next(p);
     return MU_OK;
@@ -282,14 +289,13 @@ static mu_result parser_take_statement(struct parser *p, struct worldfile_entity
     if (!child) {
         return parser_full(p);
     }
-    MU_TRY(parser_take_body(p, child, depth + 1));
     if (into->last_child) {
         into->last_child->next = child;
     } else {
         into->children = child;
     }
     into->last_child = child;
-    return MU_OK;
+    return parser_take_body(p, child, depth + 1);
 }
 
 static mu_result parser_take_define(struct parser *p)
@@ -356,12 +362,13 @@ static mu_result parser_run(struct parser *p, const char *text, size_t len)
     lexer_init(&p->lexer, text, len);
     parser_next(p);
     while (p->token.kind != TOKEN_END) {
+        int line = p->token.line;
         if (parser_at_word(p, "include")) {
-            MU_TRY(parser_go_on(p, parser_take_include(p)));
+            MU_TRY(parser_go_on(p, line, parser_take_include(p)));
         } else if (parser_at_word(p, "define")) {
-            MU_TRY(parser_go_on(p, parser_take_define(p)));
+            MU_TRY(parser_go_on(p, line, parser_take_define(p)));
         } else {
-            MU_TRY(parser_go_on(p, parser_take_statement(p, &p->file->root, 0)));
+            MU_TRY(parser_go_on(p, line, parser_take_statement(p, &p->file->root, 0)));
         }
     }
     return MU_OK;
