@@ -2,6 +2,7 @@
 #include "world/worldfile.h"
 
 #include "core/text.h"
+#include "muster/limits.h"
 #include "muster/memory.h"
 #include "world/lexer.h"
 
@@ -24,7 +25,10 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 void worldfile_init(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX)};
+    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX),
+                                .origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *file->origins),
+                                .object_origins =
+                                    mu_startup_array(MU_OBJECTS_MAX, sizeof *file->object_origins)};
 }
 
 void *worldfile_take(struct world_file *file, size_t bytes)
@@ -434,7 +438,10 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 static void worldfile_forget(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = file->bytes, .listener = file->listener};
+    *file = (struct world_file){.bytes = file->bytes,
+                                .origins = file->origins,
+                                .object_origins = file->object_origins,
+                                .listener = file->listener};
     file->root.type = "world";
 }
 
