@@ -5,7 +5,9 @@ import math
 import os
 import pathlib
 import shutil
+import struct
 import xml.etree.ElementTree
+import zlib
 
 from support import FOLLOW, ROOT, Skip, check, check_equal, experiment_run, folder, muster
 
@@ -164,6 +166,78 @@ def test_import_says_what_is_wrong_with_a_map():
             check_equal(done.returncode, 3, f"{new}: {done.stderr}")
             check(f"{path}:" in done.stderr and says in done.stderr, done.stderr)
             check(not (where / "map.world").exists(), "nothing is left behind")
+
+
+def png_chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png(width, height, depth, color, rows, interlaced=0, extra=b""):
+    """A PNG picture of rows of bytes, each as the format has it; interlaced ones are 1 x 1."""
+    head = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, interlaced)
+    data = zlib.compress(b"".join(b"\0" + bytes(row) for row in rows))
+    return (b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", head) + extra + png_chunk(b"IDAT", data) +
+            png_chunk(b"IEND", b""))
+
+
+def obstacles_of(where, picture):
+    """The exit code of a check of a floor plan, and how many pieces it has or what is wrong."""
+    (where / "plan.png").write_bytes(picture)
+    world = where / "plan.world"
+    world.write_text('model (\n  size [2 1 1] bitmap "plan.png" )\n')
+    code, lines = check_lines(world)
+    if code == 0:
+        return code, lines[-1]["obstacles"]
+    check((lines[0]["line"], lines[0]["column"]) in [(1, 1), (2, 16)], lines)
+    return code, lines[0]["text"]
+
+
+def test_every_kind_of_png_is_read():
+    """Two pixels, black and white, in all the ways that PNG has for them."""
+    black, white = [0], [255]
+    palette = png_chunk(b"PLTE", bytes([255, 255, 255, 0, 0, 0]))
+    kinds = {
+        "1 bit": png(2, 1, 1, 0, [[0x40]]), "2 bits": png(2, 1, 2, 0, [[0x30]]),
+        "8 bits": png(2, 1, 8, 0, [black + white]),
+        "16 bits": png(2, 1, 16, 0, [black * 2 + white * 2]),
+        "colours": png(2, 1, 8, 2, [black * 3 + white * 3]),
+        "16 bits of colours": png(2, 1, 16, 2, [black * 6 + white * 6]),
+        "a palette": png(2, 1, 8, 3, [[1, 0]], extra=palette),
+        "alpha": png(2, 1, 8, 4, [black + white + black * 2]),  # what is transparent is no wall
+        "colours and alpha": png(2, 1, 8, 6, [black * 3 + white + black * 4]),
+        "interlaced": png(2, 1, 8, 0, [black, white], interlaced=1),
+    }
+    with folder() as where:
+        for kind, picture in kinds.items():
+            check_equal(obstacles_of(where, picture), (0, 1), kind)
+
+
+def test_bad_pictures_are_named():
+    good = png(2, 1, 8, 0, [[0, 255]])
+    long = png(64, 64, 8, 0, [[(x * y * 7919) % 256 for x in range(64)] for y in range(64)])
+    huge = png(50000, 50000, 8, 0, [[0]])
+    large = png(16000, 16000, 1, 0, [[0]])  # 32 MB as it is packed, 256 MB unpacked
+    holes = png(1024, 1024, 8, 0, [[0, 255] * 512, [255, 0] * 512] * 512)
+    with folder() as where:
+        for picture, says in [(huge, "too large"), (large, "too large"), (good[:40], "PNG"),
+                              (long[:-500], "damaged"), (b"", "neither"), (good[1:], "neither"),
+                              (good.replace(b"IDAT", b"IDXT"), "PNG"),
+                              (png(0, 0, 8, 0, []), "PNG"), (holes, "more than 65536 obstacles")]:
+            code, text = obstacles_of(where, picture)
+            check_equal(code, 3, f"{says}: {text}")
+            check(says in text, f"{says}: {text}")
+
+
+def test_too_many_things_are_refused():
+    with folder() as where:
+        world = where / "many.world"
+        world.write_text("define p model ( movable 1 )\n" + "p ( )\n" * 100000)
+        code, lines = check_lines(world)
+        check_equal(code, 3, lines[-1])
+        check(lines[0]["line"] == 4098 and "more than 4096" in lines[0]["text"], lines[0])
+        world.write_text("define p position ( )\n" + "p ( )\n" * 100000)
+        code, lines = check_lines(world)
+        check(code == 3 and "more than 1024 robots" in lines[0]["text"], lines[0])
 
 
 def test_import_of_stage_worlds_keeps_what_counts():
