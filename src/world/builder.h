@@ -207,4 +207,7 @@ bool place_overlaps(const struct world_shape *a, const struct world_shape *b);
 /** @return the outline of a robot, as it stands */
 struct world_shape place_outline(const struct world_robot *robot);
 
+/** @return the box around a robot's outline and its gripper */
+struct world_shape place_room(const struct world_robot *robot);
+
 #endif

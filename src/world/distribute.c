@@ -47,8 +47,8 @@ static bool distribute_is_free(const struct world *world, const struct world_sha
         }
     }
     for (size_t i = 0; i < world->robot_count; i++) {
-        struct world_shape outline = place_outline(&world->robots[i]);
-        if (world->robots[i].look.stops && place_overlaps(shape, &outline)) {
+        struct world_shape room = place_room(&world->robots[i]);
+        if (world->robots[i].look.stops && place_overlaps(shape, &room)) {
             return false;
         }
     }
@@ -112,7 +112,7 @@ static mu_result distribute_robots(struct distribute *d)
     MU_TRY(body_read(b, d->model, (struct world_pose){0}, &robot));
     robot.pose = (struct world_pose){0};
     robot.name[0] = '\0';
-    struct world_shape about = place_outline(&robot);
+    struct world_shape about = place_room(&robot);
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->robot_count == MU_ROBOTS_MAX) {
             return builder_full(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);

@@ -68,10 +68,12 @@ static void test_a_listener_hears_of_every_place(void)
     CU_ASSERT_EQUAL(told, 3);
 }
 
-#define KINDS                                                                \
-    "define bot position ( size [0.5 0.4] localization_origin [0 0 0 0] )\n" \
-    "define puck model ( size [0.1 0.1] gripper_return 1 )\n"                \
-    "define post model ( size [1 1] ) post ( )\n"
+/* Four lines. */
+#define KINDS                                                             \
+    "define bot position ( size [0.5 0.4] localization_origin [0 0 0 0] " \
+    "gripper ( pose [0.35 0 0 0] ) )\n"                                   \
+    "define puck model ( size [0.1 0.1] gripper_return 1 )\n"             \
+    "define post model ( size [1 1] )\npost ( )\n"
 
 static void test_distribute(void)
 {
@@ -137,7 +139,7 @@ static void test_distribute_says_what_is_wrong(void)
             cases[i].text);
         CU_ASSERT_PTR_NULL(load(text));
         CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, cases[i].says));
-        CU_ASSERT_EQUAL(fault.line, 6);
+        CU_ASSERT_EQUAL(fault.line, 7);
     }
 }
 
