@@ -92,10 +92,10 @@ static mu_result distribute_robots(struct distribute *d)
     MU_TRY(body_read(b, d->model, (struct world_pose){0}, &robot));
     robot.pose = (struct world_pose){0};
     robot.name[0] = '\0';
-    struct world_shape about = place_outline(&robot);
+    struct world_shape about = place_room(&robot);
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->robot_count == MU_ROBOTS_MAX) {
-            return builder_fault(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);
+            return builder_full(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);
         }
         if (!distribute_find(d, &about, &robot.pose)) {
             return distribute_no_room(d, i);
@@ -114,8 +114,8 @@ static mu_result distribute_objects(struct distribute *d)
     struct world *world = b->world;
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->object_count == MU_OBJECTS_MAX) {
-            return builder_fault(b, &d->entity->at, "more than %d things that can be moved",
-                                 MU_OBJECTS_MAX);
+            return builder_full(b, &d->entity->at, "more than %d things that can be moved",
+                                MU_OBJECTS_MAX);
         }
         struct world_object *object = &world->objects[world->object_count];
         MU_TRY(object_build(b, d->model, (struct world_pose){0}));

@@ -98,22 +98,51 @@ struct place_bounds {
     double min[2], max[2];
 };
 
+static struct place_bounds place_bounds_of(const struct world_shape *s)
+{
+    bool disc = s->kind == WORLD_DISC;
+    double c = fabs(cos(s->pose.heading_rad));
+    double sine = fabs(sin(s->pose.heading_rad));
+    double x = disc ? s->radius_m : c * s->half_x_m + sine * s->half_y_m;
+    double y = disc ? s->radius_m : sine * s->half_x_m + c * s->half_y_m;
+    return (struct place_bounds){{s->pose.x_m - x, s->pose.y_m - y},
+                                 {s->pose.x_m + x, s->pose.y_m + y}};
+}
+
+static void place_cover(struct place_bounds *all, const struct place_bounds *one)
+{
+    for (size_t k = 0; k < 2; k++) {
+        all->min[k] = fmin(all->min[k], one->min[k]);
+        all->max[k] = fmax(all->max[k], one->max[k]);
+    }
+}
+
 static struct place_bounds place_measure(const struct world *world)
 {
     struct place_bounds b = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     for (size_t i = 0; i < world->shape_count; i++) {
-        const struct world_shape *s = &world->shapes[i];
-        bool disc = s->kind == WORLD_DISC;
-        double c = fabs(cos(s->pose.heading_rad));
-        double sine = fabs(sin(s->pose.heading_rad));
-        double x = disc ? s->radius_m : c * s->half_x_m + sine * s->half_y_m;
-        double y = disc ? s->radius_m : sine * s->half_x_m + c * s->half_y_m;
-        b.min[0] = fmin(b.min[0], s->pose.x_m - x);
-        b.max[0] = fmax(b.max[0], s->pose.x_m + x);
-        b.min[1] = fmin(b.min[1], s->pose.y_m - y);
-        b.max[1] = fmax(b.max[1], s->pose.y_m + y);
+        struct place_bounds one = place_bounds_of(&world->shapes[i]);
+        place_cover(&b, &one);
     }
     return b;
+}
+
+struct world_shape place_room(const struct world_robot *robot)
+{
+    if (!(robot->gripper.length_m > 0)) {
+        return place_outline(robot);
+    }
+    struct world_robot here = *robot; /* in its own frame, boxes are covered by upright ones */
+    here.pose = (struct world_pose){0};
+    const struct world_shape parts[2] = {place_outline(&here), place_gripper(&here)};
+    struct place_bounds all = place_bounds_of(&parts[0]);
+    struct place_bounds gripper = place_bounds_of(&parts[1]);
+    place_cover(&all, &gripper);
+    struct world_pose middle = {(all.min[0] + all.max[0]) / 2, (all.min[1] + all.max[1]) / 2, 0};
+    return (struct world_shape){.kind = WORLD_BOX,
+                                .pose = world_pose_in(robot->pose, middle),
+                                .half_x_m = (all.max[0] - all.min[0]) / 2,
+                                .half_y_m = (all.max[1] - all.min[1]) / 2};
 }
 
 /* A thing that is looked at, and what its fault says of it. */
@@ -229,7 +258,7 @@ mu_result place_check(const struct world *world, const struct mu_fault_listener 
     struct place_bounds bounds = place_measure(world);
     size_t mistakes = 0;
     for (size_t i = 0; i < world->robot_count; i++) {
-        if (!world->source->origins[i].mistaken &&
+        if (!world->source->origins[i].misplaced &&
             place_ends(place_check_robot(world, i, &bounds, fault), listener, fault, &mistakes)) {
             return MU_FAULT_FILE;
         }
@@ -255,8 +284,8 @@ bool place_is_free(const struct world *world, const struct world_shape *shape, s
         }
     }
     for (size_t i = 0; i < world->robot_count; i++) {
-        struct world_shape outline = place_outline(&world->robots[i]);
-        if (i != robot && world->robots[i].look.stops && place_overlaps(shape, &outline)) {
+        struct world_shape room = place_room(&world->robots[i]);
+        if (i != robot && world->robots[i].look.stops && place_overlaps(shape, &room)) {
             return false;
         }
     }
