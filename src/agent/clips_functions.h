@@ -24,9 +24,10 @@
     X("stalled", 'u', clips_physical_stalled, "00", \
       "(stalled)", \
       "TRUE while the body is held up") \
-    X("sonar", 'u', clips_physical_sonar, "01i", \
-      "(sonar [i])", \
-      "all ranges in mm, or the one with index i, from 0") \
+    X("sonar", 'u', clips_physical_sonar, "02ui", \
+      "(sonar [i [otherwise]])", \
+      "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
+      "such") \
     X("sonar-data", 'u', clips_physical_sonar_data, "1*u", \
       "(sonar-data s...)", \
       "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \

@@ -100,6 +100,8 @@ struct mind {
     struct deftemplate *position, *ring, *message, *event, *mail;
     struct defglobal *globals[CLIPS_GLOBALS];
     struct fact *position_fact, *ring_fact;
+    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
+    long long ring_number; /* that it would bear */
 
     /* mail */
     struct clips_messages *messages;
@@ -185,6 +187,9 @@ void clips_percept_retract(struct mind *m, struct fact **fact);
 /** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
 struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
                                   struct multifield *fields);
+
+/** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
+void clips_percept_show(struct mind *m);
 
 /* clips_message.c */
 void clips_message_install(struct mind *m);

@@ -58,6 +58,43 @@ static struct fact *percept_sonar(struct mind *m)
     return clips_percept_assert(m, m->ring, fields);
 }
 
+/*
+ * Whether rules could miss the fact of the ring: one has a pattern of it, or a query over facts, or
+ * it is watched.  CLIPS counts such uses together with the facts that there are, and C holds one.
+ */
+static bool percept_ring_is_used(const struct mind *m)
+{
+    long facts = 0;
+    for (const struct fact *f = m->ring->factList; f; f = f->nextTemplateFact) {
+        facts++;
+    }
+    return m->ring->patternNetwork || m->ring->watch || m->ring->busyCount - 1 > facts;
+}
+
+void clips_percept_show(struct mind *m)
+{
+    if (m->ring_unseen) {
+        long long next = FactData(m->env)->NextFactIndex;
+        m->ring_unseen = false;
+        EnvIncrementGCLocks(m->env);
+        FactData(m->env)->NextFactIndex = m->ring_number;
+        m->ring_fact = percept_sonar(m);
+        FactData(m->env)->NextFactIndex = next;
+        EnvDecrementGCLocks(m->env);
+    }
+}
+
+/* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
+static void percept_ring(struct mind *m)
+{
+    m->ring_unseen = m->percept.sonar_count > 0 && !percept_ring_is_used(m);
+    if (m->ring_unseen) {
+        m->ring_number = FactData(m->env)->NextFactIndex++;
+    } else {
+        m->ring_fact = percept_sonar(m);
+    }
+}
+
 /* Numbers that are no numbers would only poison what rules compute: 0 stands for them. */
 static double percept_finite(double x)
 {
@@ -92,7 +129,7 @@ void mind_percept(struct mind *m, const struct mind_percept *percept)
     clips_percept_retract(m, &m->position_fact);
     clips_percept_retract(m, &m->ring_fact);
     m->position_fact = percept_position(m);
-    m->ring_fact = percept_sonar(m);
+    percept_ring(m);
     clips_event_assert(m);
     clips_message_age(m);
     EnvDecrementGCLocks(m->env);
