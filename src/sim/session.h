@@ -10,6 +10,7 @@
 #define MUSTER_SIM_SESSION_H
 
 #include "bus/bus.h"
+#include "core/table.h"
 #include "sim/engine.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
@@ -70,6 +71,7 @@ struct session {
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
+    struct mu_table robot_names, process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
