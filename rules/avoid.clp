@@ -46,7 +46,7 @@
 
 (deffunction range (?i ?otherwise)
   "What that sonar says, if the body has it."
-  (if (< ?i (length$ (sonar))) then (sonar ?i) else ?otherwise))
+  (sonar ?i ?otherwise))
 
 (deffunction freer-side ()
   "1: there is more room at the left, -1: at the right."

@@ -154,6 +154,7 @@ bool clips_env_leave(struct mind *m)
 static void env_keep_globals(void *env)
 {
     struct mind *m = clips_env_mind(env);
+    m->ring_unseen = false; /* it goes with the other facts */
     for (size_t i = 0; i < 2; i++) {
         m->kept[i].type = RVOID;
         if (EnvGetDefglobalValue(env, env_kept_globals[i], &m->kept[i])) {

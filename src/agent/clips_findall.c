@@ -236,6 +236,7 @@ void clips_findall_call(void *env, DATA_OBJECT *out)
     if (!clips_value_word(env, "findall", 2, &mask) || !findall_read(env, mask, &pattern)) {
         return;
     }
+    clips_percept_show(clips_env_mind(env));
     struct deftemplate *t = findall_template(env);
     if (!t) {
         return; /* no fact of this relation was ever there */

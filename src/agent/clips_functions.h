@@ -27,9 +27,10 @@
     X("stalled", 'u', clips_physical_stalled, "00", \
       "(stalled)", \
       "TRUE while the body is held up") \
-    X("sonar", 'u', clips_physical_sonar, "01i", \
-      "(sonar [i])", \
-      "all ranges in mm, or the one with index i, from 0") \
+    X("sonar", 'u', clips_physical_sonar, "02ui", \
+      "(sonar [i [otherwise]])", \
+      "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
+      "such") \
     X("laser", 'u', clips_sense_laser, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \

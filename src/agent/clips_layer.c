@@ -185,6 +185,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
     }
     m->out = out;
     clips_env_enter(m, CLIPS_MODE_LINE);
+    clips_percept_show(m);
     clips_guard_start(m, 0);
     for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !out->cut;
          f = EnvGetNextFact(m->env, f)) {

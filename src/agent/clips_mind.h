@@ -104,6 +104,8 @@ struct mind {
     struct defglobal *globals[CLIPS_GLOBALS];
     struct fact *position_fact, *ring_fact, *laser_fact;
     struct fact *blob_facts[MU_BLOBS_MAX], *fiducial_facts[MU_FIDUCIALS_MAX];
+    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
+    long long ring_number; /* that it would bear */
 
     /* mail */
     struct clips_messages *messages;
@@ -189,6 +191,9 @@ void clips_percept_retract(struct mind *m, struct fact **fact);
 /** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
 struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
                                   struct multifield *fields);
+
+/** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
+void clips_percept_show(struct mind *m);
 
 /* clips_message.c */
 void clips_message_install(struct mind *m);

@@ -18,6 +18,8 @@ static const char *const override_names[OVERRIDE_COUNT] = {"eval", "build", "ass
 static void (*override_send)(void *env, DATA_OBJECT *out);
 static int (*override_calls[OVERRIDE_COUNT])(void *env);
 static char override_returns[OVERRIDE_COUNT];
+static void (*override_print_facts)(void *env);
+static void (*override_list_facts)(void *env, DATA_OBJECT *out);
 
 /* Calls CLIPS's function as if its first argument had been this value. */
 static struct expr override_enter(void *env, struct expr *first, const DATA_OBJECT *value)
@@ -66,7 +68,8 @@ static void override_result(void *env, enum override which, DATA_OBJECT *out)
 
 static void override_parse(void *env, enum override which, DATA_OBJECT *out)
 {
-    static char bytes[2 * CLIPS_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
+    clips_percept_show(clips_env_mind(env)); /* what is built now may have a pattern of it */
+    static char bytes[2 * CLIPS_LINE_MAX];   /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
     clips_value_bool(env, out, false);
@@ -146,6 +149,29 @@ static void override_strategy(void *env, DATA_OBJECT *out)
     clips_value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
 }
 
+/* Those look at all facts that there are. */
+static void override_facts(void *env)
+{
+    clips_percept_show(clips_env_mind(env));
+    override_print_facts(env);
+}
+
+static void override_list(void *env, DATA_OBJECT *out)
+{
+    clips_percept_show(clips_env_mind(env));
+    override_list_facts(env, out);
+}
+
+/* Puts another function in the place of CLIPS's.  @return that */
+static void (*override_replace(void *env, const char *name, void (*call)(void)))(void)
+{
+    struct FunctionDefinition *f = FindFunction(env, name);
+    MU_ASSERT(f);
+    void (*old)(void) = (void (*)(void))f->functionPointer;
+    f->functionPointer = (int (*)(void))call;
+    return old;
+}
+
 static void override_define(void *env, const char *name, void (*call)(void *, DATA_OBJECT *),
                             const char *arguments)
 {
@@ -166,5 +192,9 @@ void clips_override_install(struct mind *m)
         override_returns[i] = f->returnValueType;
         override_define(m->env, override_names[i], calls[i], "11k");
     }
+    override_print_facts =
+        (void (*)(void *))override_replace(m->env, "facts", (void (*)(void))override_facts);
+    override_list_facts = (void (*)(void *, DATA_OBJECT *))override_replace(
+        m->env, "get-fact-list", (void (*)(void))override_list);
     override_define(m->env, "set-strategy", override_strategy, "11w");
 }

@@ -91,15 +91,53 @@ static void percept_sights(struct mind *m)
     }
 }
 
+/*
+ * Whether rules could miss the fact of the ring: one has a pattern of it, or a query over facts, or
+ * it is watched.  CLIPS counts such uses together with the facts that there are, and C holds one.
+ */
+static bool percept_ring_is_used(const struct mind *m)
+{
+    long facts = 0;
+    for (const struct fact *f = m->ring->factList; f; f = f->nextTemplateFact) {
+        facts++;
+    }
+    return m->ring->patternNetwork || m->ring->watch || m->ring->busyCount - 1 > facts;
+}
+
+void clips_percept_show(struct mind *m)
+{
+    if (m->ring_unseen) {
+        long long next = FactData(m->env)->NextFactIndex;
+        m->ring_unseen = false;
+        EnvIncrementGCLocks(m->env);
+        FactData(m->env)->NextFactIndex = m->ring_number;
+        m->ring_fact = percept_sonar(m);
+        FactData(m->env)->NextFactIndex = next;
+        EnvDecrementGCLocks(m->env);
+    }
+}
+
+/* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
+static void percept_ring(struct mind *m)
+{
+    m->ring_unseen = m->percept.sonar_count > 0 && !percept_ring_is_used(m);
+    if (m->ring_unseen) {
+        m->ring_number = FactData(m->env)->NextFactIndex++;
+    } else {
+        m->ring_fact = percept_sonar(m);
+    }
+}
+
+/* What the last percept was. */
 static void percept_retract_all(struct mind *m)
 {
     clips_percept_retract(m, &m->position_fact);
     clips_percept_retract(m, &m->ring_fact);
     clips_percept_retract(m, &m->laser_fact);
-    for (size_t i = 0; i < MU_BLOBS_MAX; i++) {
+    for (size_t i = 0; i < m->percept.blob_count; i++) {
         clips_percept_retract(m, &m->blob_facts[i]);
     }
-    for (size_t i = 0; i < MU_FIDUCIALS_MAX; i++) {
+    for (size_t i = 0; i < m->percept.fiducial_count; i++) {
         clips_percept_retract(m, &m->fiducial_facts[i]);
     }
 }
@@ -174,13 +212,13 @@ static void percept_copy(struct mind *m, const struct mind_percept *p)
 void mind_percept(struct mind *m, const struct mind_percept *percept)
 {
     m->step++;
-    percept_copy(m, percept);
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     percept_retract_all(m);
+    percept_copy(m, percept);
     m->position_fact = percept_position(m);
-    m->ring_fact = percept_sonar(m);
+    percept_ring(m);
     m->laser_fact = percept_laser(m);
     percept_sights(m);
     clips_event_assert(m);

@@ -69,6 +69,10 @@ void clips_physical_sonar(void *env, DATA_OBJECT *out)
     if (!clips_value_whole(env, "sonar", 1, &index)) {
         return;
     }
+    if ((index < 0 || (size_t)index >= count) && EnvRtnArgCount(env) == 2) {
+        (void)clips_value_any(env, 2, out);
+        return;
+    }
     if (index < 0 || (size_t)index >= count) {
         clips_value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
         return;

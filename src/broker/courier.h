@@ -23,8 +23,8 @@ enum {
     COURIER_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
     COURIER_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
     COURIER_RECEIPTS = 8192,
-    COURIER_PARCELS = 64 * (MU_WINDOW_MAX + MAILBOX_RESERVE), /* of 64 full boxes */
-    COURIER_MEMBERS = 2048,                                   /* changes of the white pages */
+    COURIER_PARCELS = 64 * 1024, /* as many as a process takes */
+    COURIER_MEMBERS = 2048,      /* changes of the white pages */
     COURIER_INTERVAL_MAX_MS = 60000,
     COURIER_RETRY_NS = 1000000, /* after the network has refused */
 };

@@ -26,6 +26,7 @@
 #include <unistd.h>
 
 static const uint64_t START_PATIENCE_NS = 20000000000u;
+static const uint64_t START_PATIENCE_EACH_NS = 60000000; /* a robot: its rules are read */
 static const int64_t ROUND_NS = 5000000;
 static const int STOP_PATIENCE_MS = 2000;
 /* The simulator says something every second, whatever it waits for. */
@@ -417,11 +418,12 @@ static int round_live(struct run *r)
 
 static int start_patience(const struct run *r)
 {
-    if (mu_clock_ns() - r->began_wall_ns < START_PATIENCE_NS) {
+    uint64_t patience_ns = START_PATIENCE_NS + r->experiment->robots_count * START_PATIENCE_EACH_NS;
+    if (mu_clock_ns() - r->began_wall_ns < patience_ns) {
         return -1;
     }
-    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %s\n",
-            (int)(START_PATIENCE_NS / 1000000000u), r->waits_for);
+    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s\n",
+            (int)(patience_ns / 1000000000u), r->waits_for);
     return MU_EXIT_DDS;
 }
 

@@ -55,6 +55,12 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
     p->bodies = p->watches ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
+    /* An agent has the same room in a step whoever it shares the process with. */
+    p->mails_max = process_takes_steps(p) ? p->agents_max * PROCESS_UP_MAILS : PROCESS_UP_MAILS;
+    p->mails = mu_startup_array(p->mails_max, sizeof *p->mails);
+    p->acks_max = p->agents_max > PROCESS_UP_ACKS ? p->agents_max : PROCESS_UP_ACKS;
+    p->acks = mu_startup_array(p->acks_max, sizeof *p->acks);
+    p->out_ackers = mu_startup_array(p->acks_max, sizeof(struct mu_agent *));
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
     members_init(&p->members);

@@ -24,10 +24,10 @@
 #include <stdatomic.h>
 
 enum {
-    PROCESS_UP_MAILS = 256,       /* mails in one Up */
-    PROCESS_UP_ACKS = 1024,       /* acknowledgements in one Up */
-    PROCESS_PARCELS = 16 * 1024,  /* parcels in one Delivery; more come again */
-    PROCESS_UP_BYTES = 48 * 1024, /* of mail content in one Up, beside the first mail */
+    PROCESS_UP_MAILS = 256,       /* mails in one Up; in the answer to a step, of each agent */
+    PROCESS_UP_ACKS = 1024,       /* acknowledgements in one Up, or one of each agent */
+    PROCESS_PARCELS = 64 * 1024,  /* parcels in one Delivery; more come again */
+    PROCESS_UP_BYTES = 48 * 1024, /* of mail content beside the first mail, likewise */
     PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
 };
 
@@ -109,9 +109,10 @@ struct mu_process {
     bool out_pending;
     struct mu_agent **out_agents; /* whose acts are in it */
     muster_Act *acts;             /* agents_max, or PROCESS_UP_MAILS if that is more */
-    muster_Ack acks[PROCESS_UP_ACKS];
-    struct mu_agent *out_ackers[PROCESS_UP_ACKS]; /* whose they are */
-    muster_Mail mails[PROCESS_UP_MAILS];
+    muster_Ack *acks;             /* acks_max */
+    struct mu_agent **out_ackers; /* whose they are */
+    uint32_t acks_max, mails_max;
+    muster_Mail *mails;
     struct mu_percept *bodies;   /* MU_ROBOTS_MAX; NULL: it does not watch */
     bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
 };

@@ -249,7 +249,7 @@ static uint32_t acks_fill(mu_process *p)
 {
     uint32_t count = 0;
     struct mu_agent *next = NULL;
-    for (struct mu_agent *a = p->queues[QUEUE_ACK].first; a && count < PROCESS_UP_ACKS; a = next) {
+    for (struct mu_agent *a = p->queues[QUEUE_ACK].first; a && count < p->acks_max; a = next) {
         next = a->links[QUEUE_ACK].next;
         if (a->acked_number == a->last_number) {
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
@@ -299,14 +299,15 @@ static muster_Act act_of(struct mu_agent *a)
 /* What is in the Up that is being put together, and what may still go in. */
 struct up_load {
     uint32_t acts, mails;
-    size_t room; /* bytes of content */
+    uint32_t left; /* mails */
+    size_t room;   /* bytes of content */
 };
 
 static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
 {
     muster_Mail *from = &p->mails[load->mails];
     bool may_send = a->registered && load->room > 0;
-    uint32_t count = may_send ? outbox_unsent(&a->outbox, from, PROCESS_UP_MAILS - load->mails) : 0;
+    uint32_t count = may_send ? outbox_unsent(&a->outbox, from, load->left) : 0;
     count = mails_bounded(from, count, &load->room);
     muster_Act *act = &p->acts[load->acts];
     *act = act_of(a);
@@ -314,18 +315,29 @@ static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
         ._maximum = count, ._length = count, ._buffer = from, ._release = false};
     p->out_agents[load->acts++] = a;
     load->mails += count;
+    load->left -= count;
+}
+
+/* The room of one agent in the answer to a step, or of all in another Up. */
+static void load_begin(const mu_process *p, struct up_load *load)
+{
+    uint32_t left = p->mails_max - load->mails;
+    load->left = left < PROCESS_UP_MAILS ? left : PROCESS_UP_MAILS;
+    load->room = PROCESS_UP_BYTES;
 }
 
 /* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
  * have mail.  @return whether there is any mail or acknowledgement in it */
 static bool up_fill(mu_process *p, int64_t step)
 {
-    struct up_load load = {.room = PROCESS_UP_BYTES};
+    struct up_load load = {.acts = 0};
+    load_begin(p, &load);
     for (uint32_t i = 0; step != muster_STEP_NOW && i < p->agent_count; i++) {
+        load_begin(p, &load);
         act_add(p, &p->agents[i], &load);
     }
     for (struct mu_agent *a = step == muster_STEP_NOW ? p->queues[QUEUE_SEND].first : NULL;
-         a && load.mails < PROCESS_UP_MAILS && load.room > 0; a = a->links[QUEUE_SEND].next) {
+         a && load.left > 0 && load.room > 0; a = a->links[QUEUE_SEND].next) {
         act_add(p, a, &load);
     }
     uint32_t acks = acks_fill(p);

@@ -41,8 +41,11 @@ mu_result session_open(struct session *s, const struct session_options *options,
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
+    mu_table_init(&s->robot_names, s->robot_count > 0 ? (uint32_t)s->robot_count : 1);
+    mu_table_init(&s->process_names, MU_PROCESSES_MAX);
     for (size_t i = 0; i < s->robot_count; i++) {
         s->robots[i].name = world->robots[i].name;
+        (void)mu_table_put(&s->robot_names, s->robots[i].name, (uint32_t)i);
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
     }
@@ -59,22 +62,14 @@ mu_result session_open(struct session *s, const struct session_options *options,
 
 static struct session_robot *robot_find(struct session *s, const char *name)
 {
-    for (size_t i = 0; i < s->robot_count; i++) {
-        if (strcmp(s->robots[i].name, name) == 0) {
-            return &s->robots[i];
-        }
-    }
-    return NULL;
+    uint32_t index = mu_table_find(&s->robot_names, name);
+    return index == MU_NONE ? NULL : &s->robots[index];
 }
 
 static int32_t process_find(const struct session *s, const char *name)
 {
-    for (uint32_t i = 0; i < s->process_count; i++) {
-        if (strcmp(s->processes[i].name, name) == 0) {
-            return (int32_t)i;
-        }
-    }
-    return -1;
+    uint32_t index = mu_table_find(&s->process_names, name);
+    return index == MU_NONE ? -1 : (int32_t)index;
 }
 
 static int32_t process_add(struct session *s, const char *name)
@@ -89,6 +84,7 @@ static int32_t process_add(struct session *s, const char *name)
     if (bus_writer_open(&s->bus, BUS_SENSE, name, NULL, &p->sense) != MU_OK) {
         return -1;
     }
+    (void)mu_table_put(&s->process_names, p->name, s->process_count);
     return (int32_t)s->process_count++;
 }
 
@@ -378,6 +374,7 @@ static void processes_prune(struct session *s)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
+        (void)mu_table_remove(&s->process_names, s->processes[i].name);
         if (!process_is_used(s, i)) {
             bus_writer_close(&s->processes[i].sense);
             continue;
@@ -387,7 +384,9 @@ static void processes_prune(struct session *s)
                 s->robots[r].process = (int32_t)kept;
             }
         }
-        s->processes[kept++] = s->processes[i];
+        s->processes[kept] = s->processes[i];
+        (void)mu_table_put(&s->process_names, s->processes[kept].name, kept);
+        kept++;
     }
     s->process_count = kept;
 }

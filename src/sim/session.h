@@ -10,6 +10,7 @@
 #define MUSTER_SIM_SESSION_H
 
 #include "bus/bus.h"
+#include "core/table.h"
 #include "sim/engine.h"
 #include "sim/orders.h"
 #include "sim/recorder.h"
@@ -75,6 +76,7 @@ struct session {
     struct session_robot *robots;
     size_t robot_count;
     uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
+    struct mu_table robot_names, process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */

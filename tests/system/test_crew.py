@@ -19,6 +19,7 @@ observer:
   - {{at: 0, do: robots, line: (wander)}}
   - {{at: 4, do: [w_1, w_3], line: (follow w_2)}}
   - {{at: 6, do: 'group:crowd', line: '(send w_0 at (round (nth$ 2 (position))))'}}
+  - {{at: 7, do: robots, line: '(loop-for-count (?i 40) (send w_1 burst ?i))'}}
 """)
     return path
 
