@@ -170,6 +170,7 @@ static mu_result world_prepare(struct run *r, struct mu_fault *fault)
         done = world_add_robot(r->world, robot->name, robot->body, robot->pose ? &pose : NULL,
                                robot->color, fault);
     }
+    r->objects = mu_startup_array(r->world->object_count, sizeof *r->objects);
     return done == MU_OK ? world_check_places(r->world, fault) : done;
 }
 
@@ -329,6 +330,11 @@ static void status_take(struct run *r, const muster_RunStatus *s)
     for (uint32_t i = 0; i < r->totals_count; i++) {
         r->totals[i] = s->robots._buffer[i];
         r->totals[i].robot = NULL;
+    }
+    r->objects_count = s->objects._length == r->world->object_count ? s->objects._length : 0;
+    for (size_t i = 0; i < r->objects_count; i++) {
+        const muster_ObjectPlace *o = &s->objects._buffer[i];
+        r->objects[i] = (struct world_pose){o->x_m, o->y_m, o->heading_rad};
     }
 }
 

@@ -80,6 +80,7 @@ struct session {
     muster_Percept *percepts; /* one for each robot, in order of process */
     muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
     muster_RobotTotals *totals;
+    muster_ObjectPlace *places; /* of the objects */
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */
     /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
