@@ -160,4 +160,23 @@ MU_MUST_USE mu_result engine_reset(struct engine *e, size_t body, const char **r
 /** Puts all bodies to where they started.  Time goes on. */
 void engine_reset_all(struct engine *e);
 
+/** @return how many bytes a snapshot of this engine takes */
+size_t engine_save_size(const struct engine *e);
+
+/**
+ * Writes all that the engine will need to go on as if nothing had been: bodies, drives, devices,
+ * counters.  The same bytes on every machine.  bytes: room for engine_save_size of them.
+ */
+void engine_save(struct engine *e, unsigned char *bytes);
+
+/**
+ * Takes over a snapshot.  Without a fault the same commands give the same bits as they would have
+ * given there; with one nothing has changed.
+ *
+ * @return MU_OK; MU_MALFORMED: not a whole snapshot of this version; MU_REFUSED: it was taken of
+ *         another world, or with another seed or step
+ */
+MU_MUST_USE mu_result engine_restore(struct engine *e, const unsigned char *bytes, size_t count,
+                                     const char **reason);
+
 #endif

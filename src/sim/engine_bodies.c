@@ -278,6 +278,7 @@ static void engine_wake(struct engine *e, int32_t body, int32_t by)
     if (b->asleep) {
         ode_world_sleep((size_t)body, false);
         b->asleep = false;
+        engine_rub(e, (size_t)body - e->robot_count); /* only objects sleep */
     }
 }
 

@@ -56,6 +56,7 @@ struct engine_object {
     double friction_n, friction_nm; /* that the floor can bring against it */
     int32_t bearer;                 /* the robot that holds it */
     double x, y, c, s;              /* its pose in the bearer's frame */
+    bool claimed;                   /* by a gripper of the snapshot that is read */
 };
 
 struct engine_part {
@@ -131,6 +132,9 @@ void engine_carry(struct engine *e, size_t robot);
 
 /** Lets go what a robot holds, where it is. */
 void engine_let_go(struct engine *e, size_t robot);
+
+/** Takes over, from a snapshot, what a robot's gripper holds. */
+void engine_resume_grip(struct engine *e, size_t robot);
 
 /** Looks what the grippers feel, for the percepts. */
 void engine_feel_grippers(struct engine *e);

@@ -69,21 +69,11 @@ void engine_carry(struct engine *e, size_t robot)
 
 /* --- taking and letting go -------------------------------------------------------------------- */
 
-static void engine_take(struct engine *e, size_t robot, size_t object)
+/* From now on it is a part of the robot. */
+static void engine_bind(struct engine *e, size_t robot, size_t object)
 {
-    struct engine_object *o = &e->objects[object];
     size_t body = e->robot_count + object;
-    const struct ode_motion *m = &e->bodies[robot].motion;
-    const struct ode_motion *own = &e->bodies[body].motion;
-    double x = own->x - m->x;
-    double y = own->y - m->y;
-    *o = (struct engine_object){.friction_n = o->friction_n,
-                                .friction_nm = o->friction_nm,
-                                .bearer = (int32_t)robot,
-                                .x = m->c * x + m->s * y,
-                                .y = m->c * y - m->s * x,
-                                .c = m->c * own->c + m->s * own->s,
-                                .s = m->c * own->s - m->s * own->c};
+    e->objects[object].bearer = (int32_t)robot;
     e->parts[engine_object_part(e, object)].body = (int32_t)robot;
     e->outlines[engine_object_part(e, object)].owner = (int32_t)robot;
     e->bodies[body].asleep = true;
@@ -91,6 +81,30 @@ static void engine_take(struct engine *e, size_t robot, size_t object)
     ode_world_sleep(body, true);
     e->robots[robot].gripper.holds = (int32_t)object;
     engine_weigh(e, robot);
+}
+
+static void engine_take(struct engine *e, size_t robot, size_t object)
+{
+    struct engine_object *o = &e->objects[object];
+    const struct ode_motion *m = &e->bodies[robot].motion;
+    const struct ode_motion *own = &e->bodies[e->robot_count + object].motion;
+    double x = own->x - m->x;
+    double y = own->y - m->y;
+    o->x = m->c * x + m->s * y;
+    o->y = m->c * y - m->s * x;
+    o->c = m->c * own->c + m->s * own->s;
+    o->s = m->c * own->s - m->s * own->c;
+    engine_bind(e, robot, object);
+}
+
+void engine_resume_grip(struct engine *e, size_t robot)
+{
+    int32_t holds = e->robots[robot].gripper.holds;
+    if (holds == GRIPPER_NOTHING) {
+        engine_weigh(e, robot);
+    } else {
+        engine_bind(e, robot, (size_t)holds);
+    }
 }
 
 void engine_let_go(struct engine *e, size_t robot)
