@@ -6,10 +6,8 @@
 #include "sim/fan.h"
 
 #include <string.h>
-#if FAN_WIDTH > 2 && defined(__x86_64__)
+#if FAN_WIDTH > 2
 #include <immintrin.h>
-#elif defined(__SSE2__)
-#include <emmintrin.h>
 #endif
 
 /* Solids that are prepared at a time. */
@@ -18,6 +16,8 @@ enum { FAN_BATCH = 256 };
 /* A margin for the error of the arc tangent: it only widens what is tested. */
 #define FAN_MARGIN_RAD   1e-5
 #define FAN_MARGIN_BEAMS 1e-3
+
+#define FAN_TURN_RAD 6.28318530717958648
 
 typedef double vector __attribute__((vector_size(8 * FAN_WIDTH)));
 typedef int64_t mask __attribute__((vector_size(8 * FAN_WIDTH)));
@@ -49,46 +49,75 @@ static inline vector all(double x)
     return x - (vector){0};
 }
 
-static inline vector choose(mask m, vector yes, vector no)
-{
-    return (vector)(((mask)yes & m) | ((mask)no & ~m));
-}
-
 static inline vector vabs(vector v)
 {
     return (vector)((mask)v & INT64_MAX);
 }
 
+/*
+ * What the compiler does not find by itself.  Each gives the bits of its plain form, also for zeros
+ * and for what is no number.
+ */
+#if FAN_WIDTH == 8 && defined(__AVX512F__)
+static inline vector choose(mask m, vector yes, vector no)
+{
+    return (vector)_mm512_ternarylogic_epi64((__m512i)m, (__m512i)yes, (__m512i)no, 0xca);
+}
+static inline vector least(vector a, vector b)
+{
+    return (vector)_mm512_min_pd((__m512d)a, (__m512d)b);
+}
+static inline vector most(vector a, vector b)
+{
+    return (vector)_mm512_max_pd((__m512d)a, (__m512d)b);
+}
+static inline vector root(vector v)
+{
+    return (vector)_mm512_sqrt_pd((__m512d)v);
+}
+#elif FAN_WIDTH == 4 && defined(__AVX2__)
+static inline vector choose(mask m, vector yes, vector no)
+{
+    return (vector)_mm256_blendv_pd((__m256d)no, (__m256d)yes, (__m256d)m);
+}
+static inline vector least(vector a, vector b)
+{
+    return (vector)_mm256_min_pd((__m256d)a, (__m256d)b);
+}
+static inline vector most(vector a, vector b)
+{
+    return (vector)_mm256_max_pd((__m256d)a, (__m256d)b);
+}
+static inline vector root(vector v)
+{
+    return (vector)_mm256_sqrt_pd((__m256d)v);
+}
+#else
+static inline vector choose(mask m, vector yes, vector no)
+{
+    return (vector)(((mask)yes & m) | ((mask)no & ~m));
+}
 static inline vector least(vector a, vector b)
 {
     return choose(a < b, a, b);
 }
-
 static inline vector most(vector a, vector b)
 {
     return choose(a > b, a, b);
 }
+static inline vector root(vector v)
+{
+    for (int k = 0; k < FAN_WIDTH; k++) {
+        v[k] = sqrt(v[k]);
+    }
+    return v;
+}
+#endif
 
 /* -1 or 1 */
 static inline vector sign_of(vector v)
 {
     return choose(v < 0, all(-1), all(1));
-}
-
-static inline vector root(vector v)
-{
-#if FAN_WIDTH == 8 && defined(__AVX512F__)
-    return (vector)_mm512_sqrt_pd((__m512d)v);
-#elif FAN_WIDTH == 4 && defined(__AVX__)
-    return (vector)_mm256_sqrt_pd((__m256d)v);
-#elif FAN_WIDTH == 2 && defined(__SSE2__)
-    return (vector)_mm_sqrt_pd((__m128d)v);
-#else
-    for (int k = 0; k < FAN_WIDTH; k++) {
-        v[k] = sqrt(v[k]);
-    }
-    return v;
-#endif
 }
 
 /* A minimax polynomial; its error of 2e-6 is covered by FAN_MARGIN_RAD. */
@@ -189,7 +218,7 @@ static inline void prepare_one(const struct fan_table *table, const struct fan_e
     struct ends ends = ends_choose(disc, &of_disc, &of_box);
     vector right = arc_tangent(ends.right_y, ends.right_x);
     vector left = arc_tangent(ends.left_y, ends.left_x);
-    left = choose(left < right, left + 6.28318530717958648, left);
+    left = choose(left < right, left + FAN_TURN_RAD, left);
     double per_step = 1 / table->step_rad;
     double margin = FAN_MARGIN_RAD * per_step + FAN_MARGIN_BEAMS;
     vector first = (right - table->first_rad) * per_step - margin;
@@ -311,7 +340,7 @@ static inline void paint_wrapped(struct picture p, const struct fan_table *table
                                  const struct gather_solids *solids, size_t at,
                                  const struct prepared *from, size_t k)
 {
-    double turn = 6.28318530717958648 / table->step_rad;
+    double turn = FAN_TURN_RAD / table->step_rad;
     double end = table->count - 1;
     for (int round = -1; round <= 1; round++) {
         double first = from->first[k] + round * turn;
@@ -324,27 +353,64 @@ static inline void paint_wrapped(struct picture p, const struct fan_table *table
     }
 }
 
+static inline void paint_straight(struct picture p, const struct fan_table *table,
+                                  const struct gather_solids *solids, size_t at,
+                                  const struct prepared *from, size_t k)
+{
+    double first = from->first[k];
+    double last = from->last[k];
+    double end = (int32_t)table->count - 1;
+    first = first > 0 ? first : 0;
+    last = last < end ? last : end;
+    p.first = (size_t)(int64_t)first & ~(size_t)(FAN_WIDTH - 1);
+    p.last = (size_t)(int64_t)last;
+    paint(p, solids, at, from, k);
+}
+
+/* Those of a batch that can be met; wrapped ones stand in a list of their own. */
+struct chosen {
+    uint16_t straight[FAN_BATCH], wrapped[FAN_BATCH];
+    size_t straight_count, wrapped_count;
+};
+
+static inline void pick(struct chosen *some, const struct fan_table *table,
+                        const struct prepared *ready, size_t count)
+{
+    double turn = FAN_TURN_RAD / table->step_rad;
+    double end = (int32_t)table->count - 1;
+    size_t straight = 0;
+    size_t wrapped = 0;
+    for (size_t k = 0; k < count; k++) {
+        int seen = ready->seen[k] != 0;
+        int ahead = (ready->last[k] >= 0) & (ready->first[k] <= end);
+        int wraps = (ready->last[k] >= turn) | (ready->first[k] + turn <= end);
+        some->straight[straight] = (uint16_t)k;
+        some->wrapped[wrapped] = (uint16_t)k;
+        straight += (size_t)(seen & ahead & ~wraps);
+        wrapped += (size_t)(seen & wraps);
+    }
+    some->straight_count = straight;
+    some->wrapped_count = wrapped;
+}
+
 static inline void sweep(const struct fan_table *table, const struct fan_eye *eye,
                          const struct gather_solids *solids, struct picture p)
 {
     struct prepared ready;
-    double turn = 6.28318530717958648 / table->step_rad;
-    double end = table->count - 1;
+    struct chosen some;
     for (size_t begin = 0; begin < solids->count; begin += FAN_BATCH) {
         size_t count = solids->count - begin < FAN_BATCH ? solids->count - begin : FAN_BATCH;
         for (size_t k = 0; k < count; k += FAN_WIDTH) {
             prepare_one(table, eye, solids, begin + k, &ready, k);
         }
-        uint16_t some[FAN_BATCH];
-        size_t some_count = 0;
-        for (size_t k = 0; k < count; k++) {
-            bool ahead = ready.last[k] >= 0 && ready.first[k] <= end;
-            bool wraps = ready.last[k] >= turn || ready.first[k] + turn <= end;
-            some[some_count] = (uint16_t)k;
-            some_count += (ready.seen[k] != 0) & (ahead | wraps);
+        pick(&some, table, &ready, count);
+        for (size_t n = 0; n < some.straight_count; n++) {
+            size_t k = some.straight[n];
+            paint_straight(p, table, solids, begin + k, &ready, k);
         }
-        for (size_t n = 0; n < some_count; n++) {
-            paint_wrapped(p, table, solids, begin + some[n], &ready, some[n]);
+        for (size_t n = 0; n < some.wrapped_count; n++) {
+            size_t k = some.wrapped[n];
+            paint_wrapped(p, table, solids, begin + k, &ready, k);
         }
     }
 }

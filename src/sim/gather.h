@@ -34,9 +34,10 @@ struct gather_solids {
 
 /* The tiles of the solids whose reach is at most half a tile. */
 struct gather_tier {
-    double tile_m;
+    double tile_m, per_m;
     int nx, ny;
     size_t first; /* of its tiles, among those of all tiers */
+    bool used;    /* a solid is of its size */
 };
 
 struct gather_layer {

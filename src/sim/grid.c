@@ -54,41 +54,46 @@ static bool grid_touches(const struct grid *grid, const struct solid *solid, int
     return fabs(lx) <= solid->half_x + reach && fabs(ly) <= solid->half_y + reach;
 }
 
+/* Notes in which cells a solid lies.  @return how many parts there are then */
+static uint32_t grid_part(const struct grid *grid, struct grid_layer *layer, uint32_t solid,
+                          uint32_t count)
+{
+    struct grid_span span = grid_span(grid, &layer->solids[solid]);
+    if (!span.inside) {
+        layer->outside[layer->outside_count++] = solid;
+        return count;
+    }
+    for (int j = span.y0; j <= span.y1; j++) {
+        for (int i = span.x0; i <= span.x1; i++) {
+            if (grid_touches(grid, &layer->solids[solid], i, j)) {
+                MU_ASSERT(count < layer->entries_max);
+                uint32_t cell = (uint32_t)(j * grid->nx + i);
+                layer->parts[count++] = (struct grid_part){cell, solid};
+                layer->start[cell + 1]++;
+            }
+        }
+    }
+    return count;
+}
+
 static void grid_build(struct grid *grid, struct grid_layer *layer)
 {
     size_t cells = (size_t)grid->nx * (size_t)grid->ny;
     memset(layer->start, 0, (cells + 1) * sizeof *layer->start);
     layer->outside_count = 0;
+    uint32_t count = 0;
     for (uint32_t k = 0; k < layer->count; k++) {
-        struct grid_span span = grid_span(grid, &layer->solids[k]);
-        if (layer->solids[k].away) {
-            continue;
-        }
-        if (!span.inside) {
-            layer->outside[layer->outside_count++] = k;
-            continue;
-        }
-        for (int j = span.y0; j <= span.y1; j++) {
-            for (int i = span.x0; i <= span.x1; i++) {
-                layer->start[j * grid->nx + i + 1] += grid_touches(grid, &layer->solids[k], i, j);
-            }
+        if (!layer->solids[k].away) {
+            count = grid_part(grid, layer, k, count);
         }
     }
     for (size_t c = 0; c < cells; c++) {
+        grid->cursor[c] = layer->start[c];
         layer->start[c + 1] += layer->start[c];
     }
-    MU_ASSERT(layer->start[cells] <= layer->entries_max);
-    memcpy(grid->cursor, layer->start, cells * sizeof *grid->cursor);
-    for (uint32_t k = 0; k < layer->count; k++) {
-        struct grid_span span = grid_span(grid, &layer->solids[k]);
-        bool inside = span.inside && !layer->solids[k].away;
-        for (int j = span.y0; inside && j <= span.y1; j++) {
-            for (int i = span.x0; i <= span.x1; i++) {
-                if (grid_touches(grid, &layer->solids[k], i, j)) {
-                    layer->entries[grid->cursor[j * grid->nx + i]++] = k;
-                }
-            }
-        }
+    for (uint32_t k = 0; k < count; k++) {
+        const struct grid_part *part = &layer->parts[k];
+        layer->entries[grid->cursor[part->cell]++] = part->solid;
     }
 }
 
@@ -140,6 +145,7 @@ static void grid_layer_init(struct grid *grid, struct grid_layer *layer, const s
     layer->start = mu_startup_array(cells + 1, sizeof *layer->start);
     layer->entries = mu_startup_array(entries, sizeof *layer->entries);
     layer->entries_max = (uint32_t)entries;
+    layer->parts = mu_startup_array(entries, sizeof *layer->parts);
     layer->outside = mu_startup_array(count, sizeof *layer->outside);
     layer->seen = mu_startup_array(count, sizeof *layer->seen);
     grid_build(grid, layer);

@@ -16,13 +16,19 @@
 
 enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* no solid has this owner */
 
+/* A solid in a cell. */
+struct grid_part {
+    uint32_t cell, solid;
+};
+
 struct grid_layer {
     const struct solid *solids;
     uint32_t count;
     uint32_t *start;   /* of each cell's entries; one more than there are cells */
     uint32_t *entries; /* indices of solids */
     uint32_t entries_max;
-    uint32_t *outside; /* solids that do not lie wholly on the grid */
+    struct grid_part *parts; /* while it is built: one for each entry */
+    uint32_t *outside;       /* solids that do not lie wholly on the grid */
     uint32_t outside_count;
     uint64_t *seen; /* for each solid, the number of the query that met it last */
 };

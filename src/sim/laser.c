@@ -40,6 +40,14 @@ static void laser_scatter(const struct laser *laser, const struct laser_scene *s
     }
 }
 
+static void laser_blur(const struct laser *laser, const struct laser_scene *scene)
+{
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        uint64_t bits = draw_bits(scene->key, k);
+        scene->range_m[k] = noise_range(&laser->noise, &laser->range, scene->range_m[k], bits);
+    }
+}
+
 void laser_read(const struct laser *laser, const struct laser_scene *scene, float range_m[])
 {
     if (laser->noise.angle_rad > 0) {
@@ -47,10 +55,11 @@ void laser_read(const struct laser *laser, const struct laser_scene *scene, floa
     } else {
         laser_sweep(laser, scene);
     }
-    bool exact = laser->noise.constant_m <= 0 && laser->noise.per_m <= 0;
+    if (!noise_is_exact(&laser->noise)) {
+        laser_blur(laser, scene);
+    }
+    const struct noise_limits limits = laser->range;
     for (uint32_t k = 0; k < laser->table.count; k++) {
-        double range = scene->range_m[k];
-        uint64_t bits = exact ? 0 : draw_bits(scene->key, k);
-        range_m[k] = (float)noise_range(&laser->noise, &laser->range, range, bits);
+        range_m[k] = (float)noise_clip(&limits, scene->range_m[k]);
     }
 }

@@ -8,8 +8,7 @@ double noise_range(const struct world_noise *noise, const struct noise_limits *l
     if (range_m < limits->max_m && deviation > 0) {
         range_m += deviation * draw_normal(bits);
     }
-    range_m = range_m > limits->max_m ? limits->max_m : range_m;
-    return range_m < limits->min_m ? limits->min_m : range_m;
+    return noise_clip(limits, range_m);
 }
 
 /* By the half-angle form, which turns by 2 atan(error / 2): no sine is asked for. */

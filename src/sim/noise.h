@@ -14,6 +14,18 @@ struct noise_limits {
     double min_m, max_m;
 };
 
+static inline bool noise_is_exact(const struct world_noise *noise)
+{
+    return noise->constant_m <= 0 && noise->per_m <= 0;
+}
+
+/** Brings a range inside the limits. */
+static inline double noise_clip(const struct noise_limits *limits, double range_m)
+{
+    range_m = range_m > limits->max_m ? limits->max_m : range_m;
+    return range_m < limits->min_m ? limits->min_m : range_m;
+}
+
 /**
  * @return an echo's range with a normal error of constant_m + per_m * range_m, inside the limits;
  *         max_m, which says that no echo came, stays as it is

@@ -34,8 +34,8 @@ struct senses_kind {
 
 struct senses_robot {
     const struct senses_kind *kind;
-    const uint64_t *period_ns; /* of each sensor */
     struct frame frame;
+    uint64_t period_ns[WORLD_SENSORS];
     uint64_t read_ns[WORLD_SENSORS]; /* SENSES_NEVER: not yet */
     float *sonar_m, *laser_m;
     struct engine_blob *blobs;
@@ -108,7 +108,7 @@ static void senses_robot_init(struct senses *s, size_t i)
     struct senses_robot *r = &s->robots[i];
     const struct world_robot *model = &s->scene.world->robots[i];
     r->kind = senses_kind_of(s, model);
-    r->period_ns = model->period_ns;
+    memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
     r->sonar_m = mu_startup_array(r->kind->sonars.count, sizeof *r->sonar_m);
     r->laser_m = mu_startup_array(r->kind->laser.table.count, sizeof *r->laser_m);
     bool camera = r->kind->has & (1u << WORLD_CAMERA);

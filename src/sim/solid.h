@@ -56,7 +56,7 @@ static inline double solid_ray_disc(const struct solid *solid, const double from
     double beside = fx * along[1] - fy * along[0]; /* of the ray's line to the middle */
     double c = fx * fx + fy * fy - solid->half_x * solid->half_x;
     double d = solid->half_x * solid->half_x - beside * beside; /* b b - c, without cancellation */
-    if ((c > 0 && b > 0) || d < 0) {
+    if (((c > 0) & (b > 0)) | (d < 0)) {
         return best;
     }
     double t = -b - sqrt(d);
@@ -83,16 +83,14 @@ static inline double solid_ray_box(const struct solid *solid, const double from[
     double y0 = (-solid->half_y - ly) * per_y;
     double y1 = (solid->half_y - ly) * per_y;
     double x_in = x0 < x1 ? x0 : x1;
-    double x_out = x0 < x1 ? x1 : x0;
+    double x_out = x0 > x1 ? x0 : x1;
     double y_in = y0 < y1 ? y0 : y1;
-    double y_out = y0 < y1 ? y1 : y0;
+    double y_out = y0 > y1 ? y0 : y1;
     double t_in = x_in > y_in ? x_in : y_in;
     double t_out = x_out < y_out ? x_out : y_out;
-    if (t_in > t_out || t_out < 0) {
-        return best;
-    }
     t_in = t_in < 0 ? 0 : t_in;
-    return t_in < best ? t_in : best;
+    double limit = t_out < best ? t_out : best; /* one branch, seldom taken, for all that misses */
+    return t_in <= limit ? t_in : best;
 }
 
 /**

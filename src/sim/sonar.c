@@ -96,7 +96,9 @@ void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
     for (size_t i = 0; i < ring->count; i++) {
         const struct sonar *sonar = &ring->sonars[i];
         double range = sonar_hear(ring, i, grid, place);
-        uint64_t bits = draw_bits(place->key, i);
-        range_m[i] = (float)noise_range(&sonar->noise, &sonar->range, range, bits);
+        if (!noise_is_exact(&sonar->noise)) {
+            range = noise_range(&sonar->noise, &sonar->range, range, draw_bits(place->key, i));
+        }
+        range_m[i] = (float)noise_clip(&sonar->range, range);
     }
 }

@@ -358,6 +358,35 @@ static void test_out_in_the_open(void)
     engine_close(e);
 }
 
+static void test_all_are_sensed_as_one_is(void)
+{
+    clear();
+    add_wall(2.1, 0, 0.1, 4);
+    for (int i = 0; i < 3; i++) {
+        struct world_robot *r = add_robot(0, 1.0 * i - 1, 0);
+        add_sonar(r, 0.1, 0, 0);
+        r->laser = (struct world_laser){.range_max_m = 8, .fov_rad = M_PI, .samples = 3};
+    }
+    struct engine *e = start(1);
+    drive(e, 1, 0.4, 0.2);
+    const uint32_t wanted[3] = {0, 1u << WORLD_SONAR | 1u << WORLD_LASER, 1u << WORLD_LASER};
+    for (int step = 0; step < 20; step++) {
+        engine_step(e);
+        const struct engine_percept *all = engine_sense_all(e, wanted);
+        CU_ASSERT(all[0].sonar_count == 0 && all[0].laser_count == 0);
+        CU_ASSERT(all[1].sonar_count == 1 && all[1].laser_count == 3);
+        CU_ASSERT(all[2].sonar_count == 0 && all[2].laser_count == 3);
+        float sonar = all[1].sonar_m[0];
+        float laser = all[1].laser_m[1];
+        double x = all[1].pose.x_m;
+        struct engine_percept one;
+        engine_sense(e, 1, &one);
+        CU_ASSERT(one.sonar_m[0] == sonar && one.laser_m[1] == laser && one.pose.x_m == x);
+        CU_ASSERT(step < 10 || (laser < 2 && x > 0));
+    }
+    engine_close(e);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -372,6 +401,7 @@ int main(void)
         {"sonar geometry", test_sonar_geometry},
         {"the same bits again, and flat", test_the_same_bits_again_and_flat},
         {"out in the open", test_out_in_the_open},
+        {"all are sensed as one is", test_all_are_sensed_as_one_is},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"sim/engine", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
