@@ -74,6 +74,21 @@ void svg_box(FILE *file, const double centre[2], const double half[2], double tu
     fprintf(file, "%s/>\n", style);
 }
 
+void svg_sector(FILE *file, const struct svg_sector *sector, const char *style)
+{
+    const double *at = sector->centre;
+    double r = sector->radius;
+    if (sector->span_deg >= 360) {
+        svg_circle(file, at, r, style);
+        return;
+    }
+    double from = sector->from_deg * M_PI / 180;
+    double to = from + sector->span_deg * M_PI / 180;
+    fprintf(file, "<path d=\"M%.2f %.2f L%.2f %.2f A%.2f %.2f 0 %d 0 %.2f %.2f Z\" %s/>\n", at[0],
+            at[1], at[0] + r * cos(from), at[1] - r * sin(from), r, r, sector->span_deg > 180,
+            at[0] + r * cos(to), at[1] - r * sin(to), style);
+}
+
 void svg_text(FILE *file, const double at[2], enum svg_anchor anchor, const char *style,
               const char *text)
 {

@@ -26,6 +26,14 @@ void svg_circle(FILE *file, const double centre[2], double radius, const char *s
 void svg_box(FILE *file, const double centre[2], const double half[2], double turn_deg,
              const char *style);
 
+/** A piece of a cake, counter-clockwise from an angle on; 360 degrees and more are a circle. */
+struct svg_sector {
+    double centre[2], radius;
+    double from_deg, span_deg;
+};
+
+void svg_sector(FILE *file, const struct svg_sector *sector, const char *style);
+
 enum svg_anchor { SVG_START, SVG_MIDDLE, SVG_END };
 
 void svg_text(FILE *file, const double at[2], enum svg_anchor anchor, const char *style,

@@ -8,8 +8,6 @@
 #ifndef MUSTER_CTL_VERBS_H
 #define MUSTER_CTL_VERBS_H
 
-#include <stdbool.h>
-
 int run_verb(int argc, char **argv);
 
 int pages_verb_ps(int argc, char **argv);
@@ -24,12 +22,9 @@ int post_verb_resume(int argc, char **argv);
 int post_verb_step(int argc, char **argv);
 int post_verb_group_send(int argc, char **argv);
 
-int world_run_verb(int argc, char **argv);
-
-/** @return whether that is a word of world_run_verb */
-bool world_run_knows(const char *verb);
-
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
+
+int world_verb(int argc, char **argv);
 
 #endif

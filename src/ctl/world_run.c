@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster world place, push, ...: hands on the world of a run that lives. */
+#include "ctl/world_run.h"
+
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/json.h"
-#include "core/network.h"
 #include "core/text.h"
 #include "ctl/runs.h"
-#include "ctl/verbs.h"
 #include "muster/limits.h"
 #include "wire.h"
 
@@ -21,17 +20,11 @@
 static const uint64_t SIMULATOR_PATIENCE_NS = 2500000000;
 static const int64_t ROUND_NS = 20000000;
 
-struct settings {
-    struct mu_network network;
-    double wait_s, push_s;
-    bool json;
-};
-
 struct request {
     const char *program; /* "muster world place" */
     const char *const *words;
     size_t count; /* of words behind the verb */
-    const struct settings *set;
+    const struct world_run_options *set;
     muster_RunCommand command;
     char file[PATH_MAX];
 };
@@ -296,17 +289,17 @@ static int request_run(struct request *r)
 
 /* --- the verb --------------------------------------------------------------------------------- */
 
-bool world_run_knows(const char *verb)
+bool world_run_knows(const char *word)
 {
     for (size_t i = 0; i < REQUESTS; i++) {
-        if (strcmp(verb, requests[i].word) == 0) {
+        if (strcmp(word, requests[i].word) == 0) {
             return true;
         }
     }
     return false;
 }
 
-static int words_run(const struct mu_options *o, const struct settings *set)
+int world_run(const struct mu_options *o, const struct world_run_options *set)
 {
     static char none[1];
     char program[64];
@@ -327,46 +320,5 @@ static int words_run(const struct mu_options *o, const struct settings *set)
         }
         return requests[i].read(&r) ? request_run(&r) : MU_EXIT_USAGE;
     }
-    fprintf(stderr, "muster world: expected place, push, reset, sensor, pace or save, for "
-                    "example: muster world place red 1 2 90\n");
-    return MU_EXIT_USAGE;
-}
-
-int world_run_verb(int argc, char **argv)
-{
-    static struct settings set;
-    struct mu_option table[] = {
-        MU_NETWORK_OPTIONS(set.network),
-        {.name = "wait",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .fallback = "5",
-         .help = "how long to wait for the simulator's answer",
-         .target = &set.wait_s,
-         .max = 3600},
-        {.name = "for",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .fallback = "0.1",
-         .help = "push: simulated time that it lasts; 0: FX, FY are an impulse in N s",
-         .target = &set.push_s,
-         .max = 3600},
-        {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object a line", .target = &set.json},
-    };
-    static struct mu_options o;
-    o = (struct mu_options){
-        .program = "muster world",
-        .usage = "place NAME X Y [DEG] | push NAME FX FY [TORQUE] | reset [NAME] | "
-                 "sensor NAME SENSOR on|off | pace R | save FILE [OPTION...]",
-        .about =
-            "Changes the world of a run that lives, at the end of the step at hand: puts a robot "
-            "or an object elsewhere (m, deg), pushes it (N, N m), puts it or all back to where "
-            "they began, switches sonar, laser, camera, fiducials or all of a robot off or on, "
-            "sets the rate (times real time; 0: as fast as it goes), saves the state of all "
-            "bodies for muster sim --restore into a file that is not there yet.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
-    set.network.domain = -1;
-    mu_result parsed = mu_options_parse(&o, argc, argv);
-    return parsed == MU_OK ? words_run(&o, &set) : mu_exit_for(parsed);
+    return MU_EXIT_USAGE; /* world_run_knows was asked before */
 }

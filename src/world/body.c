@@ -232,7 +232,10 @@ mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
     *robot = (struct world_robot){.length_m = 0.1, .width_m = 0.1};
     builder_warn_unknown(b, entity, BUILDER_ROBOT);
     MU_TRY(builder_go_on(b, body_read_drive(b, entity)));
-    MU_TRY(builder_go_on(b, builder_pose(b, entity, frame, &robot->pose)));
+    mu_result placed = builder_pose(b, entity, frame, &robot->pose);
+    placed = placed == MU_OK ? body_read_outline(b, entity, robot) : placed;
+    b->misplaced = placed != MU_OK;
+    MU_TRY(builder_go_on(b, placed));
     MU_TRY(builder_go_on(b, look_read(b, entity, &robot->look)));
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         MU_TRY(builder_go_on(b, parts[i](b, entity, robot)));

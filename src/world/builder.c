@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "world/builder.h"
 
+#include "core/hash.h"
 #include "core/spell.h"
 #include "world/properties.h"
 
@@ -9,15 +10,25 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A mistake in a definition comes again with each model that derives from it: it is told once. */
 static void builder_tell_mistake(struct builder *b)
 {
-    b->mistake_count++;
-    b->listener->tell(b->listener->self, b->fault, true);
+    struct builder_mistake m = {b->fault->line, b->fault->column, mu_hash_string(b->fault->text)};
+    for (size_t i = 0; i < b->mistake_count; i++) {
+        const struct builder_mistake *old = &b->mistakes[i];
+        if (old->line == m.line && old->column == m.column && old->text == m.text) {
+            return;
+        }
+    }
+    if (b->mistake_count < WORLDFILE_MISTAKES_MAX) {
+        b->mistakes[b->mistake_count++] = m;
+        b->listener->tell(b->listener->self, b->fault, true);
+    }
 }
 
 mu_result builder_go_on(struct builder *b, mu_result result)
 {
-    if (!b->listener || result != MU_FAULT_FILE) {
+    if (!b->listener || result != MU_FAULT_FILE || b->ended) {
         return result;
     }
     builder_tell_mistake(b);
@@ -82,15 +93,50 @@ void builder_warn_unknown(struct builder *b, const struct worldfile_entity *enti
     }
 }
 
+static mu_result builder_fault_list(struct builder *b, const struct worldfile_place *at,
+                                    const char *format, va_list args)
+{
+    char text[MU_FAULT_TEXT_MAX + 1];
+    vsnprintf(text, sizeof text, format, args);
+    return mu_fault_at(b->fault, at->file, at->line, at->column, "%s", text);
+}
+
 mu_result builder_fault(struct builder *b, const struct worldfile_place *at, const char *format,
                         ...)
 {
-    char text[MU_FAULT_TEXT_MAX + 1];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    mu_result result = builder_fault_list(b, at, format, args);
     va_end(args);
-    return mu_fault_at(b->fault, at->file, at->line, at->column, "%s", text);
+    return result;
+}
+
+mu_result builder_full(struct builder *b, const struct worldfile_place *at, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    mu_result result = builder_fault_list(b, at, format, args);
+    va_end(args);
+    b->ended = true;
+    return result;
+}
+
+void builder_tell_end(struct builder *b)
+{
+    if (b->listener && b->ended) {
+        builder_tell_mistake(b);
+    }
+}
+
+mu_result builder_count_model(struct builder *b, const struct worldfile_entity *entity, int depth)
+{
+    if (b->model_count++ >= BUILDER_MODELS_MAX) {
+        return builder_full(b, &entity->at, "more than %d models", BUILDER_MODELS_MAX);
+    }
+    if (depth > BUILDER_NESTING_MAX) {
+        return builder_full(b, &entity->at, "models nest deeper than %d", BUILDER_NESTING_MAX);
+    }
+    return MU_OK;
 }
 
 mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity)
@@ -260,7 +306,7 @@ mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
                             const struct worldfile_place *at)
 {
     if (b->world->shape_count == BUILDER_SHAPES_MAX) {
-        return builder_fault(b, at, "more than %d obstacles", BUILDER_SHAPES_MAX);
+        return builder_full(b, at, "more than %d obstacles", BUILDER_SHAPES_MAX);
     }
     b->world->shapes[b->world->shape_count++] = *shape;
     return MU_OK;

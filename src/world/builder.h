@@ -42,7 +42,14 @@ struct builder {
     uint64_t seed;         /* of random places */
     double unit_length_m;  /* of the file's lengths */
     double unit_angle_deg; /* and angles */
-    size_t model_count, mistake_count;
+    size_t model_count;
+    struct builder_mistake {
+        int line, column;
+        uint64_t text;                  /* its hash */
+    } mistakes[WORLDFILE_MISTAKES_MAX]; /* that the listener was told of */
+    size_t mistake_count;
+    bool ended;     /* a limit was passed: whoever wants all mistakes has to do with these */
+    bool misplaced; /* the body that was read last: where it stands is not known */
     const char *warned[BUILDER_WARNINGS_MAX];
     size_t warned_count;
 };
@@ -62,6 +69,17 @@ void builder_warn_unknown(struct builder *b, const struct worldfile_entity *enti
 /** Fills a fault at a place of the file.  @return MU_FAULT_FILE */
 mu_result builder_fault(struct builder *b, const struct worldfile_place *at, const char *format,
                         ...) __attribute__((format(printf, 3, 4)));
+
+/** The same for what passes a limit: nothing goes on behind it. */
+mu_result builder_full(struct builder *b, const struct worldfile_place *at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/** Tells the listener, if there is one, of the fault that ended all. */
+void builder_tell_end(struct builder *b);
+
+/** Counts a model.  @return MU_OK, or MU_FAULT_FILE when there are too many or one is too deep */
+MU_MUST_USE mu_result builder_count_model(struct builder *b, const struct worldfile_entity *entity,
+                                          int depth);
 
 /**
  * Passes a result on; but where a listener wants all mistakes, it is told of this one, and the

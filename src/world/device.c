@@ -162,6 +162,7 @@ static mu_result device_visit_sensor(void *context, const struct worldfile_entit
     struct device_reader *reader = context;
     struct builder *b = reader->builder;
     const char *kind = worldfile_kind(entity);
+    MU_TRY(builder_count_model(b, entity, 0));
     if (strcmp(kind, "sensor") != 0) { /* blocks only draw the case */
         return builder_go_on(b, strcmp(kind, "block") == 0 ? MU_OK : builder_skip_model(b, entity));
     }
@@ -362,9 +363,7 @@ static mu_result device_read_part(struct device_reader *reader,
         reader->robot->look.fiducial = look.fiducial;
     }
     MU_TRY(builder_pose(b, entity, reader->mount, &inside.mount));
-    if (++inside.depth > BUILDER_NESTING_MAX) {
-        return builder_fault(b, &entity->at, "models nest deeper than %d", BUILDER_NESTING_MAX);
-    }
+    inside.depth++;
     return builder_children(entity, device_visit, &inside);
 }
 
@@ -398,9 +397,7 @@ static mu_result device_visit(void *context, const struct worldfile_entity *enti
     };
     struct device_reader *reader = context;
     struct builder *b = reader->builder;
-    if (b->model_count++ == BUILDER_MODELS_MAX) {
-        return builder_fault(b, &entity->at, "more than %d models", BUILDER_MODELS_MAX);
-    }
+    MU_TRY(builder_count_model(b, entity, reader->depth));
     const char *kind = worldfile_kind(entity);
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (strcmp(kinds[i].kind, kind) == 0) {

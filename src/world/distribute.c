@@ -115,7 +115,7 @@ static mu_result distribute_robots(struct distribute *d)
     struct world_shape about = place_outline(&robot);
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->robot_count == MU_ROBOTS_MAX) {
-            return builder_fault(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);
+            return builder_full(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);
         }
         if (!distribute_find(d, &about, &robot.pose)) {
             return distribute_no_room(d, i);
@@ -134,8 +134,8 @@ static mu_result distribute_objects(struct distribute *d)
     struct world *world = b->world;
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->object_count == MU_OBJECTS_MAX) {
-            return builder_fault(b, &d->entity->at, "more than %d things that can be moved",
-                                 MU_OBJECTS_MAX);
+            return builder_full(b, &d->entity->at, "more than %d things that can be moved",
+                                MU_OBJECTS_MAX);
         }
         struct world_object *object = &world->objects[world->object_count];
         MU_TRY(object_build(b, d->model, (struct world_pose){0}));

@@ -82,8 +82,8 @@ mu_result object_build(struct builder *b, const struct worldfile_entity *entity,
 {
     struct world *world = b->world;
     if (world->object_count == MU_OBJECTS_MAX) {
-        return builder_fault(b, &entity->at, "more than %d things that can be moved",
-                             MU_OBJECTS_MAX);
+        return builder_full(b, &entity->at, "more than %d things that can be moved",
+                            MU_OBJECTS_MAX);
     }
     struct world_object *object = &world->objects[world->object_count];
     MU_TRY(object_read(b, entity, pose, object));

@@ -229,7 +229,7 @@ mu_result place_check(const struct world *world, const struct mu_fault_listener 
     struct place_bounds bounds = place_measure(world);
     size_t mistakes = 0;
     for (size_t i = 0; i < world->robot_count; i++) {
-        if (!world->source->origins[i].mistaken &&
+        if (!world->source->origins[i].misplaced &&
             place_ends(place_check_robot(world, i, &bounds, fault), listener, fault, &mistakes)) {
             return MU_FAULT_FILE;
         }

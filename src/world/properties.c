@@ -167,18 +167,20 @@ static bool properties_listed(const char *const *list, size_t count, const char 
 
 #define LISTED(list, key) properties_listed(list, sizeof(list) / sizeof(list)[0], key)
 
-bool properties_known(const char *key, enum builder_kind kind)
+bool properties_read_there(const char *key, int kinds)
 {
-    if (strncmp(key, "gui_", 4) == 0 || strncmp(key, "show_", 5) == 0 ||
-        LISTED(properties_silent, key)) {
-        return true;
-    }
     for (size_t i = 0; i < PROPERTIES_READ; i++) {
-        if ((properties_read[i].kinds & (int)kind) && strcmp(properties_read[i].key, key) == 0) {
+        if ((properties_read[i].kinds & kinds) && strcmp(properties_read[i].key, key) == 0) {
             return true;
         }
     }
     return false;
+}
+
+bool properties_known(const char *key, enum builder_kind kind)
+{
+    return strncmp(key, "gui_", 4) == 0 || strncmp(key, "show_", 5) == 0 ||
+           LISTED(properties_silent, key) || properties_read_there(key, (int)kind);
 }
 
 const char *properties_near(const char *key, enum builder_kind kind)

@@ -11,6 +11,9 @@
 /** @return whether a property is read there, or passed over because it concerns no robot */
 bool properties_known(const char *key, enum builder_kind kind);
 
+/** @return whether a property is read there */
+bool properties_read_there(const char *key, int kinds);
+
 /** @return the property that was meant; NULL: none is near, or Stage has this very word */
 const char *properties_near(const char *key, enum builder_kind kind);
 

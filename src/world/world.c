@@ -70,21 +70,17 @@ static mu_result world_visit_robot(struct world_walk *walk, const struct worldfi
     struct builder *b = walk->builder;
     struct world *world = b->world;
     if (world->robot_count == MU_ROBOTS_MAX) {
-        return builder_fault(b, &entity->at, "more than %d robots", MU_ROBOTS_MAX);
+        return builder_full(b, &entity->at, "more than %d robots", MU_ROBOTS_MAX);
     }
     struct world_robot *robot = &world->robots[world->robot_count];
-    size_t mistakes = b->mistake_count;
     MU_TRY(body_read(b, entity, walk->frame, robot));
     if (robot->name[0] != '\0' && world_name_taken(world, robot->name)) {
         struct worldfile_place at = builder_place(entity, "name");
         return builder_fault(b, &at, "expected another name: there is a robot '%s' already",
                              robot->name);
     }
-    world->source->origins[world->robot_count++] =
-        (struct worldfile_origin){.at = entity->at,
-                                  .type = entity->type,
-                                  .entity = entity,
-                                  .mistaken = b->mistake_count > mistakes};
+    world->source->origins[world->robot_count++] = (struct worldfile_origin){
+        .at = entity->at, .type = entity->type, .entity = entity, .misplaced = b->misplaced};
     return MU_OK;
 }
 
@@ -121,12 +117,7 @@ static mu_result world_visit(void *context, const struct worldfile_entity *entit
     };
     struct world_walk *walk = context;
     struct builder *b = walk->builder;
-    if (b->model_count++ == BUILDER_MODELS_MAX) {
-        return builder_fault(b, &entity->at, "more than %d models", BUILDER_MODELS_MAX);
-    }
-    if (walk->depth > BUILDER_NESTING_MAX) {
-        return builder_fault(b, &entity->at, "models nest deeper than %d", BUILDER_NESTING_MAX);
-    }
+    MU_TRY(builder_count_model(b, entity, walk->depth));
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (strcmp(kinds[i].kind, worldfile_kind(entity)) == 0) {
             return builder_go_on(b, kinds[i].visit(walk, entity));
@@ -308,29 +299,18 @@ static mu_result world_build(struct builder *b)
     return b->mistake_count > 0 ? MU_FAULT_FILE : MU_OK;
 }
 
-static mu_result world_take_room(struct world *world, const char *path, struct mu_fault *fault)
+mu_result world_read(struct world *world, const char *path, const struct world_options *options,
+                     struct mu_fault *fault)
 {
-    world->source = mu_startup_alloc(sizeof *world->source);
-    world->shapes = mu_startup_array(BUILDER_SHAPES_MAX, sizeof *world->shapes);
-    world->robots = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->robots);
-    world->objects = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->objects);
-    worldfile_init(world->source);
+    struct world_file *source = world->source;
+    world->shape_count = world->object_count = world->robot_count = 0;
+    world->step_ns = 0;
+    world->seed = -1;
     if (!mu_text_copy(world->file, sizeof world->file, path)) {
         return mu_fault_at(fault, path, 0, 0, "expected a shorter path");
     }
-    return MU_OK;
-}
-
-mu_result world_open(struct world *world, const char *path, const struct world_options *options,
-                     struct mu_fault *fault)
-{
-    *world = (struct world){.seed = -1};
-    MU_TRY(world_take_room(world, path, fault));
-    struct world_file *source = world->source;
     source->listener = options->listener;
     MU_TRY(worldfile_parse(source, path, fault));
-    source->origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *source->origins);
-    source->object_origins = mu_startup_array(MU_OBJECTS_MAX, sizeof *source->object_origins);
     struct builder b = {.world = world,
                         .fault = fault,
                         .listener = options->listener,
@@ -338,8 +318,22 @@ mu_result world_open(struct world *world, const char *path, const struct world_o
                         .seed = options->seed,
                         .unit_length_m = 1,
                         .unit_angle_deg = 1};
-    MU_TRY(world_build(&b));
+    mu_result built = world_build(&b);
+    builder_tell_end(&b);
+    MU_TRY(built);
     return source->mistake_count > 0 ? MU_FAULT_FILE : MU_OK;
+}
+
+mu_result world_open(struct world *world, const char *path, const struct world_options *options,
+                     struct mu_fault *fault)
+{
+    *world = (struct world){0};
+    world->source = mu_startup_alloc(sizeof *world->source);
+    world->shapes = mu_startup_array(BUILDER_SHAPES_MAX, sizeof *world->shapes);
+    world->robots = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->robots);
+    world->objects = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->objects);
+    worldfile_init(world->source);
+    return world_read(world, path, options, fault);
 }
 
 mu_result world_load(struct world *world, const char *path, bool quiet, struct mu_fault *fault)

@@ -171,6 +171,10 @@ struct world_options {
 MU_MUST_USE mu_result world_open(struct world *world, const char *path,
                                  const struct world_options *options, struct mu_fault *fault);
 
+/** Reads a file into a world that is open already: its memory is used again. */
+MU_MUST_USE mu_result world_read(struct world *world, const char *path,
+                                 const struct world_options *options, struct mu_fault *fault);
+
 /** world_open with seed 1 and without a listener. */
 MU_MUST_USE mu_result world_load(struct world *world, const char *path, bool quiet,
                                  struct mu_fault *fault);

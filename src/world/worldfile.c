@@ -2,6 +2,7 @@
 #include "world/worldfile.h"
 
 #include "core/text.h"
+#include "muster/limits.h"
 #include "muster/memory.h"
 #include "world/lexer.h"
 
@@ -24,7 +25,10 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 void worldfile_init(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX)};
+    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX),
+                                .origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *file->origins),
+                                .object_origins =
+                                    mu_startup_array(MU_OBJECTS_MAX, sizeof *file->object_origins)};
 }
 
 void *worldfile_take(struct world_file *file, size_t bytes)
@@ -208,10 +212,11 @@ static mu_result parser_take_property(struct parser *p, struct worldfile_entity 
 }
 
 /*
- * After a mistake that a listener was told of, what stands on the next line is read as if it was
- * all right.  At the end of the file nothing is left to read.
+ * A listener hears of a mistake in a statement that began on some line.  Then reading goes on where
+ * a new statement may begin: at the line where the mistake was seen, or the next one if the
+ * statement began there.  At the end of the file nothing is left to say.
  */
-static mu_result parser_go_on(struct parser *p, mu_result result)
+static mu_result parser_go_on(struct parser *p, int began, mu_result result)
 {
     struct world_file *file = p->file;
     if (result != MU_FAULT_FILE || !file->listener ||
@@ -223,6 +228,11 @@ static mu_result parser_go_on(struct parser *p, mu_result result)
         file->listener->tell(file->listener->self, p->fault, true);
     }
     int line = p->token.line;
+    if (line > began && p->token.kind != TOKEN_END) {
+        p->lexer.at = p->lexer.line_start;
+        parser_next(p);
+        return MU_OK;
+    }
     while (p->token.kind != TOKEN_END && p->token.line == line) {
         parser_next(p);
     }
@@ -245,7 +255,8 @@ static mu_result parser_take_body(struct parser *p, struct worldfile_entity *int
                                "expected ')' to end '%.40s' of line %d, found the end of the file",
                                into->type, into->at.line);
         }
-        MU_TRY(parser_go_on(p, parser_take_statement(p, into, depth)));
+        int line = p->token.line;
+        MU_TRY(parser_go_on(p, line, parser_take_statement(p, into, depth)));
     }
     parser_next(p);
     return MU_OK;
@@ -282,14 +293,13 @@ static mu_result parser_take_statement(struct parser *p, struct worldfile_entity
     if (!child) {
         return parser_full(p);
     }
-    MU_TRY(parser_take_body(p, child, depth + 1));
     if (into->last_child) {
         into->last_child->next = child;
     } else {
         into->children = child;
     }
     into->last_child = child;
-    return MU_OK;
+    return parser_take_body(p, child, depth + 1);
 }
 
 static mu_result parser_take_define(struct parser *p)
@@ -356,12 +366,13 @@ static mu_result parser_run(struct parser *p, const char *text, size_t len)
     lexer_init(&p->lexer, text, len);
     parser_next(p);
     while (p->token.kind != TOKEN_END) {
+        int line = p->token.line;
         if (parser_at_word(p, "include")) {
-            MU_TRY(parser_go_on(p, parser_take_include(p)));
+            MU_TRY(parser_go_on(p, line, parser_take_include(p)));
         } else if (parser_at_word(p, "define")) {
-            MU_TRY(parser_go_on(p, parser_take_define(p)));
+            MU_TRY(parser_go_on(p, line, parser_take_define(p)));
         } else {
-            MU_TRY(parser_go_on(p, parser_take_statement(p, &p->file->root, 0)));
+            MU_TRY(parser_go_on(p, line, parser_take_statement(p, &p->file->root, 0)));
         }
     }
     return MU_OK;
@@ -427,7 +438,10 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 static void worldfile_forget(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = file->bytes, .listener = file->listener};
+    *file = (struct world_file){.bytes = file->bytes,
+                                .origins = file->origins,
+                                .object_origins = file->object_origins,
+                                .listener = file->listener};
     file->root.type = "world";
 }
 

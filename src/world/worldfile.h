@@ -72,7 +72,7 @@ struct worldfile_origin {
     struct worldfile_place at;
     const char *type;
     const struct worldfile_entity *entity; /* NULL: the file has none */
-    bool mistaken;                         /* not all of it could be read */
+    bool misplaced;                        /* where it stands could not be read */
 };
 
 struct world_file {

@@ -72,7 +72,7 @@ def test_orders_that_cannot_be_carried_out_say_why():
                 (("place", "red", "1", "nan"), 2, "expected a number"),
                 (("sensor", "red", "smell", "off"), 2, "sonar, laser, camera"),
                 (("pace", "-1"), 2, "or 0"),
-                (("fly", "red"), 2, "expected place")):
+                (("fly", "red"), 2, "place, push")):
             done = world(domain, *words)
             check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
             check(why in done.stderr, f"{words}: {done.stderr}")

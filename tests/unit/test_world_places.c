@@ -3,6 +3,7 @@
 #include "../support/world_text.h"
 #include "world/builder.h"
 
+#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -162,6 +163,24 @@ static void test_worlds_of_no_size(void)
     CU_ASSERT_PTR_NULL(load("distribute ( model a ) define a position ( )"));
 }
 
+/* Every world that comes with muster, with whatever seed. */
+static void test_own_worlds(void)
+{
+    glob_t found = {0};
+    CU_ASSERT_EQUAL_FATAL(glob("worlds/*.world", 0, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        for (uint64_t seed = 1; seed <= 5; seed++) {
+            CU_ASSERT_FATAL(worlds_used < sizeof worlds / sizeof worlds[0]);
+            struct world *w = &worlds[worlds_used++];
+            const struct world_options options = {.seed = seed};
+            CU_ASSERT_EQUAL_FATAL(world_open(w, found.gl_pathv[i], &options, &fault), MU_OK);
+            CU_ASSERT_EQUAL(world_check_places(w, &fault), MU_OK);
+            CU_ASSERT(w->robot_count >= 1);
+        }
+    }
+    globfree(&found);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -171,6 +190,7 @@ int main(void)
         {"distribute follows the seed", test_distribute_follows_the_seed},
         {"distribute says what is wrong", test_distribute_says_what_is_wrong},
         {"worlds of no size", test_worlds_of_no_size},
+        {"muster's own worlds", test_own_worlds},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"world/places", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
