@@ -46,6 +46,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
     }
+    s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);

@@ -87,8 +87,9 @@ struct session {
      */
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
-    struct orders *orders; /* that wait for the end of this step */
-    int64_t pace_step;     /* since when, and since which step, it goes at this rate */
+    unsigned char *snapshot; /* room for one */
+    struct orders *orders;   /* that wait for the end of this step */
+    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
