@@ -311,6 +311,17 @@ bool check_run_answer(const void *sample)
            (unsigned)a->result <= muster_ORDER_NOT_WRITTEN && text_fits(a->reason, REASON_TEXT_MAX);
 }
 
+static bool objects_ok(const muster_RunStatus *s)
+{
+    bool fit = s->objects._length <= MU_OBJECTS_MAX;
+    for (uint32_t i = 0; fit && i < s->objects._length; i++) {
+        const muster_ObjectPlace *o = &s->objects._buffer[i];
+        fit = text_fits(o->name, MU_NAME_MAX) && isfinite(o->x_m) && isfinite(o->y_m) &&
+              isfinite(o->heading_rad);
+    }
+    return fit;
+}
+
 bool check_run_status(const void *sample)
 {
     const muster_RunStatus *s = sample;
@@ -323,7 +334,7 @@ bool check_run_status(const void *sample)
             return false;
         }
     }
-    return true;
+    return objects_ok(s);
 }
 
 bool check_broker_status(const void *sample)

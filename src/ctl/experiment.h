@@ -28,6 +28,10 @@ struct experiment_pose {
     double x_m, y_m, heading_deg;
 };
 
+struct experiment_place {
+    double x_m, y_m;
+};
+
 struct experiment_global {
     char *name;  /* without ?* and * */
     char *value; /* a CLIPS field */
@@ -72,10 +76,13 @@ struct experiment_expectation {
     char *near_robot; /* who */
     char *near_mate;  /* whom */
     double within_m;
-    double from_s, to_s; /* the whole run unless it says otherwise */
-    double share;        /* of the time, 0 to 1; 1 unless it says otherwise */
-    char *inside;        /* or: "arena": no robot outside the world */
-    double stall_max_s;  /* or: > 0: no robot stalled longer than this in a row */
+    double from_s, to_s;         /* the whole run unless it says otherwise */
+    double share;                /* of the time, 0 to 1; 1 unless it says otherwise */
+    char *inside;                /* or: "arena": no robot outside the world */
+    char *objects;               /* or: things of that name, or * behind how their names begin, */
+    struct experiment_place *at; /* within_m of there at the end, */
+    unsigned count;              /* so many of them at least; 0: all */
+    double stall_max_s;          /* or: > 0: no robot stalled longer than this in a row */
 };
 
 /* A process of the run that dies ends the run. */

@@ -386,25 +386,57 @@ static mu_result check_near(struct experiment_source *s, struct experiment_expec
     return MU_OK;
 }
 
+static mu_result check_objects(struct experiment_source *s,
+                               const struct experiment_expectation *expect, int node)
+{
+    if (!expect->at) {
+        return experiment_fault(s, NULL, node, "expected at: [X, Y] beside 'objects'");
+    }
+    if (!(expect->within_m > 0)) {
+        int within = yaml_tree_child(s->tree, node, "within");
+        return experiment_fault(s, NULL, within ? within : node,
+                                "expected within: a distance of more than 0 m");
+    }
+    return MU_OK;
+}
+
+/* @return MU_OK, or what is wrong: a key that belongs to another expectation */
+static mu_result check_beside(struct experiment_source *s,
+                              const struct experiment_expectation *expect, int node)
+{
+    static const struct {
+        const char *key;
+        bool near, objects; /* beside which it may stand */
+    } keys[] = {{"within", true, true}, {"from", true, false}, {"to", true, false},
+                {"share", true, false}, {"at", false, true},   {"count", false, true}};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        int child = yaml_tree_child(s->tree, node, keys[i].key);
+        bool may = (expect->near_robot && keys[i].near) || (expect->objects && keys[i].objects);
+        if (child && !may) {
+            const char *beside = keys[i].near ? "near" : "objects";
+            return experiment_fault(s, NULL, child, "expected '%s' beside '%s' only", keys[i].key,
+                                    beside);
+        }
+    }
+    return MU_OK;
+}
+
 static mu_result check_expectation(struct experiment_source *s, size_t index)
 {
     struct experiment_expectation *expect = &s->experiment->expect[index];
     int node = check_item(s, "expect", index);
     int stall = yaml_tree_child(s->tree, node, "stall-max");
     int inside = yaml_tree_child(s->tree, node, "inside");
-    if ((expect->near_robot != NULL) + (inside != 0) + (stall != 0) != 1) {
-        return experiment_fault(s, NULL, node, "expected one of near, inside, stall-max");
+    if ((expect->near_robot != NULL) + (inside != 0) + (stall != 0) + (expect->objects != NULL) !=
+        1) {
+        return experiment_fault(s, NULL, node, "expected one of near, inside, stall-max, objects");
     }
+    MU_TRY(check_beside(s, expect, node));
     if (expect->near_robot) {
         return check_near(s, expect, node);
     }
-    static const char *const only_near[] = {"within", "from", "to", "share"};
-    for (size_t i = 0; i < sizeof only_near / sizeof only_near[0]; i++) {
-        int child = yaml_tree_child(s->tree, node, only_near[i]);
-        if (child) {
-            return experiment_fault(s, NULL, child, "expected '%s' beside 'near' only",
-                                    only_near[i]);
-        }
+    if (expect->objects) {
+        return check_objects(s, expect, node);
     }
     if (inside && strcmp(expect->inside, "arena") != 0) {
         return experiment_fault(s, NULL, inside, "expected arena, not '%.80s'", expect->inside);

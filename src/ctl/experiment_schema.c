@@ -35,6 +35,7 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
                          EXPERIMENT_GROUPS_MAX),
     CYAML_FIELD_END};
 _Static_assert(sizeof(struct experiment_pose) == 3 * sizeof(double), "a pose is three numbers");
+_Static_assert(sizeof(struct experiment_place) == 2 * sizeof(double), "a place is two numbers");
 
 static const cyaml_schema_value_t schema_robot = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_robot, schema_robot_fields)};
@@ -59,6 +60,14 @@ static const cyaml_schema_field_t schema_expectation_fields[] = {
     NUMBER("share", share),
     TEXT("inside", MAY, struct experiment_expectation, inside),
     NUMBER("stall-max", stall_max_s),
+    TEXT("objects", MAY, struct experiment_expectation, objects),
+    {.key = "at",
+     .data_offset = offsetof(struct experiment_expectation, at),
+     .value = {.type = CYAML_SEQUENCE_FIXED,
+               .flags = (enum cyaml_flag)MAY,
+               .data_size = sizeof(double),
+               .sequence = {.entry = &schema_real, .min = 2, .max = 2}}},
+    CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_expectation, count),
     CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(

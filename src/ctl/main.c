@@ -44,8 +44,8 @@ static const struct verb verbs[] = {
     {"step", post_verb_step, NULL, "TARGETS N", "let robots fire N rules"},
     {"group", group_verb, NULL, "list|join G|...", "groups: who is in them, join, leave, send"},
     {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
-    {"world", world_verb, NULL, "check FILE|place NAME X Y|...",
-     "world files, and the world of a run that lives"},
+    {"world", world_verb, NULL, "check|place|...",
+     "world files: check, draw, import; the world of a run: place, push, reset, ..."},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 

@@ -21,6 +21,12 @@ struct report_robot {
     uint64_t mail_sent, mail_received, rule_firings;
 };
 
+/* A thing that can be moved. */
+struct report_object {
+    const char *name;
+    struct world_pose pose; /* at the end */
+};
+
 struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
@@ -34,6 +40,8 @@ struct report_input {
     const char *command;               /* how to run it again */
     const struct report_robot *robots; /* in the order of run.csv */
     size_t robots_count;
+    const struct report_object *objects;
+    size_t objects_count;
     struct report_mail mail;
 };
 

@@ -158,6 +158,37 @@ static void expect_judge_stall(const struct report_expect *x, unsigned i,
     result->met[i] = x->any && longest_s <= limit_s + 1e-9;
 }
 
+/* A name, or the beginning of some with * behind it. */
+static bool expect_is_meant(const char *pattern, const char *name)
+{
+    size_t len = strlen(pattern);
+    bool begins = len > 0 && pattern[len - 1] == '*';
+    return begins ? strncmp(pattern, name, len - 1) == 0 : strcmp(pattern, name) == 0;
+}
+
+static void expect_judge_objects(const struct report_expect *x, unsigned i,
+                                 struct report_result *result)
+{
+    const struct experiment_expectation *expect = &x->input->experiment->expect[i];
+    unsigned there = 0, meant = 0;
+    for (size_t k = 0; k < x->input->objects_count; k++) {
+        const struct report_object *o = &x->input->objects[k];
+        bool is_meant = expect_is_meant(expect->objects, o->name);
+        double far_m = hypot(o->pose.x_m - expect->at->x_m, o->pose.y_m - expect->at->y_m);
+        meant += is_meant;
+        there += is_meant && far_m <= expect->within_m;
+    }
+    unsigned wanted = expect->count > 0 ? expect->count : meant;
+    struct mu_text text, measured;
+    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
+    mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
+    mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted, expect->objects,
+                   expect->within_m, expect->at->x_m, expect->at->y_m);
+    mu_text_format(&measured, "%u of %u", there, meant);
+    result->judged[i] = true;
+    result->met[i] = meant > 0 && there >= wanted;
+}
+
 void report_expect_close(struct report_expect *x, const struct report_input *input,
                          struct report_result *result)
 {
@@ -169,6 +200,8 @@ void report_expect_close(struct report_expect *x, const struct report_input *inp
         const struct experiment_expectation *expect = &input->experiment->expect[i];
         if (expect->near_robot) {
             expect_judge_near(x, i, result);
+        } else if (expect->objects) {
+            expect_judge_objects(x, i, result);
         } else if (expect->inside) {
             expect_judge_inside(x, i, result);
         } else {

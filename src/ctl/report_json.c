@@ -28,6 +28,23 @@ static void json_write_robots(struct mu_json *j, const struct report_data *data)
     mu_json_end(j);
 }
 
+static void json_write_objects(struct mu_json *j, const struct report_input *input)
+{
+    if (input->objects_count == 0) {
+        return;
+    }
+    mu_json_list(j, "objects");
+    for (size_t i = 0; i < input->objects_count; i++) {
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", input->objects[i].name);
+        mu_json_real(j, "x_m", input->objects[i].pose.x_m);
+        mu_json_real(j, "y_m", input->objects[i].pose.y_m);
+        mu_json_real(j, "heading_rad", input->objects[i].pose.heading_rad);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
 static void json_write_mail(struct mu_json *j, const struct report_mail *mail)
 {
     mu_json_object(j, "mail");
@@ -70,6 +87,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_real(&j, "real_time_factor",
                  input->wall_time_s > 0 ? input->sim_time_s / input->wall_time_s : 0);
     json_write_robots(&j, data);
+    json_write_objects(&j, input);
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
     json_write_mail(&j, &input->mail);

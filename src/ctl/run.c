@@ -311,6 +311,11 @@ static void status_take(struct run *r, const muster_RunStatus *s)
         r->totals[i] = s->robots._buffer[i];
         r->totals[i].robot = NULL;
     }
+    r->objects_count = s->objects._length == r->world->object_count ? s->objects._length : 0;
+    for (size_t i = 0; i < r->objects_count; i++) {
+        const muster_ObjectPlace *o = &s->objects._buffer[i];
+        r->objects[i] = (struct world_pose){o->x_m, o->y_m, o->heading_rad};
+    }
 }
 
 static void mail_take(struct run *r, const muster_BrokerStatus *status)

@@ -45,6 +45,8 @@ struct run {
     char waits_for[1024], hash[MU_FIELD_MAX + 2];
     muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot is not set: they are in the world's order */
     uint32_t totals_count;
+    struct world_pose *objects; /* where they are at the end, in the world's order */
+    size_t objects_count;       /* 0: the run has not ended */
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
     bool registered, name_refused;
     bool command_refused; /* by the trust policy, before the run has begun */

@@ -58,6 +58,7 @@ mu_result run_place(struct run *r, struct mu_fault *fault)
     r->world = mu_startup_alloc(sizeof *r->world);
     struct world_options options = {.quiet = true, .seed = e->seed};
     MU_TRY(world_open(r->world, e->world, &options, fault));
+    r->objects = mu_startup_array(r->world->object_count, sizeof *r->objects);
     for (unsigned i = 0; i < e->robots_count; i++) {
         if (!e->robots[i].place) {
             MU_TRY(place_add(r, &e->robots[i], fault));

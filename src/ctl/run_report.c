@@ -122,6 +122,10 @@ int run_report(struct run *r)
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
     size_t robots_count = robots_fill(r, robots);
+    struct report_object *objects = mu_startup_array(r->objects_count, sizeof *objects);
+    for (size_t i = 0; i < r->objects_count; i++) {
+        objects[i] = (struct report_object){r->world->objects[i].name, r->objects[i]};
+    }
     struct report_input input = {.experiment = r->experiment,
                                  .world = r->world,
                                  .seed = r->experiment->seed,
@@ -131,6 +135,8 @@ int run_report(struct run *r)
                                  .command = command,
                                  .robots = robots,
                                  .robots_count = robots_count,
+                                 .objects = objects,
+                                 .objects_count = r->objects_count,
                                  .mail = mail_of(r)};
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);

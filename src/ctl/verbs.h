@@ -8,8 +8,6 @@
 #ifndef MUSTER_CTL_VERBS_H
 #define MUSTER_CTL_VERBS_H
 
-#include <stdbool.h>
-
 int run_verb(int argc, char **argv);
 
 int pages_verb_ps(int argc, char **argv);
@@ -26,6 +24,7 @@ int post_verb_group_send(int argc, char **argv);
 
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
+
 int world_verb(int argc, char **argv);
 
 #endif

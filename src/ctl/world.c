@@ -1,69 +1,73 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster world: of files, and of the world of a run that lives. */
+/* muster world: of files, and of a run that lives. */
 #include "core/exits.h"
-#include "core/options.h"
 #include "ctl/verbs.h"
 #include "ctl/world_files.h"
 #include "ctl/world_run.h"
 
+static struct world_files_options files;
+static struct world_run_options run;
+static bool json;
+
+static struct mu_option option_table[] = {
+    MU_NETWORK_OPTIONS(run.network),
+    {.name = "wait",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "5",
+     .help = "of a run: how long to wait for the simulator's answer",
+     .target = &run.wait_s,
+     .max = 3600},
+    {.name = "for",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0.1",
+     .help = "push: simulated time that it lasts; 0: FX, FY are an impulse in N s",
+     .target = &run.push_s,
+     .max = 3600},
+    {.name = "out",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "draw, import: write here instead of standard output",
+     .target = &files.out},
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .help = "check, draw: of random places, where the world has none",
+     .target = &files.seed,
+     .max = 1e15},
+    {.name = "json",
+     .kind = MU_OPTION_FLAG,
+     .help = "check, and of a run: one object a line",
+     .target = &json},
+};
+
 int world_verb(int argc, char **argv)
 {
-    static struct world_files_options files;
-    static struct world_run_options run;
-    struct mu_option table[] = {
-        {.name = "out",
-         .kind = MU_OPTION_STRING,
-         .unit = "FILE",
-         .help = "draw, import: write here instead of standard output",
-         .target = &files.out},
-        {.name = "seed",
-         .kind = MU_OPTION_INTEGER,
-         .unit = "N",
-         .fallback = "1",
-         .help = "check, draw: of random places, where the world has none",
-         .target = &files.seed,
-         .max = 1e15},
-        MU_NETWORK_OPTIONS(run.network),
-        {.name = "wait",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .fallback = "5",
-         .help = "how long to wait for the simulator's answer",
-         .target = &run.wait_s,
-         .max = 3600},
-        {.name = "for",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .fallback = "0.1",
-         .help = "push: simulated time that it lasts; 0: FX, FY are an impulse in N s",
-         .target = &run.push_s,
-         .max = 3600},
-        {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object a line", .target = &run.json},
-    };
-    struct mu_options o = {
+    static struct mu_options o = {
         .program = "muster world",
         .usage = "check FILE | draw FILE | import FILE | properties | place NAME X Y [DEG] | "
                  "push NAME FX FY [TORQUE] | reset [NAME] | sensor NAME SENSOR on|off | pace R | "
                  "save FILE [OPTION...]",
         .about =
-            "World files: check names every mistake with its place, or says what the world holds; "
-            "draw makes a picture (SVG); import makes a world of a map of ROS's map_server "
-            "(.yaml), or one file of a world of Stage with all that it includes; properties lists "
-            "all that a world file can say.  The world of a run that lives, at the end of the "
-            "step at hand: place puts a robot or an object elsewhere (m, deg), push pushes it (N, "
-            "N m), reset puts it or all back to where they began, sensor switches sonar, laser, "
-            "camera, fiducials or all of a robot off or on, pace sets the rate (times real time; "
-            "0: as fast as it goes), save keeps the state of all bodies for muster sim --restore "
-            "in a file that is not there yet.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+            "World files: check names every mistake with its place, or says what the world "
+            "holds; draw makes a picture (SVG); import makes a world of a map of ROS's "
+            "map_server (.yaml) or one file of a world of Stage with all that it includes; "
+            "properties lists all that a world file can say.  The world of a run that lives, at "
+            "the end of the step at hand: place puts a robot or an object elsewhere (m, deg), "
+            "push pushes it (N, N m), reset puts it or all back to where they began, sensor "
+            "switches sonar, laser, camera, fiducials or all of a robot off or on, pace sets the "
+            "rate (times real time; 0: as fast as it goes), save writes the state of all bodies "
+            "for muster sim --restore into a file that is not there yet.",
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
     run.network.domain = -1;
     mu_result parsed = mu_options_parse(&o, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    files.json = run.json;
-    bool lives = o.words_count > 0 && world_run_knows(o.words[0]);
-    return lives ? world_run(o.words, o.words_count, &run)
-                 : world_files(o.words, o.words_count, &files);
+    files.json = run.json = json;
+    return o.words_count > 0 && world_run_knows(o.words[0]) ? world_run(&o, &run)
+                                                            : world_files_run(&o, &files);
 }

@@ -5,6 +5,7 @@
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/options.h"
+#include "ctl/verbs.h"
 #include "muster/memory.h"
 #include "world/properties.h"
 
@@ -258,7 +259,7 @@ static int files_properties(const struct world_files_options *options)
 /* --- the verb -----------------------------------------------------------------------------------
  */
 
-int world_files(const char *const *words, size_t count, struct world_files_options *options)
+int world_files_run(const struct mu_options *o, struct world_files_options *options)
 {
     static const struct {
         const char *word;
@@ -271,14 +272,13 @@ int world_files(const char *const *words, size_t count, struct world_files_optio
         {"properties", 1, files_properties},
     };
     for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
-        if (count == requests[i].words && strcmp(words[0], requests[i].word) == 0) {
-            options->file = count > 1 ? words[1] : NULL;
+        if (o->words_count == requests[i].words && strcmp(o->words[0], requests[i].word) == 0) {
+            options->file = o->words_count > 1 ? o->words[1] : NULL;
             return requests[i].run(options);
         }
     }
-    fprintf(stderr,
-            "muster world: expected check, draw or import and a file, properties, or place, "
-            "push, reset, sensor, pace or save, for example: muster world check "
-            "worlds/arena.world\n");
+    fprintf(stderr, "muster world: expected check FILE, draw FILE, import FILE or properties, for "
+                    "example: muster world check worlds/arena.world; or, of a run that lives, "
+                    "place, push, reset, sensor, pace or save\n");
     return MU_EXIT_USAGE;
 }

@@ -6,6 +6,7 @@
 #ifndef MUSTER_CTL_WORLD_FILES_H
 #define MUSTER_CTL_WORLD_FILES_H
 
+#include "core/options.h"
 #include "world/world.h"
 
 #include <stdbool.h>
@@ -18,8 +19,8 @@ struct world_files_options {
     bool json;
 };
 
-/** Carries out what the words say: check, draw, import, properties.  @return the exit code */
-int world_files(const char *const *words, size_t count, struct world_files_options *options);
+/** Does what the words of `muster world` say of files.  @return the exit code, explained */
+int world_files_run(const struct mu_options *o, struct world_files_options *options);
 
 /** Writes a picture of a world as SVG.  @return MU_OK, or MU_FAULT_FILE for a bad world */
 MU_MUST_USE mu_result world_files_draw(const struct world_files_options *options, FILE *to,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster world place, push, ...: hands on the world of a run that lives. */
 #include "ctl/world_run.h"
+
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/exits.h"
@@ -289,28 +289,29 @@ static int request_run(struct request *r)
 
 /* --- the verb --------------------------------------------------------------------------------- */
 
-bool world_run_knows(const char *verb)
+bool world_run_knows(const char *word)
 {
     for (size_t i = 0; i < REQUESTS; i++) {
-        if (strcmp(verb, requests[i].word) == 0) {
+        if (strcmp(word, requests[i].word) == 0) {
             return true;
         }
     }
     return false;
 }
 
-int world_run(const char *const *words, size_t count, const struct world_run_options *set)
+int world_run(const struct mu_options *o, const struct world_run_options *set)
 {
     static char none[1];
     char program[64];
-    size_t behind = count - 1;
+    size_t behind = o->words_count - (o->words_count > 0);
     for (size_t i = 0; i < REQUESTS; i++) {
-        if (strcmp(words[0], requests[i].word) != 0) {
+        if (o->words_count == 0 || strcmp(o->words[0], requests[i].word) != 0) {
             continue;
         }
         snprintf(program, sizeof program, "muster world %s", requests[i].word);
         static struct request r;
-        r = (struct request){.program = program, .words = words + 1, .count = behind, .set = set};
+        r = (struct request){
+            .program = program, .words = o->words + 1, .count = behind, .set = set};
         r.command.order = requests[i].order;
         r.command.name = r.command.file = none;
         if (behind < requests[i].min || behind > requests[i].max) {
@@ -319,5 +320,5 @@ int world_run(const char *const *words, size_t count, const struct world_run_opt
         }
         return requests[i].read(&r) ? request_run(&r) : MU_EXIT_USAGE;
     }
-    return MU_EXIT_USAGE;
+    return MU_EXIT_USAGE; /* world_run_knows was asked before */
 }

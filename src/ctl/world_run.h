@@ -1,26 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file world_run.h
- * `muster world` on a run that lives: place, push, reset, sensor, pace, save.
+ * What `muster world` does to the world of a run that lives: place, push, reset, ...
  */
 #ifndef MUSTER_CTL_WORLD_RUN_H
 #define MUSTER_CTL_WORLD_RUN_H
 
 #include "core/network.h"
-
-#include <stdbool.h>
-#include <stddef.h>
+#include "core/options.h"
 
 struct world_run_options {
-    struct mu_network network;
-    double wait_s, push_s;
+    struct mu_network network; /* domain < 0: the one live run's, else 0 */
+    double wait_s;             /* for the simulator's answer */
+    double push_s;             /* that a push lasts; 0: it is an impulse */
     bool json;
 };
 
-/** @return whether that is a word of world_run */
+/** @return whether that is a word of it */
 bool world_run_knows(const char *word);
 
-/** Carries out what the words say, of which world_run_knows the first.  @return the exit code */
-int world_run(const char *const *words, size_t count, const struct world_run_options *set);
+/** Sends the order that the words of `muster world` say.  @return the exit code, explained */
+int world_run(const struct mu_options *o, const struct world_run_options *options);
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/options.h"
 #include "muster/memory.h"
 #include "sim/session.h"
+#include "sim/snapshot.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ struct settings {
     double duration_s, rate, step_ms, silence_s;
     int64_t watchers, threads;
     bool free, waits_for_go, verbose;
-    const char *csv;
+    const char *csv, *restore;
     struct mu_option_list robots; /* names; none: all of the world */
     struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
@@ -111,6 +112,12 @@ static struct mu_option option_table[] = {
      .unit = "'NAME BODY X Y DEG COLOR'",
      .help = "put a robot into the world, or elsewhere; - for what the world says",
      .target = &set.places},
+    {.name = "restore",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "let all bodies begin as muster world save found them, in the same world, with the "
+             "same seed and step",
+     .target = &set.restore},
     {.name = "verbose",
      .letter = 'v',
      .kind = MU_OPTION_FLAG,
@@ -250,6 +257,10 @@ int main(int argc, char **argv)
     uint64_t step_ns = step_choose(world);
     struct engine_options physics = {
         .seed = (uint64_t)set.seed, .step_ns = step_ns, .threads = (size_t)set.threads};
+    struct engine *engine = engine_open(world, &physics);
+    if (set.restore && snapshot_restore(engine, set.restore) != MU_OK) {
+        return MU_EXIT_FILE;
+    }
     struct session *s = mu_startup_alloc(sizeof *s);
     struct recorder *recorder = NULL;
     if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {
@@ -275,7 +286,7 @@ int main(int argc, char **argv)
                                       .waits_for_go = set.waits_for_go,
                                       .watchers = (uint32_t)set.watchers,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9)};
-    if (session_open(s, &options, world, engine_open(world, &physics), recorder) != MU_OK) {
+    if (session_open(s, &options, world, engine, recorder) != MU_OK) {
         return MU_EXIT_DDS;
     }
     if (!robots_choose(s, &set.robots)) {

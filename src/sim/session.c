@@ -49,12 +49,14 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].controlled = true;
         s->robots[i].process = -1;
     }
+    s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
     s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
     s->totals = mu_startup_array(s->robot_count, sizeof *s->totals);
+    s->places = mu_startup_array(world->object_count, sizeof *s->places);
     return topics_open(s);
 }
 
@@ -304,14 +306,9 @@ static bool everybody_is_ready(struct session *s)
     return missing.len == 0;
 }
 
-bool session_tell(struct session *s, muster_RunState state, bool always)
+/* @return how many robots have a controller */
+static uint32_t totals_fill(struct session *s)
 {
-    uint64_t now_ns = mu_clock_ns();
-    if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
-        return true;
-    }
-    s->status_wall_ns = now_ns;
-    bool done = state == muster_RUN_DONE;
     uint32_t totals = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         const struct session_robot *r = &s->robots[i];
@@ -324,6 +321,29 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
                                                    .mails_received = r->mails_received,
                                                    .mails_duplicated = r->mails_duplicated};
     }
+    return totals;
+}
+
+static uint32_t places_fill(struct session *s)
+{
+    for (size_t i = 0; i < s->world->object_count; i++) {
+        struct world_pose pose = engine_pose(s->engine, s->robot_count + i);
+        s->places[i] = (muster_ObjectPlace){.name = s->world->objects[i].name,
+                                            .x_m = pose.x_m,
+                                            .y_m = pose.y_m,
+                                            .heading_rad = pose.heading_rad};
+    }
+    return (uint32_t)s->world->object_count;
+}
+
+bool session_tell(struct session *s, muster_RunState state, bool always)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
+        return true;
+    }
+    s->status_wall_ns = now_ns;
+    bool done = state == muster_RUN_DONE;
     static char none[] = "none";
     int64_t steps = s->step > 0 ? s->step : 0;
     muster_RunStatus status = {.simulator = s->name,
@@ -336,7 +356,9 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
                                .hash = done && !s->options.free ? s->hash_text : none,
                                .waits_for = s->waits_for};
     status.robots._buffer = s->totals;
-    status.robots._length = status.robots._maximum = done ? totals : 0;
+    status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
+    status.objects._buffer = s->places;
+    status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
     return bus_write(&s->status, &status) == MU_OK;
 }
 

@@ -82,14 +82,16 @@ struct session {
     muster_Percept *percepts; /* one for each robot, in order of process */
     muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
     muster_RobotTotals *totals;
+    muster_ObjectPlace *places; /* of the objects */
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */
     /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
      */
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
-    struct orders *orders; /* that wait for the end of this step */
-    int64_t pace_step;     /* since when, and since which step, it goes at this rate */
+    unsigned char *snapshot; /* room for one */
+    struct orders *orders;   /* that wait for the end of this step */
+    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;

@@ -4,13 +4,11 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "sim/session.h"
+#include "sim/snapshot.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { REASON_MAX = 255 };
 
@@ -105,6 +103,16 @@ static struct outcome order_sensor(struct session *s, const muster_RunCommand *c
     return o;
 }
 
+static struct outcome order_save(struct session *s, const muster_RunCommand *c, long body)
+{
+    (void)body;
+    engine_save(s->engine, s->snapshot);
+    size_t size = engine_save_size(s->engine);
+    return snapshot_write(c->file, s->snapshot, size) == MU_OK
+               ? outcome_of(muster_ORDER_DONE, "")
+               : outcome_of(muster_ORDER_NOT_WRITTEN, strerror(errno));
+}
+
 static const struct {
     struct outcome (*run)(struct session *s, const muster_RunCommand *c, long body);
     const char *word;
@@ -116,7 +124,7 @@ static const struct {
     [muster_RUN_RESET] = {order_reset, "reset", false, true},
     [muster_RUN_SENSOR] = {order_sensor, "sensor", true, true},
     [muster_RUN_PACE] = {NULL, "pace", false, false}, /* at once: session_order_take */
-    [muster_RUN_SAVE] = {NULL, "save", false, false},
+    [muster_RUN_SAVE] = {order_save, "save", false, false},
 };
 
 /* --- taking and answering --------------------------------------------------------------------- */
@@ -142,9 +150,6 @@ static struct outcome order_run(struct session *s, const muster_RunCommand *c)
 {
     struct outcome o;
     long body = body_find(s, c->name);
-    if (!order_table[c->order].run) {
-        return outcome_of(muster_ORDER_REFUSED, "this simulator cannot do that");
-    }
     bool is_meant =
         order_table[c->order].needs_body || (c->order == muster_RUN_RESET && c->name[0] != '\0');
     return is_meant && body < 0 ? *no_name(&o, "robot or object")

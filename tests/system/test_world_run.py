@@ -5,8 +5,8 @@ import json
 import math
 import pathlib
 
-from support import (FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder, members,
-                     muster, new_domain, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, members, muster, new_domain, wait_for)
 
 
 def world(domain, *words):
@@ -72,7 +72,7 @@ def test_orders_that_cannot_be_carried_out_say_why():
                 (("place", "red", "1", "nan"), 2, "expected a number"),
                 (("sensor", "red", "smell", "off"), 2, "sonar, laser, camera"),
                 (("pace", "-1"), 2, "or 0"),
-                (("fly", "red"), 2, "expected place")):
+                (("fly", "red"), 2, "place, push")):
             done = world(domain, *words)
             check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
             check(why in done.stderr, f"{words}: {done.stderr}")
@@ -112,3 +112,45 @@ def test_without_a_simulator_nobody_answers():
     done = world(new_domain(), "reset")
     check_equal((done.returncode, done.stdout), (4, ""), done.stderr)
     check("no simulator answers" in done.stderr, done.stderr)
+
+
+def positions(domain, robot):
+    done = muster("do", robot, "(position)", "--domain", domain, "--wait", "5")
+    check_equal(done.returncode, 0, done.stderr)
+    return [float(word) for word in done.stdout.split("(")[1].split()[1:3]]
+
+
+def test_a_saved_world_goes_on_where_it_was():
+    domain, other = new_domain(), new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "60")
+        done_at(domain, "place", "red", "0", "-3", "90")  # far from where it begins
+        step = done_at(domain, "save", out / "state")
+        again = world(domain, "save", out / "state")
+        check_equal(again.returncode, 9, "a file is never replaced")
+        check("exists" in again.stderr, again.stderr)
+        check_equal(world(domain, "save", out / "nowhere" / "state").returncode, 9, "no folder")
+        done_at(domain, "pace", "0")
+        check_equal(run.wait(60), 0, "the run ends well")
+        at = track(out / "report", "red")[step + 1]
+        broker_start(processes, other)
+        for name in ("red", "blue", "green", "yellow"):
+            processes.start(MUSTER, "robot", name, "--rules", ROOT / "rules/follower.clp",
+                            "--domain", other)
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--domain", other, "--restore",
+                        out / "state", "--rate", "1")
+        wait_for(lambda: "(" in muster("do", "red", "(position)", "--domain", other, "--wait",
+                                       "2").stdout and positions(other, "red"), 20, "red is there")
+        x_mm, y_mm = positions(other, "red")
+        check(math.hypot(x_mm / 1000 - at["x_m"], y_mm / 1000 - at["y_m"]) < 0.3,
+              f"red goes on from {at}, not from {x_mm} {y_mm}")
+
+
+def test_a_file_that_is_no_state_of_this_world_is_refused():
+    with folder() as out:
+        (out / "state").write_bytes(b"muster?" * 100)
+        for path, why in ((out / "state", "state"), (out / "nothing", "No such file")):
+            done = muster("sim", ROOT / "worlds/arena.world", "--restore", path, "--domain",
+                          new_domain())
+            check_equal(done.returncode, 3, done.stderr)
+            check(why in done.stderr, done.stderr)

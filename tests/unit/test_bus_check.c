@@ -103,8 +103,13 @@ static muster_RunAnswer run_answer = {
     .simulator = W("sim"), .source = W("operator"), .reason = W("")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
     {.robot = W("a")}, {.robot = W("b")}, {.robot = W("c")}};
-static muster_RunStatus status = {
-    .simulator = W("sim"), .hash = W("none"), .waits_for = W(""), .robots = LIST(totals)};
+static muster_ObjectPlace objects[MU_OBJECTS_MAX + 1] = {
+    {.name = W("a")}, {.name = W("b")}, {.name = W("c")}};
+static muster_RunStatus status = {.simulator = W("sim"),
+                                  .hash = W("none"),
+                                  .waits_for = W(""),
+                                  .robots = LIST(totals),
+                                  .objects = LIST(objects)};
 static char *lines[FEW] = {W("a"), W("b"), W("c")};
 static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_Beacon beacon = {.broker = W("b1"), .incarnation = 1, .host = W("here")};
@@ -274,6 +279,12 @@ static const struct field {
     {"status.waits_for", check_run_status, &status, &status.waits_for, A_TEXT, MU_CONTENT_MAX},
     {"status.robots", check_run_status, &status, &status.robots._length, A_LENGTH, MU_ROBOTS_MAX},
     {"status.robot", check_run_status, &status, &totals[2].robot, A_NAME, 0},
+    {"status.objects", check_run_status, &status, &status.objects._length, A_LENGTH,
+     MU_OBJECTS_MAX},
+    {"status.object.name", check_run_status, &status, &objects[2].name, A_TEXT, MU_NAME_MAX},
+    {"status.object.x_m", check_run_status, &status, &objects[2].x_m, A_DOUBLE, 0},
+    {"status.object.y_m", check_run_status, &status, &objects[2].y_m, A_DOUBLE, 0},
+    {"status.object.heading_rad", check_run_status, &status, &objects[0].heading_rad, A_DOUBLE, 0},
     {"status.first robot", check_run_status, &status, &totals[0].robot, A_NAME, 0},
 
     {"page.broker", check_page, &page, &page.broker, A_WORD, MU_PROCESS_MAX},
@@ -407,6 +418,9 @@ static int lists_fill(void)
     }
     for (size_t i = FEW; i <= MU_ROBOTS_MAX; i++) {
         totals[i] = totals[0];
+    }
+    for (size_t i = FEW; i <= MU_OBJECTS_MAX; i++) {
+        objects[i] = objects[0];
     }
     return 0;
 }

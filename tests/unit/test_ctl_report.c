@@ -171,6 +171,36 @@ static void test_expectations(void)
     expectations[2].stall_max_s = 0.5;
 }
 
+static void test_things_at_the_end(void)
+{
+    static char some[] = "puck*", one[] = "puck_b", none[] = "crate*";
+    static struct experiment_place here = {1, 1};
+    static struct experiment_expectation wanted[] = {
+        {.objects = some, .at = &here, .within_m = 0.5},
+        {.objects = some, .at = &here, .within_m = 0.5, .count = 2},
+        {.objects = one, .at = &here, .within_m = 0.5},
+        {.objects = none, .at = &here, .within_m = 0.5},
+    };
+    static const struct report_object objects[] = {
+        {"puck_a", {1.5, 1, 0}}, {"puck_b", {1, 0.5, 2}}, {"puck_c", {1, 1.6, 0}}};
+    input.objects = objects;
+    input.objects_count = 3;
+    experiment.expect = wanted;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_STRING_EQUAL(result.texts[0], "3 of puck* within 0.5 m of 1, 1 at the end");
+    CU_ASSERT_STRING_EQUAL(result.measured[0], "2 of 3");
+    CU_ASSERT(result.judged[0] && !result.met[0]);
+    CU_ASSERT(result.judged[1] && result.met[1]);
+    CU_ASSERT(result.judged[2] && result.met[2]);
+    CU_ASSERT(result.judged[3] && !result.met[3]); /* there is no such thing */
+    CU_ASSERT_FALSE(result.all_met);
+    CU_ASSERT(file_has("summary.json", "\"name\": \"puck_b\",\n      \"x_m\": 1,"));
+    input.objects_count = 0;
+    experiment.expect = expectations;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "objects"));
+}
+
 static void test_files(void)
 {
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -569,6 +599,7 @@ int main(void)
         {"statistics", test_statistics},
         {"the most efficient", test_the_most_efficient},
         {"expectations", test_expectations},
+        {"things at the end", test_things_at_the_end},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file snapshot.h
+ * The state of all bodies as a file.
+ */
+#ifndef MUSTER_SIM_SNAPSHOT_H
+#define MUSTER_SIM_SNAPSHOT_H
+
+#include "sim/engine.h"
+
+/**
+ * Makes a file of these bytes.  Nothing that is there is replaced: who may speak to the simulator
+ * may not for that write over its files.
+ *
+ * @return MU_OK, or MU_FAULT_OS: errno says why, and no file is left
+ */
+MU_MUST_USE mu_result snapshot_write(const char *path, const unsigned char *bytes, size_t count);
+
+/**
+ * Lets an engine go on from a file.  Takes start-up memory.
+ *
+ * @return MU_OK, or MU_FAULT_FILE, explained on standard error
+ */
+MU_MUST_USE mu_result snapshot_restore(struct engine *e, const char *path);
+
+#endif
