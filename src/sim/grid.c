@@ -95,8 +95,8 @@ static void grid_build(struct grid *grid, struct grid_layer *layer)
 
 static void grid_measure(struct grid *grid, const struct solid *solids, size_t count)
 {
-    double min[2] = {INFINITY, INFINITY};
-    double max[2] = {-INFINITY, -INFINITY};
+    double min[2] = {HUGE_VAL, HUGE_VAL};
+    double max[2] = {-HUGE_VAL, -HUGE_VAL};
     for (size_t k = 0; k < count; k++) {
         double ex;
         double ey;
