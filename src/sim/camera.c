@@ -8,9 +8,10 @@ void camera_init(struct camera *camera, const struct world_camera *from)
     for (size_t k = 0; k < from->color_count; k++) {
         camera->colors[k] = from->colors[k];
     }
-    if (from->columns > 0 && from->fov_rad > 0) {
-        double step = from->fov_rad / from->columns;
-        fan_table_init(&camera->table, -from->fov_rad / 2 + step / 2, step, from->columns);
+    double fov = from->fov_rad < 2 * M_PI ? from->fov_rad : 2 * M_PI;
+    if (from->columns > 0 && fov > 0) {
+        double step = fov / from->columns;
+        fan_table_init(&camera->table, -fov / 2 + step / 2, step, from->columns);
     }
 }
 

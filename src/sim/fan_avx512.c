@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The beam kernels for AVX-512; the Makefile says so to the compiler. */
+#include "sim/fan.h"
+
 #if defined(__x86_64__)
 #define FAN_WIDTH  8
 #define FAN_NAME   "avx512"

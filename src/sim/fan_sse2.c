@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The beam kernels for SSE2, which every 64-bit x86 has. */
+#include "sim/fan.h"
+
 #if defined(__x86_64__)
 #define FAN_WIDTH  2
 #define FAN_NAME   "sse2"

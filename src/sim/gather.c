@@ -108,8 +108,8 @@ static void gather_lay(struct gather *g, double width, double height, double til
 
 static void gather_measure(struct gather *g, const struct solid *solids, size_t count)
 {
-    double min[2] = {INFINITY, INFINITY};
-    double max[2] = {-INFINITY, -INFINITY};
+    double min[2] = {HUGE_VAL, HUGE_VAL};
+    double max[2] = {-HUGE_VAL, -HUGE_VAL};
     for (size_t k = 0; k < count; k++) {
         min[0] = fmin(min[0], solids[k].x);
         min[1] = fmin(min[1], solids[k].y);

@@ -11,11 +11,6 @@
 #define GRID_MARGIN_M 1.0  /* around the world */
 #define GRID_SLACK    1e-7 /* cells count as a little larger: rounding must leave no gap */
 
-struct grid_span {
-    int x0, x1, y0, y1;
-    bool inside;
-};
-
 static int grid_clamp(double cell, int count)
 {
     return !(cell >= 0) ? 0 : cell >= count ? count - 1 : (int)cell; /* a NaN too finds a cell */
@@ -58,17 +53,20 @@ static bool grid_touches(const struct grid *grid, const struct solid *solid, int
 static uint32_t grid_part(const struct grid *grid, struct grid_layer *layer, uint32_t solid,
                           uint32_t count)
 {
+    struct grid_span span = grid_span(grid, &layer->solids[solid]);
+    layer->spans[solid] = span;
     if (layer->solids[solid].away) {
         return count;
     }
-    struct grid_span span = grid_span(grid, &layer->solids[solid]);
     if (!span.inside) {
         layer->outside[layer->outside_count++] = solid;
         return count;
     }
+    /* In a single row or column it reaches every cell; else it may miss those at the corners. */
+    bool all = span.x0 == span.x1 || span.y0 == span.y1;
     for (int j = span.y0; j <= span.y1; j++) {
         for (int i = span.x0; i <= span.x1; i++) {
-            if (grid_touches(grid, &layer->solids[solid], i, j)) {
+            if (all || grid_touches(grid, &layer->solids[solid], i, j)) {
                 MU_ASSERT(count < layer->entries_max);
                 uint32_t cell = (uint32_t)(j * grid->nx + i);
                 layer->parts[count++] = (struct grid_part){cell, solid};
@@ -100,8 +98,8 @@ static void grid_build(struct grid *grid, struct grid_layer *layer)
 
 static void grid_measure(struct grid *grid, const struct solid *solids, size_t count)
 {
-    double min[2] = {INFINITY, INFINITY};
-    double max[2] = {-INFINITY, -INFINITY};
+    double min[2] = {HUGE_VAL, HUGE_VAL};
+    double max[2] = {-HUGE_VAL, -HUGE_VAL};
     for (size_t k = 0; k < count; k++) {
         double ex;
         double ey;
@@ -148,6 +146,7 @@ static void grid_layer_init(struct grid *grid, struct grid_layer *layer, const s
     layer->entries_max = (uint32_t)entries;
     layer->parts = mu_startup_array(entries, sizeof *layer->parts);
     layer->outside = mu_startup_array(count, sizeof *layer->outside);
+    layer->spans = mu_startup_array(count, sizeof *layer->spans);
     layer->seen = mu_startup_array(count, sizeof *layer->seen);
     grid_build(grid, layer);
 }
@@ -312,11 +311,10 @@ static void grid_meet_cell(struct grid *grid, uint32_t least, int cell, struct g
     }
 }
 
-static void grid_meet_all(struct grid *grid, const struct solid *solid, uint32_t least,
+static void grid_meet_all(struct grid *grid, struct grid_span span, uint32_t least,
                           struct grid_near *near)
 {
     struct grid_layer *moving = &grid->moving;
-    struct grid_span span = grid_span(grid, solid);
     near->still_count = 0;
     near->moving_count = 0;
     grid->query++;
@@ -343,10 +341,10 @@ static void grid_meet_all(struct grid *grid, const struct solid *solid, uint32_t
 
 void grid_near(struct grid *grid, uint32_t index, struct grid_near *near)
 {
-    grid_meet_all(grid, &grid->moving.solids[index], index + 1, near);
+    grid_meet_all(grid, grid->moving.spans[index], index + 1, near);
 }
 
 void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near)
 {
-    grid_meet_all(grid, solid, 0, near);
+    grid_meet_all(grid, grid_span(grid, solid), 0, near);
 }

@@ -16,6 +16,12 @@
 
 enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* no solid has this owner */
 
+/* The cells of the upright box around a solid. */
+struct grid_span {
+    int x0, x1, y0, y1;
+    bool inside; /* wholly on the grid; else the nearest cells */
+};
+
 /* A solid in a cell. */
 struct grid_part {
     uint32_t cell, solid;
@@ -30,7 +36,8 @@ struct grid_layer {
     struct grid_part *parts; /* while it is built: one for each entry */
     uint32_t *outside;       /* solids that do not lie wholly on the grid */
     uint32_t outside_count;
-    uint64_t *seen; /* for each solid, the number of the query that met it last */
+    struct grid_span *spans; /* of each solid, when the layer was built */
+    uint64_t *seen;          /* for each solid, the number of the query that met it last */
 };
 
 struct grid {
@@ -73,8 +80,9 @@ double grid_ray(const struct grid *grid, int self, const double from[2], const d
                 double range_m);
 
 /**
- * Lists what may touch a moving solid, each once, in a fixed order: what stands into still, and
- * the moving ones with a higher number into moving.  Both have room for all.
+ * Lists what may touch a moving solid where grid_update has found it, each once, in a fixed order:
+ * what stands into still, and the moving ones with a higher number into moving.  Both have room for
+ * all.
  */
 struct grid_near {
     uint32_t *still, *moving;

@@ -6,9 +6,9 @@ void laser_init(struct laser *laser, const struct world_laser *from)
     *laser = (struct laser){.place = frame_of(from->pose),
                             .range = {from->range_min_m, from->range_max_m},
                             .noise = from->noise};
-    if (from->samples > 1 && from->fov_rad > 0) {
-        double step = from->fov_rad / (from->samples - 1);
-        fan_table_init(&laser->table, -from->fov_rad / 2, step, from->samples);
+    double fov = from->fov_rad < 2 * M_PI ? from->fov_rad : 2 * M_PI;
+    if (from->samples > 1 && fov > 0) {
+        fan_table_init(&laser->table, -fov / 2, fov / (from->samples - 1), from->samples);
     } else if (from->samples > 0) { /* all ahead: any step is as good */
         fan_table_init(&laser->table, 0, 1e-9, from->samples);
     }

@@ -32,15 +32,29 @@ struct senses_kind {
     double reach_m; /* of all that work on what is near */
 };
 
+/* What changes by reading, beside the readings themselves. */
+struct senses_record {
+    uint64_t read_ns[WORLD_SENSORS]; /* SENSES_NEVER: not yet */
+    size_t blob_count, fiducial_count;
+};
+
 struct senses_robot {
     const struct senses_kind *kind;
     struct frame frame;
     uint64_t period_ns[WORLD_SENSORS];
-    uint64_t read_ns[WORLD_SENSORS]; /* SENSES_NEVER: not yet */
-    float *sonar_m, *laser_m;
+    struct senses_record *record;
+    float *sonar_m, *laser_m; /* these and the next are parts of struct senses_memory */
     struct engine_blob *blobs;
     struct engine_fiducial *fiducials;
-    size_t blob_count, fiducial_count;
+};
+
+/* The readings of all robots, each kind of them in one piece. */
+struct senses_memory {
+    struct senses_record *records;
+    float *ranges_m;
+    struct engine_blob *blobs;
+    struct engine_fiducial *fiducials;
+    size_t record_count, range_count, blob_count, fiducial_count;
 };
 
 /* What one thread works with. */
@@ -57,6 +71,7 @@ struct senses {
     size_t kind_count;
     struct senses_robot *robots;
     size_t robot_count;
+    struct senses_memory memory;
     struct senses_worker *workers;
     struct pool *pool;
     /* Of the job that is being done: */
@@ -109,14 +124,37 @@ static void senses_robot_init(struct senses *s, size_t i)
     const struct world_robot *model = &s->scene.world->robots[i];
     r->kind = senses_kind_of(s, model);
     memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
-    r->sonar_m = mu_startup_array(r->kind->sonars.count, sizeof *r->sonar_m);
-    r->laser_m = mu_startup_array(r->kind->laser.table.count, sizeof *r->laser_m);
-    bool camera = r->kind->has & (1u << WORLD_CAMERA);
-    bool finder = r->kind->has & (1u << WORLD_FIDUCIALS);
-    r->blobs = mu_startup_array(camera ? MU_BLOBS_MAX : 0, sizeof *r->blobs);
-    r->fiducials = mu_startup_array(finder ? MU_FIDUCIALS_MAX : 0, sizeof *r->fiducials);
-    for (size_t k = 0; k < WORLD_SENSORS; k++) {
-        r->read_ns[k] = SENSES_NEVER;
+    struct senses_memory *m = &s->memory;
+    m->record_count++;
+    m->range_count += r->kind->sonars.count + r->kind->laser.table.count;
+    m->blob_count += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
+    m->fiducial_count += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+}
+
+static void senses_memory_take(struct senses_memory *m)
+{
+    m->records = mu_startup_array(m->record_count, sizeof *m->records);
+    m->ranges_m = mu_startup_array(m->range_count, sizeof *m->ranges_m);
+    m->blobs = mu_startup_array(m->blob_count, sizeof *m->blobs);
+    m->fiducials = mu_startup_array(m->fiducial_count, sizeof *m->fiducials);
+}
+
+static void senses_memory_share(struct senses *s)
+{
+    struct senses_memory next = s->memory;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct senses_robot *r = &s->robots[i];
+        r->record = next.records++;
+        r->sonar_m = next.ranges_m;
+        r->laser_m = r->sonar_m + r->kind->sonars.count;
+        r->blobs = next.blobs;
+        r->fiducials = next.fiducials;
+        next.ranges_m = r->laser_m + r->kind->laser.table.count;
+        next.blobs += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
+        next.fiducials += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+        for (size_t k = 0; k < WORLD_SENSORS; k++) {
+            r->record->read_ns[k] = SENSES_NEVER;
+        }
     }
 }
 
@@ -147,6 +185,8 @@ struct senses *senses_open(const struct senses_scene *scene)
     for (size_t i = 0; i < s->robot_count; i++) {
         senses_robot_init(s, i);
     }
+    senses_memory_take(&s->memory);
+    senses_memory_share(s);
     const struct grid_layer *still = &scene->grid->still;
     const struct grid_layer *moving = &scene->grid->moving;
     gather_init(&s->gather, still->solids, still->count, moving->solids, moving->count);
@@ -172,7 +212,7 @@ void senses_place(struct senses *s, size_t robot, const struct frame *frame)
 static bool senses_due(const struct senses_robot *r, enum world_sensor sensor, uint64_t now_ns)
 {
     uint64_t period_ns = r->period_ns[sensor];
-    uint64_t read_ns = r->read_ns[sensor];
+    uint64_t read_ns = r->record->read_ns[sensor];
     return period_ns == 0 || read_ns == SENSES_NEVER || now_ns / period_ns != read_ns / period_ns;
 }
 
@@ -184,7 +224,7 @@ static uint32_t senses_take_due(const struct senses *s, struct senses_robot *r, 
     for (uint32_t k = 0; k < WORLD_SENSORS; k++) {
         if ((wanted & r->kind->has & (1u << k)) && senses_due(r, (enum world_sensor)k, now_ns)) {
             due |= 1u << k;
-            r->read_ns[k] = now_ns;
+            r->record->read_ns[k] = now_ns;
         }
     }
     return due;
@@ -223,7 +263,7 @@ static void senses_read_camera(const struct senses *s, size_t i, const struct se
                                  .near = &worker->list.solids,
                                  .range_m = worker->range_m,
                                  .hit = worker->hit};
-    r->blob_count = camera_read(&r->kind->camera, &scene, r->blobs);
+    r->record->blob_count = camera_read(&r->kind->camera, &scene, r->blobs);
 }
 
 static void senses_read_finder(const struct senses *s, size_t i, const struct senses_worker *worker)
@@ -234,7 +274,7 @@ static void senses_read_finder(const struct senses *s, size_t i, const struct se
                                     .grid = s->scene.grid,
                                     .gather = &s->gather,
                                     .near = &worker->list.solids};
-    r->fiducial_count = fiducials_read(&r->kind->finder, &scene, r->fiducials);
+    r->record->fiducial_count = fiducials_read(&r->kind->finder, &scene, r->fiducials);
 }
 
 static void senses_read_robot(const struct senses *s, size_t i, uint32_t wanted,
@@ -313,10 +353,58 @@ void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct e
     }
     if (told & (1u << WORLD_CAMERA)) {
         out->blobs = r->blobs;
-        out->blob_count = r->blob_count;
+        out->blob_count = r->record->blob_count;
     }
     if (told & (1u << WORLD_FIDUCIALS)) {
         out->fiducials = r->fiducials;
-        out->fiducial_count = r->fiducial_count;
+        out->fiducial_count = r->record->fiducial_count;
+    }
+}
+
+/* --- snapshots -------------------------------------------------------------------------------- */
+
+/* The parts of the memory, as bytes.  A table, so that none is forgotten on the way back. */
+enum { SENSES_PARTS = 4 };
+
+struct senses_part {
+    void *at;
+    size_t count;
+};
+
+static void senses_parts(const struct senses *s, struct senses_part parts[SENSES_PARTS])
+{
+    const struct senses_memory *m = &s->memory;
+    parts[0] = (struct senses_part){m->records, m->record_count * sizeof *m->records};
+    parts[1] = (struct senses_part){m->ranges_m, m->range_count * sizeof *m->ranges_m};
+    parts[2] = (struct senses_part){m->blobs, m->blob_count * sizeof *m->blobs};
+    parts[3] = (struct senses_part){m->fiducials, m->fiducial_count * sizeof *m->fiducials};
+}
+
+size_t senses_bytes(const struct senses *s)
+{
+    struct senses_part parts[SENSES_PARTS];
+    senses_parts(s, parts);
+    return parts[0].count + parts[1].count + parts[2].count + parts[3].count;
+}
+
+void senses_save(const struct senses *s, void *to)
+{
+    struct senses_part parts[SENSES_PARTS];
+    senses_parts(s, parts);
+    char *next = to;
+    for (size_t k = 0; k < SENSES_PARTS; k++) {
+        memcpy(next, parts[k].at, parts[k].count);
+        next += parts[k].count;
+    }
+}
+
+void senses_load(struct senses *s, const void *from)
+{
+    struct senses_part parts[SENSES_PARTS];
+    senses_parts(s, parts);
+    const char *next = from;
+    for (size_t k = 0; k < SENSES_PARTS; k++) {
+        memcpy(parts[k].at, next, parts[k].count);
+        next += parts[k].count;
     }
 }
