@@ -16,9 +16,10 @@ enum { PART_COUNTERS_MAX = 64 };
 /* A line of the white pages, in bytes. */
 enum { LINE_TEXT_MAX = 511 };
 
+/* Most fields of a mail are empty, and need no call. */
 static bool text_fits(const char *text, size_t max)
 {
-    return text && strnlen(text, max + 1) <= max;
+    return text && (text[0] == '\0' || strnlen(text, max + 1) <= max);
 }
 
 static bool is_name(const char *name)
