@@ -10,7 +10,7 @@
 
 bool border_string(const char *s, size_t max)
 {
-    return s && strnlen(s, max + 1) <= max;
+    return s && (s[0] == '\0' || strnlen(s, max + 1) <= max);
 }
 
 static bool border_process(const char *name)

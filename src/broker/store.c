@@ -134,7 +134,7 @@ struct mail *store_put(struct store *s, const muster_Mail *letter)
     letter_strings(&copy, strings);
     size_t bytes = sizeof(struct mail);
     for (int i = 0; i < LETTER_STRINGS; i++) {
-        lengths[i] = strlen(*strings[i]);
+        lengths[i] = **strings[i] ? strlen(*strings[i]) : 0;
         bytes += lengths[i] ? lengths[i] + 1 : 0;
     }
     uint32_t size_class = 0;

@@ -18,9 +18,10 @@ enum { LINE_TEXT_MAX = 511 };
 /* A path, and why an order was refused, in bytes. */
 enum { FILE_TEXT_MAX = 1023, REASON_TEXT_MAX = 255 };
 
+/* Most fields of a mail are empty, and need no call. */
 static bool text_fits(const char *text, size_t max)
 {
-    return text && strnlen(text, max + 1) <= max;
+    return text && (text[0] == '\0' || strnlen(text, max + 1) <= max);
 }
 
 static bool is_name(const char *name)

@@ -74,15 +74,31 @@ static void peers_write(struct mu_text *xml, const struct bus_options *options, 
     }
 }
 
+/* On loopback a packet costs much the same whatever is in it, and may have 64 kB; elsewhere the
+ * network would cut it, and lose all of it with one piece.  By default a Delivery of 200 mails is
+ * two dozen fragments or more in a few packets, and what goes out again goes 1,456 bytes at a time.
+ */
+static void sizes_write(struct mu_text *xml, const char *interface)
+{
+    if (strncmp(interface, "127.", strlen("127.")) == 0) {
+        mu_text_add(xml, "<MaxMessageSize>65000B</MaxMessageSize>"
+                         "<MaxRexmitMessageSize>64000B</MaxRexmitMessageSize>"
+                         "<FragmentSize>64000B</FragmentSize>");
+    }
+}
+
 void config_write(struct mu_text *xml, const struct bus_options *options, int index)
 {
     const char *interface = options->interface ? options->interface : "127.0.0.1";
     mu_text_format(xml,
                    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address=\"%s\"/>"
-                   "</Interfaces><AllowMulticast>false</AllowMulticast></General>"
-                   "<Discovery><ParticipantIndex>%d</ParticipantIndex>"
+                   "</Interfaces><AllowMulticast>false</AllowMulticast>",
+                   interface);
+    sizes_write(xml, interface);
+    mu_text_format(xml,
+                   "</General><Discovery><ParticipantIndex>%d</ParticipantIndex>"
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
-                   interface, index, CONFIG_INDEX_LAST);
+                   index, CONFIG_INDEX_LAST);
     peers_write(xml, options, interface);
     /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s.
      * Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the

@@ -11,7 +11,8 @@ enum mu_address_kind mu_address_kind(const char *dst)
     static const char *const words[] = {
         [MU_ADDRESS_ALL] = "all", [MU_ADDRESS_ROBOTS] = "robots", [MU_ADDRESS_SPECIAL] = "special"};
     for (enum mu_address_kind kind = MU_ADDRESS_ALL; kind <= MU_ADDRESS_SPECIAL; kind++) {
-        if (strcmp(dst, words[kind]) == 0) {
+        /* Most addresses are names, and differ in the first letter. */
+        if (dst[0] == words[kind][0] && strcmp(dst, words[kind]) == 0) {
             return kind;
         }
     }

@@ -106,7 +106,7 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
     size_t bytes = 0;
     size_t lens[OUTBOX_STRINGS];
     for (size_t i = 0; i < OUTBOX_STRINGS; i++) {
-        lens[i] = strnlen(from[i], most[i] + 1) + 1;
+        lens[i] = (from[i][0] ? strnlen(from[i], most[i] + 1) : 0) + 1;
         bytes += lens[i];
         if (lens[i] > most[i] + 1) {
             return MU_MALFORMED;

@@ -134,6 +134,25 @@ static void test_interface_and_hub(void)
     CU_ASSERT_TRUE(has("<Peer address=\"hub.local\"/>"));
 }
 
+/* A large packet is for loopback alone: a network would cut it. */
+static void test_large_packets_stay_on_loopback(void)
+{
+    static const char *const sizes[] = {"<MaxMessageSize>", "<MaxRexmitMessageSize>",
+                                        "<FragmentSize>"};
+    static const char *const elsewhere[] = {"10.0.0.7", "192.168.127.1", "12.7.0.1"};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        write_for(BUS_BROKER, 0, NULL, NULL);
+        CU_ASSERT_EQUAL(times(sizes[i]), 1);
+        write_for(BUS_AGENT, CONFIG_INDEX_FIRST, "127.0.1.1", NULL);
+        CU_ASSERT_EQUAL(times(sizes[i]), 1);
+        for (size_t k = 0; k < sizeof elsewhere / sizeof elsewhere[0]; k++) {
+            write_for(BUS_AGENT, CONFIG_INDEX_FIRST, elsewhere[k], NULL);
+            CU_ASSERT_TRUE(well_formed());
+            CU_ASSERT_FALSE(has(sizes[i]));
+        }
+    }
+}
+
 static void test_indices_of_the_places(void)
 {
     static const int brokers[] = {0, 2, 3, 4, -1};
@@ -227,6 +246,7 @@ int main(void)
         {"places of the star", test_places_of_the_star},
         {"an observer peers with everybody", test_observer_peers_with_everybody},
         {"interface and hub", test_interface_and_hub},
+        {"large packets stay on loopback", test_large_packets_stay_on_loopback},
         {"indices of the places", test_indices_of_the_places},
         {"several hosts", test_several_hosts},
         {"limit: hosts", test_limit_hosts},
