@@ -77,13 +77,15 @@ static struct fact *percept_laser(struct mind *m)
 static void percept_sights(struct mind *m)
 {
     double time_s = (double)m->percept.time_ns * 1e-9;
-    for (size_t i = 0; m->blob->patternNetwork && i < m->percept.blob_count; i++) {
+    bool blobs = clips_sense_is_used(m->blob);
+    bool fiducials = clips_sense_is_used(m->fiducial);
+    for (size_t i = 0; blobs && i < m->percept.blob_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
         clips_sense_blob(m, &m->blobs[i], fields, 1);
         m->blob_facts[i] = clips_percept_assert(m, m->blob, fields);
     }
-    for (size_t i = 0; m->fiducial->patternNetwork && i < m->percept.fiducial_count; i++) {
+    for (size_t i = 0; fiducials && i < m->percept.fiducial_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
         clips_sense_fiducial(m, &m->fiducials[i], fields, 1);

@@ -211,6 +211,9 @@ static void test_things_at_the_end(void)
     CU_ASSERT(result.judged[3] && !result.met[3]); /* there is no such thing */
     CU_ASSERT_FALSE(result.all_met);
     CU_ASSERT(file_has("summary.json", "\"name\": \"puck_b\",\n      \"x_m\": 1,"));
+    wanted[0].from_s = wanted[3].from_s = 3; /* the duration */
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(!result.judged[0] && !result.judged[3] && result.all_met);
     input.objects_count = 0;
     experiment.expect = expectations;
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
