@@ -72,19 +72,27 @@ static void tracks_draw_axis(const struct tracks *t, const struct svg_scale *sca
             (t->y.from_px + t->y.to_px) / 2);
 }
 
+/* What stands is grey; a mark on the floor has its own colour, lightly. */
+static void tracks_draw_shape(const struct tracks *t, const struct world_shape *shape)
+{
+    char style[80] = "fill=\"#c3c8ce\" stroke=\"#c3c8ce\" stroke-width=\".6\"";
+    if (!shape->look.stops && !shape->look.echoes) {
+        snprintf(style, sizeof style, "fill=\"#%06x\" opacity=\".2\"", shape->look.rgb);
+    }
+    double at[2], half[2] = {shape->half_x_m * t->px_per_m, shape->half_y_m * t->px_per_m};
+    tracks_place(t, shape->pose.x_m, shape->pose.y_m, at);
+    if (shape->kind == WORLD_DISC) {
+        svg_circle(t->file, at, shape->radius_m * t->px_per_m, style);
+    } else {
+        svg_box(t->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
+    }
+}
+
 static void tracks_draw_world(const struct tracks *t)
 {
-    static const char style[] = "fill=\"#c3c8ce\" stroke=\"#c3c8ce\" stroke-width=\".6\"";
     const struct world *w = t->data->input->world;
     for (size_t i = 0; i < w->shape_count; i++) {
-        const struct world_shape *shape = &w->shapes[i];
-        double at[2], half[2] = {shape->half_x_m * t->px_per_m, shape->half_y_m * t->px_per_m};
-        tracks_place(t, shape->pose.x_m, shape->pose.y_m, at);
-        if (shape->kind == WORLD_DISC) {
-            svg_circle(t->file, at, shape->radius_m * t->px_per_m, style);
-        } else {
-            svg_box(t->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
-        }
+        tracks_draw_shape(t, &w->shapes[i]);
     }
     double centre[2] = {(t->x.from_px + t->x.to_px) / 2, (t->y.from_px + t->y.to_px) / 2};
     double half[2] = {(t->x.to_px - t->x.from_px) / 2, (t->y.from_px - t->y.to_px) / 2};
