@@ -93,7 +93,8 @@ static void tracks_draw_world(const struct tracks *t)
         char flat[64];
         snprintf(flat, sizeof flat, "fill=\"#%06x\" fill-opacity=\".15\"",
                  (unsigned)w->shapes[i].look.rgb);
-        tracks_draw_shape(t, &w->shapes[i], w->shapes[i].look.stops ? solid : flat);
+        bool stands = w->shapes[i].look.stops || w->shapes[i].look.echoes;
+        tracks_draw_shape(t, &w->shapes[i], stands ? solid : flat);
     }
     double centre[2] = {(t->x.from_px + t->x.to_px) / 2, (t->y.from_px + t->y.to_px) / 2};
     double half[2] = {(t->x.to_px - t->x.from_px) / 2, (t->y.from_px - t->y.to_px) / 2};

@@ -264,6 +264,26 @@ observer:
 """
 
 
+def picture(path):
+    """What a world looks like, without its name."""
+    done = muster("world", "draw", path)
+    check_equal(done.returncode, 0, done.stderr)
+    return done.stdout.split("</title>", 1)[1]
+
+
+def test_import_changes_nothing_that_can_be_seen():
+    corpus = ROOT / "tests" / "corpus" / "world"
+    worlds = [w for w in sorted(corpus.glob("*.world")) if w.name != "mistakes.world"]
+    worlds += sorted((ROOT / "worlds").glob("*.world"))
+    check(len(worlds) >= 6, worlds)
+    with folder() as where:
+        for world in worlds:
+            out = where / world.name
+            done = muster("world", "import", world, "--out", out)
+            check_equal(done.returncode, 0, done.stderr)
+            check(picture(out) == picture(world), f"{world.name} looks different")
+
+
 def world_drive(path, seconds):
     """Drives the world's first robot in the real programs.  Gives the rows of its track."""
     with folder() as where:

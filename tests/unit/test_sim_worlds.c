@@ -30,7 +30,11 @@ static mu_result next_world(const char *path)
     return r;
 }
 
-/* Drives all robots in a circle for 10 s.  @return how far the one came that came farthest */
+/*
+ * Drives all robots in a circle for 10 s, 3 m in all: Stage's floor plans stop nobody.
+ *
+ * @return how far the one came that came farthest
+ */
 static double drive_all(struct engine *e)
 {
     double farthest_m = 0;
@@ -46,8 +50,8 @@ static double drive_all(struct engine *e)
         double state[ENGINE_STATE_DOUBLES];
         engine_state(e, i, state);
         CU_ASSERT(isfinite(state[0]) && isfinite(state[1]));
-        CU_ASSERT(state[0] > world.min_x_m - 1 && state[0] < world.max_x_m + 1);
-        CU_ASSERT(state[1] > world.min_y_m - 1 && state[1] < world.max_y_m + 1);
+        CU_ASSERT(state[0] > world.min_x_m - 4 && state[0] < world.max_x_m + 4);
+        CU_ASSERT(state[1] > world.min_y_m - 4 && state[1] < world.max_y_m + 4);
         const struct world_pose *start = &world.robots[i].pose;
         farthest_m = fmax(farthest_m, hypot(state[0] - start->x_m, state[1] - start->y_m));
     }
