@@ -221,6 +221,10 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
 
+.PHONY: bench-scale
+bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
+	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
+
 # Against other brokers: their packages are asked for here, and needed nowhere else.
 PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)
 LIBS_peer_muster := -lddsc -lm
