@@ -185,6 +185,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-crush
+soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
+	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
