@@ -204,6 +204,10 @@ soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half 
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
 
+.PHONY: soak-crush
+soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
+	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 

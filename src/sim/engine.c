@@ -9,6 +9,9 @@
 
 #define ENGINE_SUBSTEP_NS 20000000ull
 
+/* Pairs of neighbours, for each part: a box in a heap has six or so, and each counts for two. */
+enum { ENGINE_PAIRS = 8 };
+
 /* splitmix64's last stage: neighbouring steps get seeds that have nothing in common. */
 static uint64_t engine_mix(uint64_t x)
 {
@@ -39,6 +42,8 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     e->objects = mu_startup_array(e->object_count, sizeof *e->objects);
     e->percepts = mu_startup_array(e->robot_count, sizeof *e->percepts);
     e->outlines = mu_startup_array(e->part_count, sizeof *e->outlines);
+    e->pairs_max = ENGINE_PAIRS * e->part_count;
+    e->pairs = mu_startup_array(e->pairs_max, sizeof *e->pairs);
     e->parts = mu_startup_array(e->part_count, sizeof *e->parts);
     e->shapes = mu_startup_array(world->shape_count, sizeof *e->shapes);
     e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
@@ -164,6 +169,7 @@ static void engine_substep(struct engine *e)
     e->substeps++;
     ode_world_step(e->dt_s, engine_mix(e->seed ^ engine_mix(e->substeps)));
     engine_settle(e);
+    engine_draw_apart(e);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_note(e, i);
     }

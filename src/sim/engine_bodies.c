@@ -262,11 +262,6 @@ void engine_load_forces(struct engine *e)
 
 /* --- what they touch -------------------------------------------------------------------------- */
 
-static bool engine_body_sleeps(const struct engine *e, int32_t body)
-{
-    return body == ODE_WORLD_STANDS || e->bodies[body].asleep;
-}
-
 /* What moves wakes what it touches, and keeps it awake. */
 static void engine_wake(struct engine *e, int32_t body, int32_t by)
 {
@@ -317,43 +312,48 @@ static void engine_plug(struct engine *e, const struct engine_part *part, double
     }
 }
 
-static void engine_touch(struct engine *e, const struct engine_part *a, const struct engine_part *b,
-                         const struct narrow_contact *contact)
+static void engine_touch(struct engine *e, const struct engine_pair *pair)
 {
-    if (contact->count == 0) {
+    const struct engine_part *a = &e->parts[pair->part];
+    const struct engine_part *b = pair->stands ? &e->stands[pair->other] : &e->parts[pair->other];
+    const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
+    bool stop = a->look->stops && b->look->stops;
+    struct narrow_contact contact;
+    if (stop) {
+        engine_note_near(e, pair, other);
+    }
+    narrow_collide(&e->outlines[pair->part], other, &contact);
+    if (contact.count == 0) {
         return;
     }
     engine_plug(e, a, b->look->give_w);
     engine_plug(e, b, a->look->give_w);
-    if (!a->look->stops || !b->look->stops) {
+    if (!stop) {
         return;
     }
-    ode_world_touch((size_t)a->body, b->body, contact);
-    engine_bump(e, a, contact);
-    engine_bump(e, b, contact);
+    ode_world_touch((size_t)a->body, b->body, &contact);
+    engine_bump(e, a, &contact);
+    engine_bump(e, b, &contact);
     engine_wake(e, a->body, b->body);
     engine_wake(e, b->body, a->body);
 }
 
 /* The order of the contacts is part of the result: by part, then as grid_near lists them. */
-static void engine_collide_part(struct engine *e, size_t i)
+static void engine_collide_part(struct engine *e, uint32_t i)
 {
-    struct narrow_contact contact;
-    const struct engine_part *own = &e->parts[i];
-    bool sleeps = engine_body_sleeps(e, own->body);
+    int32_t own = e->parts[i].body;
+    bool sleeps = e->bodies[own].asleep;
     if (e->outlines[i].away || (sleeps && i >= e->awake_end)) {
         return;
     }
-    grid_near(&e->grid, (uint32_t)i, &e->near);
+    grid_near(&e->grid, i, &e->near);
     for (size_t k = 0; !sleeps && k < e->near.still_count; k++) {
-        narrow_collide(&e->outlines[i], &e->shapes[e->near.still[k]], &contact);
-        engine_touch(e, own, &e->stands[e->near.still[k]], &contact);
+        engine_touch(e, &(struct engine_pair){i, e->near.still[k], true});
     }
     for (size_t k = 0; k < e->near.moving_count; k++) {
-        const struct engine_part *other = &e->parts[e->near.moving[k]];
-        if (other->body != own->body && !(sleeps && engine_body_sleeps(e, other->body))) {
-            narrow_collide(&e->outlines[i], &e->outlines[e->near.moving[k]], &contact);
-            engine_touch(e, own, other, &contact);
+        int32_t other = e->parts[e->near.moving[k]].body;
+        if (other != own && !(sleeps && e->bodies[other].asleep)) {
+            engine_touch(e, &(struct engine_pair){i, e->near.moving[k], false});
         }
     }
 }
@@ -361,6 +361,7 @@ static void engine_collide_part(struct engine *e, size_t i)
 void engine_collide(struct engine *e)
 {
     e->awake_end = 0;
+    e->pair_count = 0;
     for (size_t k = 0; k < e->object_count; k++) {
         struct engine_body *b = &e->bodies[e->robot_count + k];
         b->touched = false;
@@ -369,7 +370,7 @@ void engine_collide(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].charge_w = 0;
     }
-    for (size_t i = 0; i < e->part_count; i++) {
+    for (uint32_t i = 0; i < e->part_count; i++) {
         engine_collide_part(e, i);
     }
 }

@@ -34,6 +34,7 @@ struct engine_body {
     struct engine_force push;      /* from outside */
     uint32_t push_substeps;        /* for so long */
     bool asleep;                   /* an object at rest that nothing pushes */
+    bool shifted;                  /* it was moved apart from another one */
     bool touched;                  /* something that moves touches it in this substep */
     bool fault;                    /* it was put back in this step */
     uint64_t faults;               /* since the start */
@@ -65,6 +66,12 @@ struct engine_part {
     const struct world_look *look;
 };
 
+/* Two pieces of matter that may touch: a part, and another one or a shape that stands. */
+struct engine_pair {
+    uint32_t part, other;
+    bool stands;
+};
+
 struct engine {
     const struct world *world;
     uint64_t seed, steps, substeps; /* since the start */
@@ -78,6 +85,8 @@ struct engine {
     struct engine_part *parts;
     struct solid *shapes; /* what stands */
     struct engine_part *stands;
+    struct engine_pair *pairs; /* that are near each other in this substep */
+    size_t pair_count, pairs_max;
     size_t awake_end; /* no object from this part on is awake */
     struct fence fence;
     struct grid grid;
@@ -121,6 +130,14 @@ struct gripper_frame engine_frame(const struct engine *e, size_t body);
  */
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m);
+
+/* engine_apart.c: */
+
+/** Notes a pair that may be deep after the step; beyond pairs_max it is the solver's alone. */
+void engine_note_near(struct engine *e, const struct engine_pair *pair, const struct solid *other);
+
+/** Moves the pairs that were noted apart, after the solver's step. */
+void engine_draw_apart(struct engine *e);
 
 /* engine_grip.c: */
 

@@ -14,8 +14,8 @@
 /* Measured: 1 mm of steady penetration, no explosions in a crowd of 1000. */
 static const struct {
     double friction, soft_erp, soft_cfm, correcting_m_s, layer_m;
-    int iterations;
-} ode_world_tuning = {0.5, 0.2, 1e-5, 1.0, 0.001, 20};
+    size_t rounds_min, rounds_max, touches_per_round;
+} ode_world_tuning = {0.5, 0.2, 1e-5, 1.0, 0.001, 20, 100, 25};
 
 struct ode_body {
     dBodyID id;
@@ -27,6 +27,7 @@ static struct {
     dJointGroupID contacts;
     struct ode_body *bodies;
     size_t count, max;
+    size_t touches; /* points of contact in the next step */
 } ode_world;
 
 static void ode_world_log(enum mu_log_level level, const char *event, int number,
@@ -60,7 +61,6 @@ void ode_world_open(size_t bodies_max)
     ode_world.world = dWorldCreate();
     ode_world.contacts = dJointGroupCreate(0);
     dWorldSetGravity(ode_world.world, 0, 0, 0);
-    dWorldSetQuickStepNumIterations(ode_world.world, ode_world_tuning.iterations);
     dWorldSetContactMaxCorrectingVel(ode_world.world, ode_world_tuning.correcting_m_s);
     dWorldSetContactSurfaceLayer(ode_world.world, ode_world_tuning.layer_m);
     if (bodies_max > ode_world.max) { /* a later world uses the same memory if it can */
@@ -160,6 +160,11 @@ void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE])
     dBodySetTorque(id, 0, 0, 0);
 }
 
+void ode_world_shift(size_t body, double x, double y)
+{
+    dBodySetPosition(ode_world.bodies[body].id, x, y, 0);
+}
+
 void ode_world_set_velocity(size_t body, double vx, double vy, double turn)
 {
     dBodyID id = ode_world.bodies[body].id;
@@ -225,6 +230,7 @@ void ode_world_push(size_t body, double fx_n, double fy_n, double torque_nm)
 void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
 {
     dBodyID first = ode_world.bodies[a].id;
+    ode_world.touches += contact->count;
     dBodyID second = b == ODE_WORLD_STANDS ? NULL : ode_world.bodies[b].id;
     for (size_t i = 0; i < contact->count; i++) {
         /* One direction of friction: the other one would be vertical. */
@@ -244,10 +250,21 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
     }
 }
 
+/* A push goes on by about one body in a round: a heap of many takes more rounds. */
+static int ode_world_rounds(void)
+{
+    size_t rounds = ode_world.touches / ode_world_tuning.touches_per_round;
+    size_t least = ode_world_tuning.rounds_min;
+    size_t most = ode_world_tuning.rounds_max;
+    return (int)(rounds < least ? least : rounds > most ? most : rounds);
+}
+
 void ode_world_step(double dt_s, uint64_t seed)
 {
     /* QuickStep shuffles with one generator for the whole process: its state is set, not kept. */
     dRandSetSeed((unsigned long)(seed & 0xffffffffu));
+    dWorldSetQuickStepNumIterations(ode_world.world, ode_world_rounds());
     dWorldQuickStep(ode_world.world, dt_s);
     dJointGroupEmpty(ode_world.contacts);
+    ode_world.touches = 0;
 }
