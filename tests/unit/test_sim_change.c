@@ -2,6 +2,7 @@
 /* What a person changes in a running world, and what keeps a broken body from breaking the run. */
 #include "../support/capture.h"
 #include "../support/physics.h"
+#include "../support/suite.h"
 
 static const char *reason;
 
@@ -238,6 +239,5 @@ int main(void)
         {"speed, and the way to stop", test_speed_and_way_to_stop},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/change", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/change", tests);
 }

@@ -4,6 +4,7 @@
  * MUSTER_SECONDS make the last one larger (make soak-crush).
  */
 #include "../support/physics.h"
+#include "../support/suite.h"
 #include "sim/narrow.h"
 
 #define OVERLAP_MAX_M 0.010
@@ -149,6 +150,5 @@ int main(void)
         {"a heap", test_a_heap},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/crush", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    return physics_main(suites);
+    return suite_run("sim/crush", tests);
 }
