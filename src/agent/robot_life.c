@@ -77,6 +77,7 @@ static void on_clone(void *self, mu_agent *a)
 static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
 {
     struct mind_act act;
+    robot_settle(r);
     mind_event_now(r->mind, event, &act);
     mu_agent_fired(a, act.firings, act.rules);
 }
@@ -112,12 +113,14 @@ void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *r
     struct robot *r = self;
     mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a),
            change, reason);
+    robot_settle(r);
     mind_refused(r->mind, change, reason);
 }
 
 void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
+    robot_settle(r);
     r->rules_left = 0;
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
@@ -125,13 +128,12 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     }
 }
 
-/* A suspended mind keeps still, so that a person can look at it. */
-void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+void robot_settle(struct robot *r)
 {
-    struct robot *r = self;
-    if (mu_agent_state(a) == MU_SUSPENDED) {
+    if (!r->percept_waits) {
         return;
     }
+    const struct mu_percept *p = &r->percept;
     struct mind_percept percept = {.time_ns = p->time_ns,
                                    .x_m = p->x_m,
                                    .y_m = p->y_m,
@@ -141,7 +143,23 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
                                    .stalled = p->stalled,
                                    .sonar_count = p->sonar_count,
                                    .sonar_m = p->sonar_m};
+    r->percept_waits = false;
     mind_percept(r->mind, &percept);
+}
+
+/* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
+ */
+void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    if (mu_agent_state(a) == MU_SUSPENDED) {
+        return;
+    }
+    r->percept = *p;
+    r->percept_waits = true;
+    if (mu_agent_state(a) != MU_RUNNING) {
+        robot_settle(r);
+    }
 }
 
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
@@ -150,6 +168,7 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     struct robot *r = self;
     struct mind_act act;
     uint32_t left = r->rules_left;
+    robot_settle(r);
     mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
         mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
