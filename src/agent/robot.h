@@ -33,8 +33,10 @@ struct robot {
     char name[MU_NAME_MAX + 1];
     struct mind *mind;
     mu_agent *agent;
-    bool out;            /* it takes no part: it is disposed of, or its name is refused */
-    bool box_full;       /* said once */
+    struct mu_percept percept; /* of this step, */
+    bool percept_waits;        /* which the mind has not taken yet */
+    bool out;                  /* it takes no part: it is disposed of, or its name is refused */
+    bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
@@ -78,6 +80,13 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 
 /** What robots do beside their rules, and with which events their rules hear of their life. */
 extern const struct mu_agent_kind robot_kind;
+
+/**
+ * Lets the mind take the percept that waits, before anything else reaches it.  While it runs, that
+ * is when it acts or has mail: of many minds each is met once a step, not twice, and what it works
+ * on is in the processor's caches then.
+ */
+void robot_settle(struct robot *r);
 
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
