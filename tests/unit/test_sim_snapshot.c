@@ -121,7 +121,7 @@ static void test_it_goes_on_as_if_nothing_had_been(void)
 static void test_at_any_step(void)
 {
     const char *reason;
-    bool held;
+    bool held = false;
     for (unsigned at = 3; at < 300; at += 27) {
         struct engine *e = start_crowd(2);
         (void)live(e, 0, at, &held);
@@ -158,7 +158,7 @@ static void check_refused(struct engine *e, size_t size, mu_result want)
 
 static void test_what_is_broken_changes_nothing(void)
 {
-    bool held;
+    bool held = false;
     struct engine *e = start_crowd(1);
     size_t size = engine_save_size(e);
     (void)live(e, 0, 20, &held);
@@ -182,7 +182,7 @@ static void test_poison_is_refused(void)
 {
     static const double poison[] = {(double)NAN, (double)INFINITY, 1e300};
     const char *reason;
-    bool held;
+    bool held = false;
     struct engine *e = start_crowd(1);
     size_t size = engine_save_size(e);
     (void)live(e, 0, 20, &held);
