@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which worlds have an outside, and where it begins. */
+#include "../support/suite.h"
 #include "sim/fence.h"
 
 #include <CUnit/Basic.h>
@@ -11,6 +12,8 @@ enum { WALLS = 4 };
 static struct fence fence;
 
 /* Four walls around 10 by 6 m; the one on the right ends `gap` short. */
+static uint32_t returns = SOLID_ALL; /* of the wall on the right */
+
 static void measure(double gap, double body_m, size_t count)
 {
     struct solid walls[WALLS] = {
@@ -19,6 +22,7 @@ static void measure(double gap, double body_m, size_t count)
         solid_box((struct world_pose){-5.1, 0, M_PI / 2}, 3.2, 0.1),
         solid_box((struct world_pose){5.1, -gap / 2, 0}, 0.1, 3 - gap / 2),
     };
+    walls[3].returns = returns;
     fence_measure(&fence, walls, count, body_m);
 }
 
@@ -47,6 +51,15 @@ static void test_a_way_out_opens_it(void)
     }
 }
 
+static void test_a_wall_that_stops_nobody_is_a_way_out(void)
+{
+    returns = SOLID_ECHOES | SOLID_SHOWS;
+    measure(0, 0.1, WALLS);
+    CU_ASSERT_FALSE(fence.closed);
+    CU_ASSERT_TRUE(fence_holds(&fence, 6, 0));
+    returns = SOLID_ALL;
+}
+
 static void test_who_starts_outside_opens_it(void)
 {
     measure(0, 0.1, WALLS);
@@ -62,15 +75,9 @@ int main(void)
     CU_TestInfo tests[] = {
         {"four walls close a world", test_four_walls_close_a_world},
         {"a way out opens it", test_a_way_out_opens_it},
+        {"a wall that stops nobody is a way out", test_a_wall_that_stops_nobody_is_a_way_out},
         {"who starts outside opens it", test_who_starts_outside_opens_it},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/fence", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/fence", tests);
 }
