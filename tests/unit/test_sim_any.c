@@ -6,6 +6,7 @@
  */
 #include "../support/capture.h"
 #include "../support/physics.h"
+#include "../support/suite.h"
 #include "core/random.h"
 
 #define HALF_M 2.5
@@ -164,12 +165,5 @@ static void test_any_world(void)
 int main(void)
 {
     CU_TestInfo tests[] = {{"any world", test_any_world}, CU_TEST_INFO_NULL};
-    CU_SuiteInfo suites[] = {{"sim/any", NULL, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
-    CU_initialize_registry();
-    CU_register_suites(suites);
-    CU_basic_set_mode(CU_BRM_NORMAL);
-    CU_basic_run_tests();
-    unsigned failures = CU_get_number_of_failures();
-    CU_cleanup_registry();
-    return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+    return suite_run("sim/any", tests);
 }
