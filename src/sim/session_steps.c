@@ -383,6 +383,7 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     for (uint32_t i = 0; i < s->process_count; i++) {
         (void)bus_drain(&s->processes[i].sense, 200000000);
     }
+    (void)bus_drain(&s->answers, 200000000);
     (void)bus_drain(&s->status, 500000000);
     return ran;
 }
