@@ -179,6 +179,7 @@ def test_import_says_what_is_wrong_with_a_map():
                                ("[1.0, 2.0, 0]", "[1.0]", "expected 'origin'"),
                                ("negate: 0", "mode: raw", "4:7: expected a mode"),
                                ("free_thresh: 0.196", "free_thresh: 0.9", "6:14: expected"),
+                               ("0.65\nfree_thresh: 0.196", "0.1", "1:1: expected 'free_thresh'"),
                                ("image", ": [", ":")]:
             map_write(where)
             path = where / "map.yaml"
