@@ -93,19 +93,6 @@ static void percept_sights(struct mind *m)
     }
 }
 
-/*
- * Whether rules could miss the fact of the ring: one has a pattern of it, or a query over facts, or
- * it is watched.  CLIPS counts such uses together with the facts that there are, and C holds one.
- */
-static bool percept_ring_is_used(const struct mind *m)
-{
-    long facts = 0;
-    for (const struct fact *f = m->ring->factList; f; f = f->nextTemplateFact) {
-        facts++;
-    }
-    return m->ring->patternNetwork || m->ring->watch || m->ring->busyCount - 1 > facts;
-}
-
 void clips_percept_show(struct mind *m)
 {
     if (m->ring_unseen) {
@@ -122,7 +109,7 @@ void clips_percept_show(struct mind *m)
 /* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
 static void percept_ring(struct mind *m)
 {
-    m->ring_unseen = m->percept.sonar_count > 0 && !percept_ring_is_used(m);
+    m->ring_unseen = m->percept.sonar_count > 0 && !clips_sense_is_used(m->ring);
     if (m->ring_unseen) {
         m->ring_number = FactData(m->env)->NextFactIndex++;
     } else {

@@ -24,7 +24,9 @@ static double engine_thinnest(const struct engine *e)
 {
     double thinnest = INFINITY;
     for (size_t i = 0; i < e->world->shape_count; i++) {
-        thinnest = fmin(thinnest, fmin(e->shapes[i].half_x, e->shapes[i].half_y));
+        if (e->world->shapes[i].look.stops) {
+            thinnest = fmin(thinnest, fmin(e->shapes[i].half_x, e->shapes[i].half_y));
+        }
     }
     for (size_t k = 0; k < e->object_count; k++) {
         struct solid solid = solid_of_shape(&e->world->objects[k].shape);
@@ -194,7 +196,7 @@ static void engine_settle_object(struct engine *e, size_t object)
 {
     size_t body = e->robot_count + object;
     struct engine_body *b = &e->bodies[body];
-    if (b->asleep || e->objects[object].bearer != ENGINE_NO_BEARER) {
+    if (b->asleep || engine_is_held(e, body)) {
         return;
     }
     engine_follow(e, body);

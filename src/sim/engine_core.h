@@ -150,6 +150,12 @@ void engine_carry(struct engine *e, size_t robot);
 /** Lets go what a robot holds, where it is. */
 void engine_let_go(struct engine *e, size_t robot);
 
+/** Takes again what a robot has just let go; neither has moved since. */
+void engine_take_back(struct engine *e, size_t robot, size_t object);
+
+/** @return whether a body is a thing that a robot holds */
+bool engine_is_held(const struct engine *e, size_t body);
+
 /** Takes over, from a snapshot, what a robot's gripper holds. */
 void engine_resume_grip(struct engine *e, size_t robot);
 

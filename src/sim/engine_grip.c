@@ -130,6 +130,17 @@ void engine_let_go(struct engine *e, size_t robot)
     engine_weigh(e, robot);
 }
 
+void engine_take_back(struct engine *e, size_t robot, size_t object)
+{
+    engine_bind(e, robot, object);
+    engine_carry(e, robot);
+}
+
+bool engine_is_held(const struct engine *e, size_t body)
+{
+    return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
+}
+
 /* Whether what is held up can be let down here. */
 static bool engine_has_room(struct engine *e, size_t robot)
 {

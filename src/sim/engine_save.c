@@ -286,6 +286,7 @@ static void engine_rebuild(struct engine *e)
         engine_follow(e, i);
     }
     grid_update(&e->grid);
+    senses_forget(e->senses);
     engine_feel_grippers(e);
 }
 

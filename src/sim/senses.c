@@ -152,8 +152,14 @@ static void senses_memory_share(struct senses *s)
         next.ranges_m = r->laser_m + r->kind->laser.table.count;
         next.blobs += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
         next.fiducials += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+    }
+}
+
+void senses_forget(struct senses *s)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
         for (size_t k = 0; k < WORLD_SENSORS; k++) {
-            r->record->read_ns[k] = SENSES_NEVER;
+            s->robots[i].record->read_ns[k] = SENSES_NEVER;
         }
     }
 }
@@ -187,6 +193,7 @@ struct senses *senses_open(const struct senses_scene *scene)
     }
     senses_memory_take(&s->memory);
     senses_memory_share(s);
+    senses_forget(s);
     const struct grid_layer *still = &scene->grid->still;
     const struct grid_layer *moving = &scene->grid->moving;
     gather_init(&s->gather, still->solids, still->count, moving->solids, moving->count);
@@ -358,53 +365,5 @@ void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct e
     if (told & (1u << WORLD_FIDUCIALS)) {
         out->fiducials = r->fiducials;
         out->fiducial_count = r->record->fiducial_count;
-    }
-}
-
-/* --- snapshots -------------------------------------------------------------------------------- */
-
-/* The parts of the memory, as bytes.  A table, so that none is forgotten on the way back. */
-enum { SENSES_PARTS = 4 };
-
-struct senses_part {
-    void *at;
-    size_t count;
-};
-
-static void senses_parts(const struct senses *s, struct senses_part parts[SENSES_PARTS])
-{
-    const struct senses_memory *m = &s->memory;
-    parts[0] = (struct senses_part){m->records, m->record_count * sizeof *m->records};
-    parts[1] = (struct senses_part){m->ranges_m, m->range_count * sizeof *m->ranges_m};
-    parts[2] = (struct senses_part){m->blobs, m->blob_count * sizeof *m->blobs};
-    parts[3] = (struct senses_part){m->fiducials, m->fiducial_count * sizeof *m->fiducials};
-}
-
-size_t senses_bytes(const struct senses *s)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    return parts[0].count + parts[1].count + parts[2].count + parts[3].count;
-}
-
-void senses_save(const struct senses *s, void *to)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    char *next = to;
-    for (size_t k = 0; k < SENSES_PARTS; k++) {
-        memcpy(next, parts[k].at, parts[k].count);
-        next += parts[k].count;
-    }
-}
-
-void senses_load(struct senses *s, const void *from)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    const char *next = from;
-    for (size_t k = 0; k < SENSES_PARTS; k++) {
-        memcpy(parts[k].at, next, parts[k].count);
-        next += parts[k].count;
     }
 }

@@ -82,6 +82,41 @@ static void test_a_robot_takes_along_what_it_holds(void)
     engine_close(e);
 }
 
+static void test_a_refused_reset_changes_nothing(void)
+{
+    physics_clear();
+    physics_fence(3);
+    struct world_robot *r = physics_robot(0, 0, 0);
+    r->gripper = (struct world_gripper){.pose = {0.27, 0, 0},
+                                        .length_m = 0.1,
+                                        .width_m = 0.3,
+                                        .paddle_length_m = 0.2,
+                                        .paddle_width_m = 0.04};
+    physics_object(0.42, 0, 0.05);
+    physics_robot(-2, 0, 0);
+    struct engine *e = physics_start(1);
+    CU_ASSERT_EQUAL(engine_grip(e, 0, 1, 0), MU_OK);
+    (void)physics_run(e, 0, 15);
+    CU_ASSERT_EQUAL(engine_grip(e, 0, 0, 1), MU_OK);
+    struct engine_percept p = physics_run(e, 0, 15);
+    CU_ASSERT(p.gripper & ENGINE_GRIPPER_HOLDS && p.gripper & ENGINE_GRIPPER_LIFTED);
+    CU_ASSERT_EQUAL(place(e, 0, 2, 0), MU_OK);
+    CU_ASSERT_EQUAL(place(e, 1, 0.2, 0), MU_OK);
+    uint64_t before = physics_hash(e, 1);
+    p = physics_run(e, 0, 0);
+    REFUSED(engine_reset(e, 0, &reason), "robot1");
+    REFUSED(engine_reset(e, 2, &reason), "robot1"); /* the thing that it holds */
+    CU_ASSERT_EQUAL(physics_hash(e, 1), before);
+    CU_ASSERT_EQUAL(physics_run(e, 0, 0).gripper, p.gripper);
+    REFUSED(place(e, 2, 1, 1), "held by robot0");
+    physics_drive(e, 0, 0, 1);
+    (void)physics_run(e, 0, 5);
+    double from_m = hypot(engine_pose(e, 2).x_m - engine_pose(e, 0).x_m,
+                          engine_pose(e, 2).y_m - engine_pose(e, 0).y_m);
+    CU_ASSERT_DOUBLE_EQUAL(from_m, 0.42, 1e-3); /* it still goes where the robot goes */
+    engine_close(e);
+}
+
 static void test_pushes(void)
 {
     physics_clear();
@@ -231,6 +266,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"a body is put where there is room", test_a_body_is_put_where_there_is_room},
         {"a robot takes along what it holds", test_a_robot_takes_along_what_it_holds},
+        {"a refused reset changes nothing", test_a_refused_reset_changes_nothing},
         {"pushes", test_pushes},
         {"a reset is a new start", test_a_reset_is_a_new_start},
         {"who is flung out is put back", test_who_is_flung_out_is_put_back},
