@@ -46,7 +46,7 @@ static struct world_pose engine_start_pose(const struct engine *e, size_t body)
 /* After a change: what is near what, and what the grippers feel. */
 static void engine_look_again(struct engine *e)
 {
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     engine_feel_grippers(e);
 }
 
@@ -153,7 +153,7 @@ mu_result engine_reset(struct engine *e, size_t body, const char **reason)
     } else if (engine_is_borne(e, body)) {
         engine_let_go(e, (size_t)e->objects[body - e->robot_count].bearer);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     mu_result placed = engine_place(e, body, engine_start_pose(e, body), reason);
     if (placed == MU_OK && body < e->robot_count) {
         engine_start_devices(e, body);
