@@ -49,6 +49,7 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
     e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
     e->near.moving = mu_startup_array(e->part_count, sizeof *e->near.moving);
+    engine_start_neighbours(e);
 }
 
 static void engine_build_fence(struct engine *e)
@@ -155,7 +156,7 @@ static void engine_run_grippers(struct engine *e)
         moved = engine_run_gripper(e, i) || moved;
     }
     if (moved) {
-        grid_update(&e->grid);
+        e->grid_is_old = true;
     }
 }
 
@@ -173,7 +174,7 @@ static void engine_substep(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_note(e, i);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     engine_run_grippers(e);
 }
 
@@ -194,6 +195,14 @@ void engine_step(struct engine *e)
     engine_feel_grippers(e);
 }
 
+void engine_fresh_grid(struct engine *e)
+{
+    if (e->grid_is_old) {
+        grid_update(&e->grid);
+        e->grid_is_old = false;
+    }
+}
+
 /* --- what comes out --------------------------------------------------------------------------- */
 
 static void engine_place_senses(struct engine *e, size_t robot)
@@ -207,6 +216,7 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_place_senses(e, i);
     }
+    engine_fresh_grid(e);
     senses_read_all(e->senses, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_feel(e, i, &e->percepts[i]);
@@ -219,6 +229,7 @@ void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
     engine_place_senses(e, robot);
+    engine_fresh_grid(e);
     senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
     engine_feel(e, robot, out);
     senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);

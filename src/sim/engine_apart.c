@@ -18,18 +18,11 @@
 /* Moved apart to this depth: they go on touching. */
 #define ENGINE_LEFT_M 0.004
 
-/* Who is so near may be deep in another one after a substep. */
-#define ENGINE_NEAR_M 0.05
-
 enum { ENGINE_SWEEPS = 32 };
 
-void engine_note_near(struct engine *e, const struct engine_pair *pair, const struct solid *other)
+void engine_note_near(struct engine *e, const struct engine_pair *pair)
 {
-    const struct solid *own = &e->outlines[pair->part];
-    double dx = own->x - other->x;
-    double dy = own->y - other->y;
-    double reach = own->reach + other->reach + ENGINE_NEAR_M;
-    if (dx * dx + dy * dy < reach * reach && e->pair_count < e->pairs_max) {
+    if (e->pair_count < e->pairs_max) {
         e->pairs[e->pair_count++] = *pair;
     }
 }

@@ -319,10 +319,13 @@ static void engine_touch(struct engine *e, const struct engine_pair *pair)
     const struct engine_part *a = &e->parts[pair->part];
     const struct engine_part *b = pair->stands ? &e->stands[pair->other] : &e->parts[pair->other];
     const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
+    if (!engine_is_near(e, pair->part, other)) {
+        return;
+    }
     bool stop = a->look->stops && b->look->stops;
     struct narrow_contact contact;
     if (stop) {
-        engine_note_near(e, pair, other);
+        engine_note_near(e, pair);
     }
     narrow_collide(&e->outlines[pair->part], other, &contact);
     if (contact.count == 0) {
@@ -340,22 +343,29 @@ static void engine_touch(struct engine *e, const struct engine_pair *pair)
     engine_wake(e, b->body, a->body);
 }
 
-/* The order of the contacts is part of the result: by part, then as grid_near lists them. */
+static bool engine_may_meet(const struct engine *e, const struct engine_pair *pair)
+{
+    int32_t own = e->parts[pair->part].body;
+    if (pair->stands) {
+        return !e->bodies[own].asleep;
+    }
+    int32_t other = e->parts[pair->other].body;
+    return other != own && !e->outlines[pair->other].away &&
+           !(e->bodies[own].asleep && e->bodies[other].asleep);
+}
+
+/* The order of the contacts is part of the result: by part, then as the neighbours are listed. */
 static void engine_collide_part(struct engine *e, uint32_t i)
 {
-    int32_t own = e->parts[i].body;
-    bool sleeps = e->bodies[own].asleep;
+    bool sleeps = e->bodies[e->parts[i].body].asleep;
     if (e->outlines[i].away || (sleeps && i >= e->awake_end)) {
         return;
     }
-    grid_near(&e->grid, i, &e->near);
-    for (size_t k = 0; !sleeps && k < e->near.still_count; k++) {
-        engine_touch(e, &(struct engine_pair){i, e->near.still[k], true});
-    }
-    for (size_t k = 0; k < e->near.moving_count; k++) {
-        int32_t other = e->parts[e->near.moving[k]].body;
-        if (other != own && !(sleeps && e->bodies[other].asleep)) {
-            engine_touch(e, &(struct engine_pair){i, e->near.moving[k], false});
+    size_t count;
+    const struct engine_pair *pairs = engine_neighbours_of(e, i, &count);
+    for (size_t k = 0; k < count; k++) {
+        if (engine_may_meet(e, &pairs[k])) {
+            engine_touch(e, &pairs[k]);
         }
     }
 }
@@ -372,6 +382,7 @@ void engine_collide(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].charge_w = 0;
     }
+    engine_list_neighbours(e);
     for (uint32_t i = 0; i < e->part_count; i++) {
         engine_collide_part(e, i);
     }
@@ -391,6 +402,7 @@ static bool engine_is_in(const struct solid *a, const struct solid *b, double to
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m)
 {
+    engine_fresh_grid(e);
     grid_around(&e->grid, solid, &e->near);
     for (size_t k = 0; k < e->near.still_count; k++) {
         uint32_t still = e->near.still[k];

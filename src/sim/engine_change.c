@@ -46,7 +46,7 @@ static struct world_pose engine_start_pose(const struct engine *e, size_t body)
 /* After a change: what is near what, and what the grippers feel. */
 static void engine_look_again(struct engine *e)
 {
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     engine_feel_grippers(e);
 }
 
@@ -149,7 +149,7 @@ mu_result engine_reset(struct engine *e, size_t body, const char **reason)
     if (held != GRIPPER_NOTHING) {
         engine_let_go(e, (size_t)bearer);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     mu_result placed = engine_place(e, body, engine_start_pose(e, body), reason);
     if (placed != MU_OK && held != GRIPPER_NOTHING) {
         engine_take_back(e, (size_t)bearer, (size_t)held);

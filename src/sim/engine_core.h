@@ -14,6 +14,7 @@
 #include "sim/drive.h"
 #include "sim/engine.h"
 #include "sim/fence.h"
+#include "sim/frame.h"
 #include "sim/gps.h"
 #include "sim/grid.h"
 #include "sim/gripper.h"
@@ -72,6 +73,26 @@ struct engine_pair {
     bool stands;
 };
 
+/* Where a part was. */
+struct engine_mark {
+    struct frame place;
+    bool away;
+};
+
+/*
+ * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
+ * moved half of it.
+ */
+struct engine_neighbours {
+    struct engine_pair *pairs; /* by part; what stands comes first, and all by their numbers */
+    uint32_t *start;           /* of each part's pairs; one more than there are parts */
+    size_t pairs_max;
+    uint32_t listed;           /* the parts before this one have their pairs there */
+    struct engine_mark *marks; /* where the parts were then */
+    struct engine_pair *found; /* of one part; room for all */
+    bool is_new;               /* nothing was listed yet */
+};
+
 struct engine {
     const struct world *world;
     uint64_t seed, steps, substeps; /* since the start */
@@ -90,11 +111,18 @@ struct engine {
     size_t awake_end; /* no object from this part on is awake */
     struct fence fence;
     struct grid grid;
+    bool grid_is_old; /* something has moved since it was built */
+    struct engine_neighbours neighbours;
     struct grid_near near;
     struct senses *senses;
     struct engine_percept *percepts; /* of engine_sense_all */
     char reason[160];                /* of the last refusal */
 };
+
+/* engine.c: */
+
+/** Lays the grid anew if something has moved: before each look at it. */
+void engine_fresh_grid(struct engine *e);
 
 /* engine_bodies.c: */
 
@@ -131,10 +159,29 @@ struct gripper_frame engine_frame(const struct engine *e, size_t body);
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m);
 
+/* engine_near.c: */
+
+/** Takes memory for the lists. */
+void engine_start_neighbours(struct engine *e);
+
+/** Lists the neighbours anew where somebody has moved too far since. */
+void engine_list_neighbours(struct engine *e);
+
+/**
+ * Finds what is near a part now, or may be: all pairs that engine_is_near, and some more.
+ *
+ * @param count  out: how many; they serve until the next call
+ */
+const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count);
+
+/** @return whether a part is so near another solid that they may touch, or be deep in one another
+ *          after a substep */
+bool engine_is_near(const struct engine *e, size_t part, const struct solid *other);
+
 /* engine_apart.c: */
 
 /** Notes a pair that may be deep after the step; beyond pairs_max it is the solver's alone. */
-void engine_note_near(struct engine *e, const struct engine_pair *pair, const struct solid *other);
+void engine_note_near(struct engine *e, const struct engine_pair *pair);
 
 /** Moves the pairs that were noted apart, after the solver's step. */
 void engine_draw_apart(struct engine *e);

@@ -184,6 +184,7 @@ static bool engine_is_takeable(const struct engine *e, size_t robot, uint32_t pa
 static bool engine_find_prey(struct engine *e, size_t robot, double closed, size_t *object)
 {
     size_t first = engine_object_part(e, 0);
+    engine_fresh_grid(e);
     grid_around(&e->grid, &e->outlines[e->robots[robot].paddles], &e->near);
     for (size_t k = 0; k < e->near.moving_count; k++) {
         uint32_t part = e->near.moving[k];

@@ -41,6 +41,6 @@ void engine_guard(struct engine *e)
         }
     }
     if (moved) {
-        grid_update(&e->grid);
+        e->grid_is_old = true;
     }
 }

@@ -21,6 +21,9 @@ enum {
 /* Those that work on what gather_near collects. */
 #define SENSES_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
 
+/* Those, and who looks through the same tiles. */
+#define SENSES_GATHERED (SENSES_NEAR | (1u << WORLD_SONAR))
+
 /* The sensors of robots that have the same. */
 struct senses_kind {
     const struct world_robot *model;
@@ -60,6 +63,7 @@ struct senses_memory {
 /* What one thread works with. */
 struct senses_worker {
     struct gather_list list;
+    struct fan_rays rays;
     double *range_m;
     int64_t *hit;
 };
@@ -167,8 +171,10 @@ void senses_forget(struct senses *s)
 static void senses_workers_init(struct senses *s)
 {
     size_t beams = 0;
+    size_t rays = 0;
     for (size_t k = 0; k < s->kind_count; k++) {
         const struct senses_kind *kind = &s->kinds[k];
+        rays = kind->sonars.ray_count > rays ? kind->sonars.ray_count : rays;
         beams = kind->laser.table.count > beams ? kind->laser.table.count : beams;
         beams = kind->camera.table.count > beams ? kind->camera.table.count : beams;
     }
@@ -176,6 +182,7 @@ static void senses_workers_init(struct senses *s)
     s->workers = mu_startup_array(threads, sizeof *s->workers);
     for (size_t k = 0; k < threads; k++) {
         gather_list_init(&s->workers[k].list, &s->gather);
+        fan_rays_init(&s->workers[k].rays, rays);
         s->workers[k].range_m = mu_startup_array(beams + FAN_PAD, sizeof(double));
         s->workers[k].hit = mu_startup_array(beams + FAN_PAD, sizeof(int64_t));
     }
@@ -242,11 +249,15 @@ static uint64_t senses_key(const struct senses *s, size_t robot, enum draw_use u
     return draw_key(s->scene.seed, robot, use, s->step);
 }
 
-static void senses_read_sonars(const struct senses *s, size_t i)
+static void senses_read_sonars(const struct senses *s, size_t i, struct senses_worker *worker)
 {
     const struct senses_robot *r = &s->robots[i];
     struct sonar_place place = {r->frame, (int32_t)i, senses_key(s, i, DRAW_SONAR)};
-    sonar_read(&r->kind->sonars, s->scene.grid, &place, r->sonar_m);
+    const struct sonar_ring *ring = &r->kind->sonars;
+    if (ring->mirrors ||
+        !sonar_read_near(ring, &s->gather, &place, &worker->rays, worker->list.found, r->sonar_m)) {
+        sonar_read(ring, s->scene.grid, &place, r->sonar_m);
+    }
 }
 
 static void senses_read_laser(const struct senses *s, size_t i, const struct senses_worker *worker)
@@ -294,7 +305,7 @@ static void senses_read_robot(const struct senses *s, size_t i, uint32_t wanted,
         gather_near(&s->gather, &circle, (int32_t)i, &worker->list);
     }
     if (due & (1u << WORLD_SONAR)) {
-        senses_read_sonars(s, i);
+        senses_read_sonars(s, i, worker);
     }
     if (due & (1u << WORLD_LASER)) {
         senses_read_laser(s, i, worker);
@@ -317,20 +328,20 @@ static void senses_read_piece(void *context, size_t worker, size_t piece)
     }
 }
 
-static bool senses_any_near(const struct senses *s, const uint32_t wanted[])
+static bool senses_any_gathered(const struct senses *s, const uint32_t wanted[])
 {
     uint32_t any = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         any |= wanted[i] & s->robots[i].kind->has;
     }
-    return any & SENSES_NEAR;
+    return any & SENSES_GATHERED;
 }
 
 void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
 {
     s->wanted = wanted;
     s->step = step;
-    if (senses_any_near(s, wanted)) {
+    if (senses_any_gathered(s, wanted)) {
         gather_update(&s->gather);
     }
     size_t pieces = (s->robot_count + SENSES_PIECE - 1) / SENSES_PIECE;
@@ -340,7 +351,7 @@ void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
 void senses_read(struct senses *s, size_t robot, uint32_t wanted, uint64_t step)
 {
     s->step = step;
-    if (wanted & s->robots[robot].kind->has & SENSES_NEAR) {
+    if (wanted & s->robots[robot].kind->has & SENSES_GATHERED) {
         gather_update(&s->gather);
     }
     senses_read_robot(s, robot, wanted, &s->workers[0]);
