@@ -159,9 +159,9 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: test check unit rules system tidy asan coverage
 .PHONY: helpers
-helpers: $(HELPERS)
+helpers: $(HELPERS) $(O)/test/gohome
 
-test: all $(HELPERS) ## every test: tidy, unit, rules, system, and again under the sanitizers
+test: all helpers ## every test: tidy, unit, rules, system, and again under the sanitizers
 	@BUILD=$(BUILD) tests/run
 
 check: test ## the same as test
@@ -172,7 +172,7 @@ unit: $(TESTS) ## the unit tests of every module
 rules: $(O)/test/rules ## the rule tests: tests/rules/*.clp against their `; expect:` lines
 	@$(O)/test/rules tests/rules/*.clp
 
-system: all $(HELPERS) ## the system tests: real processes on loopback
+system: all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
 
 .PHONY: soak
@@ -200,6 +200,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-gohome
+soak-gohome: $(O)/test/gohome ## (gohome) from fifty random places of each world: how many arrive
+	@BUILD=$(BUILD) tests/gohome/run
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -208,6 +212,11 @@ asan: ## unit and rule tests under the address and undefined-behaviour sanitizer
 
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
+
+# A mind and the engine in one process, which no program of ours has.
+$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto
 
 $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"

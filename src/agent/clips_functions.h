@@ -73,6 +73,11 @@
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
+    X("plan", 'u', clips_plan_call, "22n", \
+      "(plan x y)", \
+      "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
+      "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
+      "none, or the robot was given no map (`--world`)") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \

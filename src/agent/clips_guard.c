@@ -29,6 +29,14 @@ static void guard_tick(void *env)
     }
 }
 
+void clips_guard_spend(struct mind *m, uint32_t ticks)
+{
+    m->ticks += ticks;
+    if (m->ticks > CLIPS_TICKS_MAX) {
+        guard_stop(m, "ticks");
+    }
+}
+
 void clips_guard_install(struct mind *m)
 {
     EnvAddPeriodicFunction(m->env, "mu-guard", guard_tick, 0);

@@ -176,6 +176,9 @@ double clips_env_global(const struct mind *m, enum clips_global which);
 void clips_guard_install(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
 
+/** Counts what C code has done for a rule as so many turns of a loop. */
+void clips_guard_spend(struct mind *m, uint32_t ticks);
+
 /* clips_override.c */
 void clips_override_install(struct mind *m);
 

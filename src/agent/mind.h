@@ -9,6 +9,7 @@
 #ifndef MUSTER_AGENT_MIND_H
 #define MUSTER_AGENT_MIND_H
 
+#include "agent/route.h"
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
@@ -106,6 +107,8 @@ struct mind_options {
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;         /* half the body's width, and what it wants to have beside it */
     struct mind_ports ports;
 };
 

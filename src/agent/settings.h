@@ -17,6 +17,7 @@
 struct settings {
     struct mu_network network;
     const char *name, *rules;
+    const char *world; /* NULL: no map */
     int64_t count,
         first; /* of robots, and the number of the first; count 0: one, without a number */
     int64_t seed, firings_max;
