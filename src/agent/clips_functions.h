@@ -186,6 +186,11 @@
     X("listing", 'm', clips_social_listing, "00", \
       "(listing)", \
       "the names of all agents") \
+    X("failures", 'm', clips_failure_call, "00", \
+      "(failures)", \
+      "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
+      "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
+      "count anew") \
     X("run", 'u', clips_social_run, "01", \
       "(run)", \
       "on the console: leaves standby; in rules: nothing")
