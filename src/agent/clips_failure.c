@@ -39,8 +39,8 @@ void clips_failure_note(struct mind *m)
     if (!line || ++line->count != most) {
         return;
     }
-    snprintf(m->reason, sizeof m->reason, "rule %s failed %u times%s%s", line->rule, line->count,
-             m->stopped ? ", the last by the guard for " : "", m->stopped ? m->stopped : "");
+    snprintf(m->reason, sizeof m->reason, "rule %.32s failed %u times%s%s", line->rule,
+             (unsigned)line->count, m->stopped ? ": " : "", m->stopped ? m->stopped : "");
     m->act.enough = m->reason;
 }
 

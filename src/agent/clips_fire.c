@@ -118,7 +118,7 @@ void mind_fire(struct mind *m, struct mind_act *act)
 /* Nothing fires any more; the robot stands still. */
 static void fire_nothing(struct mind *m, struct mind_act *act)
 {
-    mu_text_copy(m->reason, sizeof m->reason, CLIPS_BROKEN_TEXT);
+    mu_text_copy(m->reason, sizeof m->reason, "its rules are gone: memory");
     *act = (struct mind_act){.drives = true,
                              .errors = 1,
                              .rules = "",

@@ -20,7 +20,7 @@ enum {
     CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
-    CLIPS_MEMORY_BURST = 256 << 20, /* more is not given to it, even in the middle of one call */
+    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
     CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */

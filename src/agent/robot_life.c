@@ -145,7 +145,7 @@ static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
 {
     (void)r;
     mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", mu_agent_name(a), why);
-    mu_agent_set_state(a, MU_SUSPENDED);
+    mu_agent_suspend(a, why);
 }
 
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
