@@ -169,8 +169,9 @@ check: test ## the same as test
 unit: $(TESTS) ## the unit tests of every module
 	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
 
-rules: $(O)/test/rules ## the rule tests: tests/rules/*.clp against their `; expect:` lines
+rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/*.clp against their `; expect:` lines, tests/clips against the program clips
 	@$(O)/test/rules tests/rules/*.clp
+	@BUILD=$(BUILD) tests/clips/run
 
 system: all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
@@ -212,6 +213,10 @@ asan: ## unit and rule tests under the address and undefined-behaviour sanitizer
 
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
+
+$(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
 # A mind and the engine in one process, which no program of ours has.
 $(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
