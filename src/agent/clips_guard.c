@@ -96,6 +96,24 @@ void clips_guard_start(struct mind *m, long memory_spare)
 }
 
 /*
+ * (modify) and (duplicate) give a fact back with multifields that they have not filled yet, when a
+ * slot is not there; CLIPS 6.30 follows them.
+ */
+void __real_ReturnFact(void *env, struct fact *fact);
+void __wrap_ReturnFact(void *env, struct fact *fact);
+
+void __wrap_ReturnFact(void *env, struct fact *fact)
+{
+    for (long i = 0; i < fact->theProposition.multifieldLength; i++) {
+        struct field *f = &fact->theProposition.theFields[i];
+        if (f->type == MULTIFIELD && !f->value) {
+            f->type = RVOID;
+        }
+    }
+    __real_ReturnFact(env, fact);
+}
+
+/*
  * Every body of a rule, function, method and message-handler runs through EvaluateProcActions, and
  * its callers are in other objects of libclips.a than itself: the linker's --wrap catches them all.
  */
