@@ -138,10 +138,12 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
+    clips_guard_arm(m);
 }
 
 bool clips_env_leave(struct mind *m)
 {
+    clips_guard_arm(NULL);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
@@ -278,6 +280,9 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
     MU_ASSERT(m->env);
     SetEnvironmentContext(m->env, m);
     env_install(m);
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT);
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     bool built = env_build(m);
@@ -290,7 +295,7 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
 
 void mind_close(struct mind *m)
 {
-    if (m) {
+    if (m && !m->broken) {
         DestroyEnvironment(m->env);
         m->env = NULL;
     }

@@ -80,6 +80,9 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
     clips_env_leave(m);
     *failed = halted;
+    if (halted) {
+        clips_failure_note(m);
+    }
     if (m->said.len > 0 || halted) {
         clips_fire_complain(m, "rule", m->rule ? m->rule : "?");
     }
@@ -112,8 +115,24 @@ void mind_fire(struct mind *m, struct mind_act *act)
     mind_fire_some(m, m->options.firings_max, act);
 }
 
+/* Nothing fires any more; the robot stands still. */
+static void fire_nothing(struct mind *m, struct mind_act *act)
+{
+    mu_text_copy(m->reason, sizeof m->reason, "its rules are gone: memory");
+    *act = (struct mind_act){.drives = true,
+                             .errors = 1,
+                             .rules = "",
+                             .end = MIND_STOPPED,
+                             .why = "memory",
+                             .enough = m->reason};
+}
+
 void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 {
+    if (CLIPS_BROKEN(m)) {
+        fire_nothing(m, act);
+        return;
+    }
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
     clips_guard_start(m, 0);
     mu_text_clear(&m->fired);

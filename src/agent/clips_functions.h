@@ -73,6 +73,11 @@
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
+    X("plan", 'u', clips_plan_call, "22n", \
+      "(plan x y)", \
+      "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
+      "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
+      "none, or the robot was given no map (`--world`)") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
@@ -181,6 +186,11 @@
     X("listing", 'm', clips_social_listing, "00", \
       "(listing)", \
       "the names of all agents") \
+    X("failures", 'm', clips_failure_call, "00", \
+      "(failures)", \
+      "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
+      "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
+      "count anew") \
     X("run", 'u', clips_social_run, "01", \
       "(run)", \
       "on the console: leaves standby; in rules: nothing")

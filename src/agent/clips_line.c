@@ -56,6 +56,11 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
         mu_text_format(out, "%s: %.*s\n", wrong, (int)(f.len < 40 ? f.len : 40), f.at);
         return MU_MALFORMED;
     }
+    if (CLIPS_BROKEN(m)) {
+        m->out = NULL;
+        mu_text_add(out, CLIPS_BROKEN_TEXT "\n");
+        return MU_MALFORMED;
+    }
     m->out = out;
     m->shown_count = 0;
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
@@ -112,6 +117,9 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
     struct mu_text build;
     DATA_OBJECT value;
     mu_text_init(&build, bytes, sizeof bytes);
+    if (CLIPS_BROKEN(m)) {
+        return MU_MALFORMED;
+    }
     if (!EnvGetDefglobalValue(m->env, name, &value)) {
         return MU_ABSENT;
     }

@@ -274,6 +274,10 @@ mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fau
 
 mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
 {
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT);
+    }
+    clips_failure_clear(m);
     mu_result r = clips_load_file(m, path, fault);
     if (r != MU_OK) {
         return r;

@@ -12,6 +12,7 @@
 #include "muster/limits.h"
 
 #include <clips.h>
+#include <setjmp.h>
 #include <tmpltutl.h>
 
 enum {
@@ -19,6 +20,8 @@ enum {
     CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
+    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
+    CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
@@ -75,6 +78,12 @@ struct clips_parked {
 struct clips_handler {
     uint32_t layer;
     SYMBOL_HN *function;
+};
+
+/* How often a rule has failed. */
+struct clips_failing {
+    char rule[MU_FIELD_MAX + 1]; /* its name, or how that begins */
+    uint32_t count;
 };
 
 /* Globals that C code reads; clips_env.c says what they are. */
@@ -136,6 +145,12 @@ struct mind {
     long memory_max;
     const char *stopped; /* which guard, or NULL */
     const char *stack;   /* at the entry */
+    jmp_buf shelter;     /* in the function of mind.h that called into CLIPS */
+    bool broken;         /* its environment must not be touched any more */
+    struct clips_failing failing[CLIPS_FAILING_MAX];
+    size_t failing_count;
+    uint64_t stops; /* by guards */
+    char reason[MU_ATTRIBUTES_MAX + 1];
 
     /* output */
     enum clips_mode mode;
@@ -173,8 +188,24 @@ bool clips_env_leave(struct mind *m);
 double clips_env_global(const struct mind *m, enum clips_global which);
 
 /* clips_guard.c */
+
+/**
+ * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and is not touched
+ * again.
+ */
+#define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
+
+/** The answer of a broken mind. */
+#define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
+
+/** From enter to leave, memory is refused beyond the limit.  m: NULL ends it. */
+void clips_guard_arm(struct mind *m);
 void clips_guard_install(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
+
+/** Counts what C code has done for a rule as so many turns of a loop. */
+void clips_guard_spend(struct mind *m, uint32_t ticks);
 
 /* clips_override.c */
 void clips_override_install(struct mind *m);
@@ -235,6 +266,13 @@ void clips_fire_install(struct mind *m);
 
 /** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
 void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+
+/* clips_failure.c */
+
+/** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
+void clips_failure_note(struct mind *m);
+
+void clips_failure_clear(struct mind *m);
 
 /* clips_event.c */
 

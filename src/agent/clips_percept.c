@@ -201,6 +201,9 @@ static void percept_copy(struct mind *m, const struct mind_percept *p)
 void mind_percept(struct mind *m, const struct mind_percept *percept)
 {
     m->step++;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */

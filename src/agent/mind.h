@@ -9,6 +9,7 @@
 #ifndef MUSTER_AGENT_MIND_H
 #define MUSTER_AGENT_MIND_H
 
+#include "agent/route.h"
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
@@ -105,7 +106,10 @@ struct mind_options {
     uint64_t seed;            /* of (random), together with the name */
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
+    uint32_t failures_max;    /* of one rule until it is enough; 0: never */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;         /* half the body's width, and what it wants to have beside it */
     struct mind_ports ports;
 };
 
@@ -122,7 +126,8 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why; /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
 struct mind;
@@ -214,6 +219,9 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
  * @return MU_OK; MU_MALFORMED: CLIPS refused it, and out says why
  */
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
+
+/** What rules have failed at is forgotten: they may try again. */
+void mind_forgive(struct mind *m);
 
 /** @return whether (run) was called on a line since the last time this was asked */
 bool mind_wants_to_run(struct mind *m);

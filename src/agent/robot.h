@@ -22,7 +22,9 @@ struct crew {
     mu_process *process;
     struct robot *robots;
     uint32_t count;
-    bool refused; /* the broker has refused a name */
+    struct world *world;   /* that (plan) knows; NULL: none */
+    struct router *router; /* over its map; the robots share it */
+    bool refused;          /* the broker has refused a name */
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
@@ -56,6 +58,18 @@ MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
 /** Lets it join its crew's process.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
+
+/* robot_map.c */
+
+/**
+ * Makes the map of the world that the settings name, if they do.
+ *
+ * @return MU_OK; MU_FAULT_FILE: it has said what is wrong with the file
+ */
+MU_MUST_USE mu_result robot_map_open(struct crew *c);
+
+/** @return half the width of a robot and what it wants to have beside it, in metres */
+double robot_map_half_m(const struct robot *r);
 
 /* robot_ports.c */
 

@@ -123,6 +123,9 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     struct robot *r = self;
     robot_settle(r);
     r->rules_left = 0;
+    if (state == MU_RUNNING) {
+        mind_forgive(r->mind);
+    }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
         robot_leave(r);
@@ -154,6 +157,14 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
     }
 }
 
+/* The rules do more harm than good: a person has to look at them. */
+static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
+{
+    (void)r;
+    mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", mu_agent_name(a), why);
+    mu_agent_suspend(a, why);
+}
+
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)percept;
@@ -163,12 +174,15 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     robot_settle(r);
     mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
-        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s rules=%s", mu_agent_name(a),
+               act.why, act.rules);
     }
     body_act(a, &act);
     body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
-    if (left > 0 && act.firings < left) {
+    if (act.enough) {
+        robot_give_up(r, a, act.enough);
+    } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
     } else if (left > 0) {
         mu_agent_set_state(a, MU_SUSPENDED);
