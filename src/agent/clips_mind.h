@@ -12,6 +12,7 @@
 #include "muster/limits.h"
 
 #include <clips.h>
+#include <limits.h>
 #include <setjmp.h>
 #include <tmpltutl.h>
 
@@ -98,6 +99,7 @@ enum clips_global {
 struct mind {
     void *env;
     struct mind_options options;
+    char name[MU_NAME_MAX + 1], folder[PATH_MAX]; /* that the options point to */
     struct mu_random random;
     uint64_t asked; /* questions so far, for reply-with */
 
@@ -212,7 +214,12 @@ void clips_override_install(struct mind *m);
 
 /* clips_load.c */
 mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+void clips_load_reserve(struct mind *m);
 void clips_load_install(struct mind *m);
+
+/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
+MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                                           struct mu_fault *fault);
 
 /* clips_percept.c */
 
@@ -227,10 +234,18 @@ struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
 void clips_percept_show(struct mind *m);
 
 /* clips_message.c */
+void clips_message_reserve(struct mind *m);
 void clips_message_install(struct mind *m);
 
 /** Makes a mail's content a message fact; what it tells again goes. */
 void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/**
+ * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ *
+ * @return false: there is no room
+ */
+bool clips_message_enter(struct mind *m, const struct clips_message *entry);
 
 /** The message fact of a mail goes, if it still stands. */
 void clips_message_forget(struct mind *m, uint64_t id);
@@ -239,6 +254,7 @@ void clips_message_forget(struct mind *m, uint64_t id);
 void clips_message_age(struct mind *m);
 
 /* clips_mail.c */
+void clips_mail_reserve(struct mind *m);
 void clips_mail_install(struct mind *m);
 
 /** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
@@ -247,6 +263,7 @@ struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *ma
 struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
 
 /* clips_parked.c */
+void clips_parked_reserve(struct mind *m);
 void clips_parked_install(struct mind *m);
 
 /**

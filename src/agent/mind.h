@@ -136,7 +136,35 @@ struct mind;
 MU_MUST_USE mu_result mind_open(struct mind **out, const struct mind_options *options,
                                 struct mu_fault *fault);
 
+/** Takes the memory of a mind while the process starts, for a mind_begin at any time. */
+struct mind *mind_reserve(void);
+
+/** As mind_open, in memory that was reserved and holds no mind, or one that was closed. */
+MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *options,
+                                 struct mu_fault *fault);
+
+/** Its memory stays. */
 void mind_close(struct mind *m);
+
+/**
+ * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
+ * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
+ * is.
+ *
+ * @return MU_OK; MU_REFUSED: it has what cannot be written down, and fault says what; MU_FULL: out
+ *         is too small
+ */
+MU_MUST_USE mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
+
+/**
+ * Makes a mind that was begun without rules_folder, and has loaded nothing, what a capsule says.
+ * When its own name is another one than the capsule's, it is a copy with that name.
+ *
+ * @return MU_OK; MU_FAULT_FILE: the capsule is not whole, of another version, or says what does not
+ *         come about; the mind is of no use then
+ */
+MU_MUST_USE mu_result mind_restore(struct mind *m, const char *capsule, size_t len,
+                                   struct mu_fault *fault);
 
 /**
  * Loads a rule file and resets.
@@ -144,6 +172,10 @@ void mind_close(struct mind *m);
  * @return MU_OK, or MU_FAULT_FILE with file, line and what CLIPS said
  */
 MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** The same with a text; what it extends is in the library.  @param name  for faults */
+MU_MUST_USE mu_result mind_load_text(struct mind *m, const char *name, const char *text,
+                                     struct mu_fault *fault);
 
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
