@@ -120,6 +120,9 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
     r->rules_left = 0;
+    if (state == MU_RUNNING) {
+        mind_go_on(r->mind);
+    }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
         robot_leave(r);
@@ -130,11 +133,42 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
+    robot_console_flush(r); /* what mail did to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
     struct mind_percept percept = body_percept(p);
     mind_percept(r->mind, &percept);
+}
+
+/* Stands before a rule, as somebody wanted; the world goes on without it. */
+static void robot_break(struct robot *r, mu_agent *a, const char *rule)
+{
+    char said[MU_FIELD_MAX + 64];
+    snprintf(said, sizeof said, "break: %s is about to fire; suspended\n", rule);
+    mu_log(MU_LOG_INFO, "break", "name=%s rule=%s", mu_agent_name(a), rule);
+    (void)robot_console_print(r, said);
+    mu_agent_set_state(a, MU_SUSPENDED);
+}
+
+/* At most so many rules, and then it is suspended. */
+static void robot_run(struct robot *r, mu_agent *a, uint32_t rules)
+{
+    mu_agent_set_state(a, MU_RUNNING);
+    r->rules_left = rules;
+}
+
+void robot_do_wish(struct robot *r, mu_agent *a)
+{
+    uint32_t rules;
+    enum mind_wish wish = mind_wish(r->mind, &rules);
+    enum mu_state state = mu_agent_state(a);
+    bool lives = state == MU_STANDBY || state == MU_RUNNING || state == MU_SUSPENDED;
+    if (lives && (wish == MIND_WISH_RUN || wish == MIND_WISH_STEP)) {
+        robot_run(r, a, wish == MIND_WISH_STEP ? rules : 0);
+    } else if (wish == MIND_WISH_SUSPEND && state == MU_RUNNING) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+    }
 }
 
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
@@ -150,9 +184,13 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     body_act(a, &act);
     body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
-    if (left > 0 && act.firings < left) {
+    if (act.end == MIND_BREAK) {
+        robot_break(r, a, act.why);
+    } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
     } else if (left > 0) {
         mu_agent_set_state(a, MU_SUSPENDED);
     }
+    robot_do_wish(r, a);
+    robot_console_flush(r);
 }

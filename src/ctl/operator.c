@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/name.h"
 #include "core/text.h"
 #include "ctl/answer.h"
 #include "ctl/receivers.h"
@@ -114,9 +115,7 @@ static void pages_await(mu_process *p)
 
 bool operator_is_reader(const struct mu_member *m)
 {
-    size_t len = strlen(READER);
-    return m->kind == MU_KIND_SPECIAL && strncmp(m->name, READER, len) == 0 && m->name[len] &&
-           m->name[len + strspn(m->name + len, "0123456789")] == '\0';
+    return m->kind == MU_KIND_SPECIAL && mu_name_of_operator(m->name);
 }
 
 /* attempt: readers have one name after another, until one is free */
