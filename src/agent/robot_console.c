@@ -24,23 +24,12 @@ static struct console *console_find(struct robot *r, const char *name)
     return NULL;
 }
 
-/* @return one for that name, there already or new; NULL: there is no room */
-static struct console *console_enter(struct robot *r, const char *name)
-{
-    struct console *c = console_find(r, name);
-    if (!c && r->console_count < ROBOT_CONSOLES_MAX) {
-        c = &r->consoles[r->console_count++];
-        *c = (struct console){.credit = 0};
-        mu_text_copy(c->name, sizeof c->name, name);
-    }
-    return c;
-}
-
 static void console_leave(struct robot *r, const char *name)
 {
     struct console *c = console_find(r, name);
     if (c) {
-        *c = r->consoles[--r->console_count];
+        size_t behind = (size_t)(&r->consoles[--r->console_count] - c);
+        memmove(c, c + 1, behind * sizeof *c);
     }
 }
 
@@ -173,6 +162,34 @@ void robot_console_words(struct robot *r, const struct mu_mail *asked)
     (void)robot_console_answer(r, asked, words_list);
 }
 
+/* The oldest gives way, which may be one that was killed; it is told. */
+static void console_push_out(struct robot *r)
+{
+    struct mu_mail mail = {.dst = r->consoles[0].name,
+                           .performative = "trace",
+                           .language = "text",
+                           .content = "[other consoles have come: this one sees no more of what is "
+                                      "watched]\n"};
+    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail.dst);
+    }
+    r->console_count--;
+    memmove(r->consoles, r->consoles + 1, r->console_count * sizeof r->consoles[0]);
+}
+
+/* @return the one of that name, there already or new, and the youngest then */
+static struct console *console_enter(struct robot *r, const char *name)
+{
+    console_leave(r, name);
+    if (r->console_count == ROBOT_CONSOLES_MAX) {
+        console_push_out(r);
+    }
+    struct console *c = &r->consoles[r->console_count++];
+    *c = (struct console){.credit = 0};
+    mu_text_copy(c->name, sizeof c->name, name);
+    return c;
+}
+
 /* "attach N", "more N": room for N more pieces; "detach". */
 void robot_console_directive(struct robot *r, const struct mu_mail *mail)
 {
@@ -186,13 +203,10 @@ void robot_console_directive(struct robot *r, const struct mu_mail *mail)
     struct console *c = attaches ? console_enter(r, mail->src) : console_find(r, mail->src);
     unsigned long more = count ? strtoul(count, NULL, 10) : 0;
     if (c) {
-        unsigned long credit = (attaches ? 0 : c->credit) + (more < ROBOT_CREDIT_MAX ? more : 0);
+        unsigned long credit = c->credit + (more < ROBOT_CREDIT_MAX ? more : 0);
         c->credit = credit < ROBOT_CREDIT_MAX ? (uint32_t)credit : ROBOT_CREDIT_MAX;
     }
-    bool is_full = attaches && !c;
-    if (mail->reply_with[0] &&
-        mu_agent_reply(r->agent, mail, is_full ? "refuse" : "inform",
-                       is_full ? "as many consoles as it can have" : mail->content) != MU_OK) {
+    if (mail->reply_with[0] && mu_agent_reply(r->agent, mail, "inform", mail->content) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
     }
 }

@@ -9,9 +9,8 @@ struct complete_word complete_word(const char *line, size_t len)
     while (begin > 0 && !strchr(" \t\n()\";&|~", line[begin - 1])) {
         begin--;
     }
-    return (struct complete_word){.at = line + begin,
-                                  .len = len - begin,
-                                  .begins = begin > 0 && line[begin - 1] == '('};
+    return (struct complete_word){
+        .at = line + begin, .len = len - begin, .begins = begin > 0 && line[begin - 1] == '('};
 }
 
 /* @return the next line of the words, or NULL */
