@@ -288,3 +288,95 @@ def test_nine_consoles_on_one_robot():
         check("==> f-" in done.stdout, f"the ninth sees: {done.stdout} {done.stderr}")
 
 
+
+
+# --- the observer --------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def run_of(experiment, *words):
+    """A run that lives on, in a domain of its own."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        processes.start(MUSTER, "run", experiment, "--domain", domain, "--out", out, "--rate", 20,
+                        "--duration", 3000, *words)
+        wait_for(lambda: console(domain, "observer", "(agents)").returncode == 0, 20, "a run")
+        yield domain
+
+
+def test_the_observer_commands_all_and_each_answers():
+    with run_of(ROOT / "experiments" / "follow.yaml") as domain:
+        done = console(domain, "observer", "(you-do red wander)")
+        check_equal(done.returncode, 0, done.stderr)
+        check(done.stdout.startswith("red: done: <Fact-"), done.stdout)
+        check("blue: done:" in console(domain, "observer", "(you-do blue follow red)").stdout,
+              "blue follows")
+        check("(goal follow)" in answer(domain, "blue", "(facts)"), "blue's goal")
+        check_equal(answer(domain, "blue", "?*mate*"), "red\n", "blue's mate")
+        answer(domain, "red", "(follow green)")
+        check_equal(answer(domain, "red", "?*mate*"), "green\n", "in red's own console")
+        answer(domain, "observer", "(you-do red follow green)")
+        team = ["blue", "green", "red", "yellow"]
+        for line, said in (("(suspend robots)", "done"), ("(resume all)", "done"),
+                           ("(step (create$ red blue green yellow) 3)", "done")):
+            lines = answer(domain, "observer", line).splitlines()
+            check_equal(sorted(lines), [f"{name}: {said}" for name in team], line)
+        wait_for(lambda: all(members(domain)[name]["state"] == "suspended" for name in team), 10,
+                 "three rules, and they are suspended")
+        check("(goal follow)" in answer(domain, "observer", "(inspect red)"), "red is inspected")
+        check("For a total of" in answer(domain, "observer", "(inspect red (agenda))"), "by a line")
+        done = console(domain, "observer", "(you-do (create$ red nobody) nonsense)")
+        check_equal(done.returncode, 8, done.stdout)
+        check("nobody: no such agent" in done.stdout and "red: failed:" in done.stdout,
+              done.stdout)
+        for line, said in (("(nonsense)", "expected one of"), ("(you-do red)", "expected (you-do"),
+                           ("(suspend group:nobodies)", "nobody"), ("(suspend a.b/c)", "expected")):
+            done = console(domain, "observer", line)
+            check_equal(done.returncode, 8, line)
+            check(said in done.stdout, done.stdout)
+        done = muster("do", "observer", "(you-do red stay)", "--domain", domain)
+        check("red: done" in done.stdout, f"without a console: {done.stdout} {done.stderr}")
+        with terminal(domain, "observer") as t:
+            t.wait_for("observer running> ")
+            t.do("(resume robots)", "yellow: done")
+            since = len(t.text)
+            t.type("(you-\t")
+            t.wait_for("you-do", since=since)
+            t.do("red wander)", "red: done: ")
+            t.do("(agents)", "yellow robot running")
+
+
+def test_the_observer_reaches_groups_and_services_and_is_refused():
+    with folder() as out:
+        (out / "team.policy").write_text("allow operator direct all\nallow observer direct all\n"
+                                         "deny observer direct late\n")
+        (out / "t.clp").write_text("(deffunction hello () hi)\n")
+        (out / "t.yaml").write_text(
+            f"name: t\nworld: {WORLD}\nduration: 10\npolicy: team.policy\nrobots:\n"
+            "  - {name: red, rules: t.clp, groups: [scouts], services: [mapper]}\n"
+            "  - {name: green, rules: t.clp, groups: [scouts]}\n"
+            "  - {name: blue, rules: t.clp}\n")
+        with run_of(out / "t.yaml") as domain, Processes() as processes:
+            for who in ("group:scouts", "scouts"):
+                lines = answer(domain, "observer", f"(you-do {who} hello)").splitlines()
+                check_equal(sorted(lines), ["green: done: hi", "red: done: hi"], who)
+            check_equal(answer(domain, "observer", "(you-do service:mapper hello)"),
+                        "red: done: hi\n", "a service")
+            late = processes.start(MUSTER, "robot", "late", "--rules", out / "t.clp", "--domain",
+                                   domain)
+            wait_for(lambda: "late" in members(domain), 10, "late")
+            done = console(domain, "observer", "(you-do robots hello)")
+            check_equal((done.returncode, sorted(done.stdout.splitlines())),
+                        (8, ["blue: done: hi", "green: done: hi",
+                             "late: refused by the trust policy", "red: done: hi"]), "one refuses")
+            late.kill()
+            wait_for(lambda: state_of(domain, "late") == "absent", 10, "late is gone")
+            done = console(domain, "observer", "(suspend late)")
+            check_equal((done.returncode, done.stdout), (8, "late: absent\n"), "nobody is there")
+
+
+def test_there_is_no_observer_without_a_run():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        check_equal(console(domain, "observer", "(agents)").returncode, 7, "no run")
