@@ -62,7 +62,7 @@ LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
-LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \

@@ -98,6 +98,14 @@ static int env_route_print(void *env, const char *name, const char *text)
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
     }
+    if (m->firing && strcmp(name, WDIALOG) == 0) {
+        return TRUE; /* "Breaking on rule": the robot says so itself */
+    }
+    const struct mind_ports *ports = &m->options.ports;
+    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && strcmp(name, WTRACE) == 0;
+    if (watched && ports->trace(ports->self, text)) {
+        return TRUE;
+    }
     if (m->mode == CLIPS_MODE_LINE) {
         bool blank = m->out->len == 0 || m->out->at[m->out->len - 1] == '\n';
         mu_text_add(m->out, complaint && blank && strcmp(text, "\n") == 0 ? "" : text);

@@ -140,7 +140,13 @@ struct mind {
     char fired_bytes[CLIPS_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
-    bool firing, sense_again, wants_to_run;
+    bool firing, sense_again;
+
+    /* its own life */
+    enum mind_wish wish;
+    uint32_t wish_rules;
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
+    bool passes;                   /* that rule may fire once all the same */
 
     /* guards */
     uint32_t ticks;
@@ -290,6 +296,14 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name);
 void clips_failure_note(struct mind *m);
 
 void clips_failure_clear(struct mind *m);
+
+/* clips_control.c */
+
+/** @return whether the rule that fires next has a breakpoint */
+bool clips_control_breaks(struct mind *m);
+
+/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
+bool clips_control_stops(struct mind *m);
 
 /* clips_event.c */
 

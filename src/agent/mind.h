@@ -99,6 +99,9 @@ struct mind_ports {
     const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
+    /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
+     * anybody looks; if nobody does it is printed.  May be NULL. */
+    bool (*trace)(void *self, const char *text);
 };
 
 struct mind_options {
@@ -114,7 +117,10 @@ struct mind_options {
 };
 
 /* Why a step's firing ended. */
-enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
+enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED, MIND_BREAK };
+
+/* What a line or a rule has said of its own agent's life. */
+enum mind_wish { MIND_WISH_NOTHING, MIND_WISH_RUN, MIND_WISH_STEP, MIND_WISH_SUSPEND };
 
 /* What the rules did in one step. */
 struct mind_act {
@@ -126,7 +132,8 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+                           rule that would fire next */
     const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
@@ -255,8 +262,22 @@ MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text
 /** What rules have failed at is forgotten: they may try again. */
 void mind_forgive(struct mind *m);
 
-/** @return whether (run) was called on a line since the last time this was asked */
-bool mind_wants_to_run(struct mind *m);
+/**
+ * What was said last since this was asked last: (run), (resume), (continue); (run N), (step N);
+ * (suspend).  In rules only the last counts.
+ *
+ * @param rules  out: of MIND_WISH_STEP: how many
+ */
+enum mind_wish mind_wish(struct mind *m, uint32_t *rules);
+
+/** It goes on after a break: the rule that it stopped before may fire once. */
+void mind_go_on(struct mind *m);
+
+/**
+ * Lists the words that a line may have: one a line, first its kind: f a function, command or
+ * construct, r a rule, t a relation, g a global.
+ */
+void mind_words(struct mind *m, struct mu_text *out);
 
 /** Prints the table of functions that rules may call, as Markdown, to standard output. */
 void mind_print_functions(void);

@@ -14,7 +14,21 @@
 #include "agent/settings.h"
 #include "muster/muster.h"
 
-enum { ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2, ROBOT_PRINT_MAX = 1024 };
+enum {
+    ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
+    ROBOT_PRINT_MAX = 1024,
+    ROBOT_CONSOLES_MAX = 8,         /* that look at one robot */
+    ROBOT_CREDIT_MAX = 1024,        /* pieces that a console can have room for */
+    ROBOT_LISTING_MAX = 256 * 1024, /* bytes of an answer to a console */
+    ROBOT_TRACE_MAX = 128 * 1024    /* bytes that consoles see of one step */
+};
+
+/* Somebody who looks at a robot. */
+struct console {
+    char name[MU_NAME_MAX + 1];
+    uint32_t credit; /* pieces that it has room for */
+    uint64_t lost;   /* lines that it has missed since its last piece */
+};
 
 /* The robots of one process. */
 struct crew {
@@ -28,6 +42,11 @@ struct crew {
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
+    struct mu_text listing; /* the same for consoles: longer, and sent in pieces */
+    struct mu_text trace;   /* what the consoles of one robot have not been told of yet */
+    struct robot *traced;   /* that one, or NULL */
+    uint32_t trace_cut;     /* lines for which there was no room */
+    char listing_bytes[ROBOT_LISTING_MAX], trace_bytes[ROBOT_TRACE_MAX];
 };
 
 struct robot {
@@ -44,6 +63,8 @@ struct robot {
     bool numbered;       /* the mail at hand is among them */
     char print[ROBOT_PRINT_MAX]; /* a line that rules have begun */
     size_t print_len;
+    struct console consoles[ROBOT_CONSOLES_MAX];
+    uint32_t console_count;
 };
 
 /* robot.c */
@@ -79,6 +100,24 @@ struct mind_ports robot_ports(struct robot *r);
 /** Ends the line that its rules have begun to print. */
 void robot_print_rest(struct robot *r);
 
+/* robot_console.c */
+
+/** Keeps text for the robot's consoles.  @return whether it has any */
+bool robot_console_print(struct robot *r, const char *text);
+
+/** Sends them what was kept. */
+void robot_console_flush(struct robot *r);
+
+/** Asks the mind, and answers a console in pieces.  @return whether the mind did it */
+bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
+                          mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));
+
+/** Answers with the words that a line may have, as mind_words has them. */
+void robot_console_words(struct robot *r, const struct mu_mail *asked);
+
+/** A console comes, has room for more, or goes. */
+void robot_console_directive(struct robot *r, const struct mu_mail *mail);
+
 /* robot_mail.c */
 
 /** Offers a mail to the rules' handlers of its layer: for the kind of agents that robots are. */
@@ -104,6 +143,9 @@ void robot_settle(struct robot *r);
 
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
+/** Does what a line or a rule has said of the robot's own life. */
+void robot_do_wish(struct robot *r, mu_agent *a);
+
 void robot_on_state(void *self, mu_agent *a, enum mu_state state);
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *percept);
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept);

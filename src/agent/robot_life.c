@@ -125,6 +125,7 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     r->rules_left = 0;
     if (state == MU_RUNNING) {
         mind_forgive(r->mind);
+        mind_go_on(r->mind);
     }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
@@ -147,6 +148,7 @@ void robot_settle(struct robot *r)
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
+    robot_console_flush(r); /* what mail did to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
@@ -163,6 +165,36 @@ static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
     (void)r;
     mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", mu_agent_name(a), why);
     mu_agent_suspend(a, why);
+}
+
+/* Stands before a rule, as somebody wanted; the world goes on without it. */
+static void robot_break(struct robot *r, mu_agent *a, const char *rule)
+{
+    char said[MU_FIELD_MAX + 64];
+    snprintf(said, sizeof said, "break: %s is about to fire; suspended\n", rule);
+    mu_log(MU_LOG_INFO, "break", "name=%s rule=%s", mu_agent_name(a), rule);
+    (void)robot_console_print(r, said);
+    mu_agent_set_state(a, MU_SUSPENDED);
+}
+
+/* At most so many rules, and then it is suspended. */
+static void robot_run(struct robot *r, mu_agent *a, uint32_t rules)
+{
+    mu_agent_set_state(a, MU_RUNNING);
+    r->rules_left = rules;
+}
+
+void robot_do_wish(struct robot *r, mu_agent *a)
+{
+    uint32_t rules;
+    enum mind_wish wish = mind_wish(r->mind, &rules);
+    enum mu_state state = mu_agent_state(a);
+    bool lives = state == MU_STANDBY || state == MU_RUNNING || state == MU_SUSPENDED;
+    if (lives && (wish == MIND_WISH_RUN || wish == MIND_WISH_STEP)) {
+        robot_run(r, a, wish == MIND_WISH_STEP ? rules : 0);
+    } else if (wish == MIND_WISH_SUSPEND && state == MU_RUNNING) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+    }
 }
 
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
@@ -182,9 +214,13 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     mu_agent_fired(a, act.firings, act.rules);
     if (act.enough) {
         robot_give_up(r, a, act.enough);
+    } else if (act.end == MIND_BREAK) {
+        robot_break(r, a, act.why);
     } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
     } else if (left > 0) {
         mu_agent_set_state(a, MU_SUSPENDED);
     }
+    robot_do_wish(r, a);
+    robot_console_flush(r);
 }

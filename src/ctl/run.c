@@ -196,6 +196,10 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 {
     (void)a;
     struct run *r = self;
+    uint64_t of_console = run_observer_receipt(r, first_seq, last_seq, outcome);
+    if (of_console == last_seq - first_seq + 1) {
+        return;
+    }
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
@@ -219,12 +223,20 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (!run_pages_take(r, mail) && strcmp(mail->performative, "failure") == 0) {
+    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) &&
+        strcmp(mail->performative, "failure") == 0) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
         fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
                 line_of(r->experiment, mail->in_reply_to), (int)strcspn(why, "\n"), why);
     }
+}
+
+/* Whoever may direct the observer has a console on it. */
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    run_observer_directive(self, mail);
 }
 
 static mu_result network_join(struct run *r)
@@ -236,8 +248,12 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
-    struct mu_handlers handlers = {
-        .self = r, .on_registered = on_registered, .on_receipt = on_receipt, .on_mail = on_mail};
+    struct mu_handlers handlers = {.self = r,
+                                   .on_registered = on_registered,
+                                   .on_receipt = on_receipt,
+                                   .on_mail = on_mail,
+                                   .on_directive = on_directive};
+    run_observer_open(r);
     MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_decline_broadcasts(r->observer);
     return MU_OK;
@@ -394,6 +410,7 @@ static int round_live(struct run *r)
 {
     mu_result spun = mu_process_spin(r->process, ROUND_NS);
     statuses_take(r);
+    run_observer_look(r);
     supervise_look(&r->children);
     progress_show(r);
     if (run_signal) {
