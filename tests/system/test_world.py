@@ -92,6 +92,18 @@ def test_check_goes_on_behind_a_mistake_of_grammar():
         check_equal(muster("world", "chek", path).returncode, 2, "no such word")
 
 
+def test_check_warns_of_what_is_left_out():
+    """Also when it is a definition's."""
+    with folder() as where:
+        path = where / "a.world"
+        path.write_text("define crate model ( movable 1 size [1 1 1]\n model ( ) )\ncrate ( )\n")
+        code, lines = check_lines(path)
+        check_equal(code, 0, lines)
+        check_equal([m["kind"] for m in lines], ["warning", "world"], "lines")
+        check_equal(lines[0]["line"], 2, "where")
+        check("left out" in lines[0]["text"], lines)
+
+
 def test_draw_is_a_picture():
     with folder() as where:
         out = where / "arena.svg"
