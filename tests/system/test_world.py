@@ -120,6 +120,19 @@ def test_draw_is_a_picture():
                     "no such folder")
 
 
+def test_draw_shows_what_is_white_and_what_a_finder_sees():
+    with folder() as where:
+        path = where / "a.world"
+        path.write_text('model ( size [4 4 1] boundary 1 )\nmodel ( size [1 1 1] color "white" )\n'
+                        'position ( pose [1 1 0 0] fiducial ( ) )\n')
+        text = muster("world", "draw", path).stdout
+        check('fill="#ffffff" stroke="#999999"' in text, "a line around what is white")
+        plain = path.read_text().replace("fiducial ( )", "")
+        path.write_text(plain)
+        less = muster("world", "draw", path).stdout
+        check_equal(text.count("<path"), less.count("<path") + 1, "a field of view")
+
+
 def test_what_is_no_file_stays_what_it_is():
     """A file that is written takes the place of a file, but not that of a device or a link."""
     with folder() as where:
