@@ -269,6 +269,9 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
     if (options->rules_folder) {
         m->options.rules_folder = mu_startup_string(options->rules_folder);
     }
+    if (options->rules_file) {
+        m->options.rules_file = mu_startup_string(options->rules_file);
+    }
     if (m->options.firings_max == 0) {
         m->options.firings_max = MU_FIRINGS_PER_STEP;
     }
