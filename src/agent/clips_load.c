@@ -27,6 +27,7 @@ void clips_load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    clips_place_install(m);
     m->form = mu_startup_alloc(CLIPS_FILE_MAX);
 }
 
@@ -103,6 +104,7 @@ static mu_result load_construct(struct mind *m, const char *path, struct clips_f
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
+    clips_place_note(m, f.at, path, f.line);
     return MU_OK;
 }
 
