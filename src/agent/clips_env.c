@@ -301,6 +301,9 @@ static mu_result env_take_options(struct mind *m, const struct mind_options *opt
         }
         m->options.rules_folder = m->folder;
     }
+    if (options->rules_file) {
+        m->options.rules_file = mu_startup_string(options->rules_file);
+    }
     if (m->options.firings_max == 0) {
         m->options.firings_max = MU_FIRINGS_PER_STEP;
     }

@@ -79,6 +79,9 @@
       "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
       "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
       "none, or the robot was given no map (`--world`)") \
+    X("has-map", 'u', clips_plan_has_map, "00", \
+      "(has-map)", \
+      "TRUE if the robot was given a map for plan") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
