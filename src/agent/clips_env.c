@@ -282,7 +282,8 @@ static void env_clear(struct mind *m)
                                 .text = m->text,
                                 .form = m->form,
                                 .messages = m->messages,
-                                .parked = m->parked};
+                                .parked = m->parked,
+                                .places = m->places};
     *m = before;
 }
 

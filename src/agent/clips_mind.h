@@ -231,6 +231,7 @@ MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, str
                                            struct mu_fault *fault);
 
 /* clips_place.c */
+void clips_place_reserve(struct mind *m);
 void clips_place_install(struct mind *m);
 
 /** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
