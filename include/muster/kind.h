@@ -65,6 +65,18 @@ extern const struct mu_agent_kind mu_base_kind;
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
 
 /**
+ * Enters an agent that has lived elsewhere, or is a copy of one: as mu_agent_join, in the state
+ * MU_MOVING until it is accepted and its owner sets another.
+ *
+ * @param from   how far it had come; NULL: it has taken no mail
+ * @param event  MU_ON_ARRIVE or MU_ON_CLONE: what happens when it is accepted, instead of
+ *               MU_ON_CREATE
+ */
+MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
+                                      const struct mu_passage *from, enum mu_event event,
+                                      const struct mu_handlers *handlers);
+
+/**
  * In a handler of a kind: asks its parent.
  *
  * @return what that did; MU_PASS also when nobody took it, and outside of a kind's handler

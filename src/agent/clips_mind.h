@@ -132,6 +132,7 @@ struct mind {
     struct mu_text fired;
     const char *rule; /* that fired last */
     bool firing, sense_again, wants_to_run;
+    struct mind_wish wish;
 
     /* guards */
     uint32_t ticks;

@@ -15,6 +15,8 @@ static struct crew *crew_make(const struct settings *set)
     struct crew *c = mu_startup_alloc(sizeof *c);
     c->set = set;
     c->count = settings_robots(set);
+    c->host = "";
+    trip_reserve(&c->trip);
     c->robots = mu_startup_array(c->count, sizeof *c->robots);
     for (uint32_t i = 0; i < c->count; i++) {
         c->robots[i].crew = c;
@@ -45,7 +47,7 @@ static mu_result robots_join(struct crew *c)
                                          .peer = mu_network_peers(&set->network),
                                          .name = set->name,
                                          .broker = set->network.broker,
-                                         .agents = c->count,
+                                         .agents = c->count + 1, /* an envoy */
                                          .with_body = true};
     MU_TRY(mu_process_open(&c->process, &options));
     for (uint32_t i = 0; i < c->count; i++) {
@@ -59,6 +61,11 @@ static mu_result robots_join(struct crew *c)
                 options.domain, options.broker ? options.broker : "NAME", options.domain);
     }
     return found;
+}
+
+static void crew_round(void *self)
+{
+    trip_round(self);
 }
 
 int main(int argc, char **argv)
@@ -79,6 +86,7 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
+    mu_process_each_round(c->process, crew_round, c);
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);
     mu_process_close(c->process);

@@ -125,6 +125,15 @@ struct mind_act {
     const char *why; /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
 };
 
+/* What rules want for their agent: the first wish of a step counts. */
+enum mind_wish_kind { MIND_STAYS, MIND_MOVES, MIND_CLONES, MIND_DISPOSES };
+
+struct mind_wish {
+    enum mind_wish_kind kind;
+    char name[MU_NAME_MAX + 1]; /* of the clone */
+    char host[MU_NAME_MAX + 1]; /* "": where it is */
+};
+
 struct mind;
 
 /** Makes an environment with the sandbox, the functions and the shared library in it. */
@@ -249,6 +258,9 @@ MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text
 
 /** @return whether (run) was called on a line since the last time this was asked */
 bool mind_wants_to_run(struct mind *m);
+
+/** Takes what rules or a line wished for since this was last asked. */
+struct mind_wish mind_wish(struct mind *m);
 
 /** Prints the table of functions that rules may call, as Markdown, to standard output. */
 void mind_print_functions(void);

@@ -12,6 +12,7 @@
 
 #include "agent/mind.h"
 #include "agent/settings.h"
+#include "agent/trip.h"
 #include "muster/muster.h"
 
 enum { ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2, ROBOT_PRINT_MAX = 1024 };
@@ -22,7 +23,12 @@ struct crew {
     mu_process *process;
     struct robot *robots;
     uint32_t count;
-    bool refused; /* the broker has refused a name */
+    bool refused;     /* the broker has refused a name */
+    const char *host; /* the platform's name; "": the process takes nobody in */
+    struct trip trip;
+    mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
+    /** One that has come has its name, or will not get it; NULL: nobody comes. */
+    void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
@@ -33,8 +39,11 @@ struct robot {
     char name[MU_NAME_MAX + 1];
     struct mind *mind;
     mu_agent *agent;
-    bool out;            /* it takes no part: it is disposed of, or its name is refused */
-    bool box_full;       /* said once */
+    bool out;                 /* it takes no part: it is disposed of, or its name is refused */
+    bool arrives;             /* it has not got its name here yet; then it goes on */
+    enum mu_state returns_as; /* in this state */
+    uint64_t epoch;           /* how often it has moved */
+    bool box_full;            /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
@@ -54,6 +63,13 @@ MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
 /** Lets it join its crew's process.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
+
+/** The same for one that comes from elsewhere, or returns.  @return as mu_agent_arrive */
+MU_MUST_USE mu_result robot_arrive(struct robot *r, const struct mu_passage *from,
+                                   enum mu_event event);
+
+/** It is not here any more; its place is free, and a process without a host ends with the last. */
+void robot_drop(struct robot *r);
 
 /* robot_ports.c */
 
@@ -80,6 +96,12 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 extern const struct mu_agent_kind robot_kind;
 
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
+/** Takes no part any more; a process without a host ends with the last one. */
+void robot_leave(struct robot *r);
+
+/** Does what its rules wished for. */
+void robot_follow_wish(struct robot *r);
+
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
 void robot_on_state(void *self, mu_agent *a, enum mu_state state);
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *percept);

@@ -24,10 +24,12 @@ static void pages_enter(const struct robot *r, mu_agent *a)
     }
 }
 
-/* Takes no part any more; the process ends with the last one. */
-static void robot_leave(struct robot *r)
+void robot_leave(struct robot *r)
 {
     r->out = true;
+    if (r->crew->host[0]) {
+        return;
+    }
     for (uint32_t i = 0; i < r->crew->count; i++) {
         if (!r->crew->robots[i].out) {
             return;
@@ -36,9 +38,30 @@ static void robot_leave(struct robot *r)
     mu_process_stop(r->crew->process);
 }
 
+/* Who has come goes on where it was interrupted; who does not get its name is not here. */
+static void arrive(struct robot *r, bool accepted, const char *reason)
+{
+    r->arrives = false;
+    mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
+           "name=%s %s", r->name, reason);
+    if (accepted) {
+        mu_agent_set_state(r->agent, r->returns_as);
+    }
+    if (r->crew->on_arrived) {
+        r->crew->on_arrived(r, accepted, reason);
+    }
+    if (!accepted) {
+        robot_drop(r);
+    }
+}
+
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
+    if (r->arrives) {
+        arrive(r, accepted, reason);
+        return;
+    }
     if (accepted) {
         r->out = false;
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
@@ -121,16 +144,26 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     struct robot *r = self;
     r->rules_left = 0;
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
-    if (state == MU_GONE) {
+    if (state == MU_GONE && !trip_holds(r)) {
         robot_leave(r);
     }
 }
 
-/* A suspended mind keeps still, so that a person can look at it. */
+void robot_follow_wish(struct robot *r)
+{
+    struct mind_wish wish = mind_wish(r->mind);
+    if (wish.kind == MIND_DISPOSES) {
+        mu_agent_set_state(r->agent, MU_GONE);
+    } else if (wish.kind != MIND_STAYS) {
+        (void)trip_begin(r, &wish, NULL);
+    }
+}
+
+/* A suspended mind keeps still, so that a person can look at it; one on its way, too. */
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
-    if (mu_agent_state(a) == MU_SUSPENDED) {
+    if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
         return;
     }
     struct mind_percept percept = body_percept(p);
@@ -155,4 +188,5 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     } else if (left > 0) {
         mu_agent_set_state(a, MU_SUSPENDED);
     }
+    robot_follow_wish(r);
 }

@@ -3,8 +3,10 @@
 #include "agent/body.h"
 #include "agent/robot.h"
 #include "core/log.h"
+#include "core/name.h"
 #include "runtime/kind.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,6 +126,42 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
         mu_agent_set_state(a, MU_RUNNING);
     }
+    robot_follow_wish(r);
+}
+
+/* Whose content is one or two names. */
+static bool names_read(const char *content, char first[MU_NAME_MAX + 1],
+                       char second[MU_NAME_MAX + 1])
+{
+    char words[3][MU_NAME_MAX + 2] = {"", "", ""};
+    int read = sscanf(content, " %32s %32s %32s", words[0], words[1], words[2]);
+    return read >= 1 && read <= 2 && mu_name_valid(words[0]) &&
+           (read == 1 || mu_name_valid(words[1])) &&
+           mu_text_copy(first, MU_NAME_MAX + 1, words[0]) &&
+           mu_text_copy(second, MU_NAME_MAX + 1, words[1]);
+}
+
+static void directive_move(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct mind_wish wish = {.kind = MIND_MOVES};
+    char none[MU_NAME_MAX + 1];
+    if (names_read(mail->content, wish.host, none) && !none[0]) {
+        (void)trip_begin(r, &wish, mail);
+    } else {
+        trip_tell(r->crew, mail->src, mail->reply_with, false, "expected a host");
+    }
+}
+
+static void directive_clone(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct mind_wish wish = {.kind = MIND_CLONES};
+    if (names_read(mail->content, wish.name, wish.host) && !mu_name_reserved(wish.name)) {
+        (void)trip_begin(r, &wish, mail);
+    } else {
+        trip_tell(r->crew, mail->src, mail->reply_with, false, "expected a name and a host");
+    }
 }
 
 /* N rules, in as many control steps as that takes. */
@@ -152,7 +190,10 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
     static const struct {
         const char *performative;
         void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
-    } directives[] = {{"do", directive_do}, {"step", directive_step}};
+    } directives[] = {{"do", directive_do},
+                      {"step", directive_step},
+                      {"move", directive_move},
+                      {"clone", directive_clone}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
             directives[i].carry_out(self, a, mail);

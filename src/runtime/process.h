@@ -104,6 +104,8 @@ struct mu_process {
     bool leaving;                /* one of the agents is, or all are */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
+    void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
+    void *round_self;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;
