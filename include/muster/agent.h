@@ -275,7 +275,14 @@ MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *n
 struct mu_passage {
     uint64_t last_number; /* that it has taken from its box, */
     uint64_t broker;      /* at the broker of this incarnation */
+    uint64_t epoch;       /* how often it has set out */
 };
+
+/**
+ * Says that it sets out, or stays after all: a copy of it that another process may have is out of
+ * date, and the broker gives the name to no such copy.
+ */
+void mu_agent_set_out(mu_agent *a);
 
 /** @return how far it has come; final when it is settled */
 struct mu_passage mu_agent_passage(const mu_agent *a);

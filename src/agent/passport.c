@@ -15,7 +15,7 @@ void passport_add(struct mu_text *out, const struct passport *p)
     mu_text_format(
         out, "passport 1 %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n",
         purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
-        p->passage.broker, p->epoch, p->mails, p->seed);
+        p->passage.broker, p->passage.epoch, p->mails, p->seed);
 }
 
 static bool purpose_read(const char *word, enum trip_purpose *out)
@@ -51,7 +51,7 @@ bool passport_read(const char **text, struct passport *out)
                       "passport %d %15s %32s %15s %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
                       " %" SCNu64 "%n",
                       &version, purpose, name, state, &out->passage.last_number,
-                      &out->passage.broker, &out->epoch, &out->mails, &out->seed, &len);
+                      &out->passage.broker, &out->passage.epoch, &out->mails, &out->seed, &len);
     if (read != TRIP_FIELDS || version != 1 || (*text)[len] != '\n' || !mu_name_valid(name) ||
         mu_name_reserved(name) || !mu_text_copy(out->name, sizeof out->name, name)) {
         return false;

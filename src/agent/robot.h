@@ -42,7 +42,6 @@ struct robot {
     bool out;                 /* it takes no part: it is disposed of, or its name is refused */
     bool arrives;             /* it has not got its name here yet; then it goes on */
     enum mu_state returns_as; /* in this state */
-    uint64_t epoch;           /* how often it has moved */
     bool box_full;            /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */

@@ -94,6 +94,7 @@ static void trip_fail(struct crew *c, const char *reason)
     mind_refused(r->mind, change, reason);
     trip_end(c, false, said);
     if (t->purpose == TRIP_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
+        mu_agent_set_out(r->agent); /* the host may have a copy yet */
         mu_agent_set_state(r->agent, t->was);
     }
 }
@@ -158,6 +159,7 @@ mu_result trip_begin(struct robot *r, const struct mind_wish *w, const struct mu
     trip_fill(r, w, host, asked);
     if (w->kind == MIND_MOVES) {
         kind_event(r->agent, MU_ON_LEAVE);
+        mu_agent_set_out(r->agent);
         mu_agent_set_state(r->agent, MU_MOVING);
     }
     c->trip.phase = TRIP_SETTLES;
@@ -169,10 +171,7 @@ static const char *capsule_make(struct trip *t, struct mu_fault *fault)
 {
     struct robot *r = t->robot;
     bool moves = t->purpose == TRIP_MOVE;
-    struct passport p = {.purpose = t->purpose,
-                         .state = t->was,
-                         .epoch = moves ? r->epoch + 1 : 0,
-                         .mails = r->mails};
+    struct passport p = {.purpose = t->purpose, .state = t->was, .mails = r->mails};
     (void)mu_text_copy(p.name, sizeof p.name, moves ? r->name : t->name);
     t->passage = mu_agent_passage(r->agent);
     if (moves) {
@@ -260,6 +259,7 @@ static void hand_over_undo(struct crew *c)
 {
     struct trip *t = &c->trip;
     t->robot->returns_as = t->was;
+    t->passage.epoch++; /* the host's copy is out of date, if it comes back */
     if (robot_arrive(t->robot, &t->passage, MU_ON_ARRIVE) != MU_OK) {
         robot_drop(t->robot);
     }

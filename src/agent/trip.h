@@ -27,7 +27,6 @@ struct passport {
     char name[MU_NAME_MAX + 1]; /* that it is to have */
     enum mu_state state;        /* that it goes on in */
     struct mu_passage passage;
-    uint64_t epoch; /* how often it has moved, this time included */
     uint64_t mails; /* that its rules have seen */
     uint64_t seed;  /* of one that is launched; its rules stand in the place of the capsule */
 };

@@ -119,12 +119,8 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
                        const struct arrival *a)
 {
     struct mind *mind = r->mind;
-    *r = (struct robot){.crew = &h->crew,
-                        .mind = mind,
-                        .out = true,
-                        .mails = p->mails,
-                        .epoch = p->epoch,
-                        .returns_as = p->state};
+    *r = (struct robot){
+        .crew = &h->crew, .mind = mind, .out = true, .mails = p->mails, .returns_as = p->state};
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;

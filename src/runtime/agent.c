@@ -108,6 +108,7 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
     uint64_t last = from ? from->last_number : 0;
     MU_TRY(mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers));
     (*out)->broker_incarnation = from ? from->broker : 0; /* another one numbers its box anew */
+    (*out)->epoch = from ? from->epoch : 0;
     (*out)->state = MU_MOVING;
     (*out)->part.beginning = event;
     (*out)->part.begun = true; /* it ran before, or will be started */
@@ -116,7 +117,14 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
 
 struct mu_passage mu_agent_passage(const mu_agent *a)
 {
-    return (struct mu_passage){.last_number = a->last_number, .broker = a->broker_incarnation};
+    return (struct mu_passage){
+        .last_number = a->last_number, .broker = a->broker_incarnation, .epoch = a->epoch};
+}
+
+void mu_agent_set_out(mu_agent *a)
+{
+    a->epoch++;
+    roll_mark(a);
 }
 
 bool mu_agent_is_settled(const mu_agent *a)

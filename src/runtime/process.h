@@ -40,6 +40,7 @@ struct mu_agent {
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
     uint64_t since_wall_ns; /* since when it has its name */
+    uint64_t epoch;         /* how often it has set out for another process */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;

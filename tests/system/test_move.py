@@ -233,7 +233,7 @@ def test_the_broker_dies_on_the_way():
     with team(bodies=()) as t:
         t.robot_start("red")
         t.hosts["north"].send_signal(signal.SIGSTOP)
-        move = t.begin("move", "red", "north")
+        move = t.begin("move", "red", "north", "--wait", 5)
         wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
         t.broker.kill()
         t.broker.wait()
@@ -252,7 +252,7 @@ def test_kill_at_any_moment():
     platform that has it lives."""
     with team(bodies=()) as t:
         t.done("launch", "red", "north", "--rules", ROOT / "rules/follower.clp")
-        for number, delay_ms in enumerate((0, 5, 10, 20, 40, 80, 15, 30)):
+        for number, delay_ms in enumerate((0, 10, 20, 40, 80, 15)):
             source = t.place_of("red")
             target = "south" if source == "north" else "north"
             victim = (source, target)[number % 2]
@@ -262,7 +262,7 @@ def test_kill_at_any_moment():
             t.hosts[victim].wait()
             move.communicate(timeout=40)
             wait_for(lambda: members(t.domain)[victim]["state"] == "absent", 10, f"{victim} gone")
-            settled(t)
+            settled(t, victim == target)
             place = t.place_of("red")
             check(place != "elsewhere", f"{number} {victim}: {members(t.domain)}")
             check(place != victim, f"red on a dead platform after {delay_ms} ms")
@@ -272,13 +272,13 @@ def test_kill_at_any_moment():
             check_equal(t.ask("red", "(my-name)"), "red", "its answer")
 
 
-def settled(t):
-    """Until nothing is on its way."""
+def settled(t, may_return):
+    """Until nothing is on its way; a source may yet take back what it let go."""
     def still():
         state = members(t.domain)["red"]["state"]
         return state != "moving" and state
     seen = wait_for(still, 20, "red's state")
-    until = time.monotonic() + 8
+    until = time.monotonic() + (8 if may_return else 2)
     while seen == "absent" and time.monotonic() < until:
         seen = still() or "absent"
         time.sleep(0.1)
