@@ -187,6 +187,10 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 {
     char head[CAPSULE_HEAD_MAX + 1];
     const char *why = NULL;
+    if (CLIPS_BROKEN(m)) {
+        (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT);
+        return MU_REFUSED;
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
     mu_text_clear(out);
@@ -278,6 +282,9 @@ static mu_result name_set(struct mind *m, const char *was)
 mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct mu_fault *fault)
 {
     MU_TRY(head_check(capsule, len, fault));
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT);
+    }
     struct capsule c = {.mind = m, .at = capsule + CAPSULE_HEAD_MAX, .line = 2, .fault = fault};
     char name[MU_NAME_MAX + 1];
     MU_TRY(body_load(&c, name));

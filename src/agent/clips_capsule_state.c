@@ -351,13 +351,13 @@ static bool life_load(struct capsule *c)
     return good;
 }
 
-enum { STATE_NUMBERS = 6 };
+enum { STATE_NUMBERS = 7 };
 
 void clips_capsule_save_state(struct mind *m, struct mu_text *out)
 {
-    mu_text_format(out, "mind %llu %llu %llu %u %d %d\n", (unsigned long long)m->random.state,
+    mu_text_format(out, "mind %llu %llu %llu %u %d %d %u\n", (unsigned long long)m->random.state,
                    (unsigned long long)m->asked, (unsigned long long)m->step, m->senses_named,
-                   m->rules_getmsg, m->wants_to_run);
+                   m->rules_getmsg, (int)m->wish, m->wish_rules);
     percept_save(m, out);
     mail_save(m, out);
     life_save(m, out);
@@ -368,7 +368,7 @@ mu_result clips_capsule_load_state(struct capsule *c)
 {
     struct mind *m = c->mind;
     uint64_t n[STATE_NUMBERS];
-    if (!counts_load(c, "mind", n, STATE_NUMBERS)) {
+    if (!counts_load(c, "mind", n, STATE_NUMBERS) || n[5] > MIND_WISH_SUSPEND) {
         return clips_capsule_wrong(c, "the numbers of the mind");
     }
     m->random.state = n[0];
@@ -376,7 +376,8 @@ mu_result clips_capsule_load_state(struct capsule *c)
     m->step = n[2];
     m->senses_named |= (uint32_t)n[3];
     m->rules_getmsg = m->rules_getmsg || n[4] != 0;
-    m->wants_to_run = n[5] != 0;
+    m->wish = (enum mind_wish)n[5];
+    m->wish_rules = (uint32_t)n[6];
     if (!percept_load(c)) {
         return clips_capsule_wrong(c, "what the mind has sensed");
     }

@@ -98,6 +98,14 @@ static int env_route_print(void *env, const char *name, const char *text)
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
     }
+    if (m->firing && strcmp(name, WDIALOG) == 0) {
+        return TRUE; /* "Breaking on rule": the robot says so itself */
+    }
+    const struct mind_ports *ports = &m->options.ports;
+    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && strcmp(name, WTRACE) == 0;
+    if (watched && ports->trace(ports->self, text)) {
+        return TRUE;
+    }
     if (m->mode == CLIPS_MODE_LINE) {
         bool blank = m->out->len == 0 || m->out->at[m->out->len - 1] == '\n';
         mu_text_add(m->out, complaint && blank && strcmp(text, "\n") == 0 ? "" : text);
@@ -138,10 +146,12 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
+    clips_guard_arm(m);
 }
 
 bool clips_env_leave(struct mind *m)
 {
+    clips_guard_arm(NULL);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
@@ -309,6 +319,9 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     MU_ASSERT(m->env);
     SetEnvironmentContext(m->env, m);
     env_install(m);
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT);
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     bool built = env_build(m);
@@ -329,7 +342,7 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
 
 void mind_close(struct mind *m)
 {
-    if (m && m->env) {
+    if (m && m->env && !m->broken) {
         DestroyEnvironment(m->env);
         m->env = NULL;
     }

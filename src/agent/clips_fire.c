@@ -8,7 +8,7 @@
 static void fire_after_rule(void *env)
 {
     const struct mind *m = clips_env_mind(env);
-    if (m->sense_again || m->wish.kind != MIND_STAYS) {
+    if (m->sense_again || m->travel.kind != MIND_STAYS) {
         EnvHalt(env);
     }
 }
@@ -81,6 +81,9 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
     clips_env_leave(m);
     *failed = halted;
+    if (halted) {
+        clips_failure_note(m);
+    }
     if (m->said.len > 0 || halted) {
         clips_fire_complain(m, "rule", m->rule ? m->rule : "?");
     }
@@ -91,6 +94,10 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
     while (m->act.firings < budget) {
         bool failed;
+        if (clips_control_stops(m)) {
+            m->act.why = m->stands;
+            return MIND_BREAK;
+        }
         uint32_t fired = fire_some(m, budget - m->act.firings, &failed);
         m->act.firings += fired;
         m->act.errors += failed;
@@ -98,10 +105,11 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
             m->act.why = m->stopped;
             return MIND_STOPPED;
         }
-        if (m->sense_again || m->wish.kind != MIND_STAYS) {
+        if (m->sense_again || m->travel.kind != MIND_STAYS) {
             return MIND_SENSE_AGAIN;
         }
-        if (fired == 0 || (!failed && m->act.firings < budget)) {
+        bool idle = !failed && m->act.firings < budget && !clips_control_breaks(m);
+        if (fired == 0 || idle) {
             return MIND_IDLE;
         }
     }
@@ -113,8 +121,24 @@ void mind_fire(struct mind *m, struct mind_act *act)
     mind_fire_some(m, m->options.firings_max, act);
 }
 
+/* Nothing fires any more; the robot stands still. */
+static void fire_nothing(struct mind *m, struct mind_act *act)
+{
+    mu_text_copy(m->reason, sizeof m->reason, "its rules are gone: memory");
+    *act = (struct mind_act){.drives = true,
+                             .errors = 1,
+                             .rules = "",
+                             .end = MIND_STOPPED,
+                             .why = "memory",
+                             .enough = m->reason};
+}
+
 void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 {
+    if (CLIPS_BROKEN(m)) {
+        fire_nothing(m, act);
+        return;
+    }
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
     clips_guard_start(m, 0);
     mu_text_clear(&m->fired);

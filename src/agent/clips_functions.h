@@ -73,6 +73,11 @@
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
+    X("plan", 'u', clips_plan_call, "22n", \
+      "(plan x y)", \
+      "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
+      "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
+      "none, or the robot was given no map (`--world`)") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
@@ -192,9 +197,28 @@
     X("dispose", 'u', clips_mobility_dispose, "00", \
       "(dispose)", \
       "likewise ends this agent for good; TRUE") \
-    X("run", 'u', clips_social_run, "01", \
-      "(run)", \
-      "on the console: leaves standby; in rules: nothing")
+    X("failures", 'm', clips_failure_call, "00", \
+      "(failures)", \
+      "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
+      "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
+      "count anew") \
+    X("run", 'u', clips_control_run, "01i", \
+      "(run [n])", \
+      "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \
+      "step; in rules: nothing") \
+    X("resume", 'u', clips_control_run, "00", \
+      "(resume)", \
+      "the same as run") \
+    X("continue", 'u', clips_control_run, "00", \
+      "(continue)", \
+      "the same as run: the rule that the agent stands before fires") \
+    X("step", 'u', clips_control_step, "01i", \
+      "(step [n])", \
+      "on the console: fires n rules, or one, in as many control steps as that takes, and " \
+      "suspends then; in rules: nothing") \
+    X("suspend", 'u', clips_control_suspend, "00", \
+      "(suspend)", \
+      "stands still until it is resumed; in a rule, when the step is over")
 
 #define CLIPS_EXTENSIONS(X) \
     X("findall", 'm', clips_findall_call, NULL, \

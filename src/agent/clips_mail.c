@@ -180,6 +180,9 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
     struct mind_mail letter = *mail;
     bool list;
     letter.language = mail_is_clips(mail) ? "clips" : mail->language;
+    if (CLIPS_BROKEN(m)) {
+        return MU_FULL;
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env);

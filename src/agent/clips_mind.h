@@ -13,6 +13,7 @@
 
 #include <clips.h>
 #include <limits.h>
+#include <setjmp.h>
 #include <tmpltutl.h>
 
 enum {
@@ -20,6 +21,8 @@ enum {
     CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
+    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
+    CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
@@ -78,6 +81,12 @@ struct clips_handler {
     SYMBOL_HN *function;
 };
 
+/* How often a rule has failed. */
+struct clips_failing {
+    char rule[MU_FIELD_MAX + 1]; /* its name, or how that begins */
+    uint32_t count;
+};
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -131,14 +140,26 @@ struct mind {
     char fired_bytes[CLIPS_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
-    bool firing, sense_again, wants_to_run;
-    struct mind_wish wish;
+    bool firing, sense_again;
+    struct mind_travel travel;
+
+    /* its own life */
+    enum mind_wish wish;
+    uint32_t wish_rules;
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
+    bool passes;                   /* that rule may fire once all the same */
 
     /* guards */
     uint32_t ticks;
     long memory_max;
     const char *stopped; /* which guard, or NULL */
     const char *stack;   /* at the entry */
+    jmp_buf shelter;     /* in the function of mind.h that called into CLIPS */
+    bool broken;         /* its environment must not be touched any more */
+    struct clips_failing failing[CLIPS_FAILING_MAX];
+    size_t failing_count;
+    uint64_t stops; /* by guards */
+    char reason[MU_ATTRIBUTES_MAX + 1];
 
     /* output */
     enum clips_mode mode;
@@ -176,8 +197,24 @@ bool clips_env_leave(struct mind *m);
 double clips_env_global(const struct mind *m, enum clips_global which);
 
 /* clips_guard.c */
+
+/**
+ * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and is not touched
+ * again.
+ */
+#define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
+
+/** The answer of a broken mind. */
+#define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
+
+/** From enter to leave, memory is refused beyond the limit.  m: NULL ends it. */
+void clips_guard_arm(struct mind *m);
 void clips_guard_install(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
+
+/** Counts what C code has done for a rule as so many turns of a loop. */
+void clips_guard_spend(struct mind *m, uint32_t ticks);
 
 /* clips_override.c */
 void clips_override_install(struct mind *m);
@@ -253,6 +290,21 @@ void clips_fire_install(struct mind *m);
 
 /** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
 void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+
+/* clips_failure.c */
+
+/** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
+void clips_failure_note(struct mind *m);
+
+void clips_failure_clear(struct mind *m);
+
+/* clips_control.c */
+
+/** @return whether the rule that fires next has a breakpoint */
+bool clips_control_breaks(struct mind *m);
+
+/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
+bool clips_control_stops(struct mind *m);
 
 /* clips_event.c */
 

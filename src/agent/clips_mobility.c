@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* (moveTo), (clone), (dispose): what a mind wishes for itself, and gets when its step is over. */
+/* (moveTo), (clone), (dispose): where a mind is to go when its step is over. */
 #include "agent/clips_functions.h"
 #include "agent/clips_value.h"
 #include "core/name.h"
@@ -19,45 +19,45 @@ static bool name_take(void *env, const char *function, int index, char name[MU_N
     return mu_text_copy(name, MU_NAME_MAX + 1, word);
 }
 
-static void wish(void *env, struct mind_wish w, DATA_OBJECT *out)
+static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
 {
     struct mind *m = clips_env_mind(env);
-    bool first = m->wish.kind == MIND_STAYS;
+    bool first = m->travel.kind == MIND_STAYS;
     if (first) {
-        m->wish = w;
+        m->travel = w;
     }
     clips_value_bool(env, out, first);
 }
 
 void clips_mobility_move(void *env, DATA_OBJECT *out)
 {
-    struct mind_wish w = {.kind = MIND_MOVES};
+    struct mind_travel w = {.kind = MIND_MOVES};
     clips_value_bool(env, out, false);
     if (name_take(env, "moveTo", 1, w.host)) {
-        wish(env, w, out);
+        travel_set(env, w, out);
     }
 }
 
 void clips_mobility_clone(void *env, DATA_OBJECT *out)
 {
-    struct mind_wish w = {.kind = MIND_CLONES};
+    struct mind_travel w = {.kind = MIND_CLONES};
     clips_value_bool(env, out, false);
     if (!name_take(env, "clone", 1, w.name)) {
         return;
     }
     if (EnvRtnArgCount(env) < 2 || name_take(env, "clone", 2, w.host)) {
-        wish(env, w, out);
+        travel_set(env, w, out);
     }
 }
 
 void clips_mobility_dispose(void *env, DATA_OBJECT *out)
 {
-    wish(env, (struct mind_wish){.kind = MIND_DISPOSES}, out);
+    travel_set(env, (struct mind_travel){.kind = MIND_DISPOSES}, out);
 }
 
-struct mind_wish mind_wish(struct mind *m)
+struct mind_travel mind_travel(struct mind *m)
 {
-    struct mind_wish w = m->wish;
-    m->wish = (struct mind_wish){.kind = MIND_STAYS};
+    struct mind_travel w = m->travel;
+    m->travel = (struct mind_travel){.kind = MIND_STAYS};
     return w;
 }

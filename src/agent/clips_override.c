@@ -38,6 +38,10 @@ void clips_override_send(void *env, DATA_OBJECT *out)
     if (!clips_value_any(env, 1, &first)) {
         return;
     }
+    if (first.type == RVOID) { /* what a function gives that gives nothing */
+        clips_value_refuse(env, "send", "somebody to send to");
+        return;
+    }
     bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;
     if (instance && EnvRtnArgCount(env) < 2) {
         clips_value_refuse(env, "send", "a message for the instance");

@@ -13,13 +13,8 @@ static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static struct crew *crew_make(const struct settings *set)
 {
     struct crew *c = mu_startup_alloc(sizeof *c);
-    c->set = set;
-    c->count = settings_robots(set);
-    c->host = "";
-    trip_reserve(&c->trip);
-    c->robots = mu_startup_array(c->count, sizeof *c->robots);
+    robot_reserve_crew(c, set, settings_robots(set), "");
     for (uint32_t i = 0; i < c->count; i++) {
-        c->robots[i].crew = c;
         settings_robot(set, i, c->robots[i].name);
     }
     return c;
@@ -33,6 +28,7 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
+    MU_TRY(robot_map_open(c));
     for (uint32_t i = 0; i < c->count; i++) {
         MU_TRY(robot_think(&c->robots[i], folder));
     }

@@ -9,6 +9,7 @@
 #ifndef MUSTER_AGENT_MIND_H
 #define MUSTER_AGENT_MIND_H
 
+#include "agent/route.h"
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
@@ -98,6 +99,9 @@ struct mind_ports {
     const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
+    /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
+     * anybody looks; if nobody does it is printed.  May be NULL. */
+    bool (*trace)(void *self, const char *text);
 };
 
 struct mind_options {
@@ -105,12 +109,18 @@ struct mind_options {
     uint64_t seed;            /* of (random), together with the name */
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
+    uint32_t failures_max;    /* of one rule until it is enough; 0: never */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;         /* half the body's width, and what it wants to have beside it */
     struct mind_ports ports;
 };
 
 /* Why a step's firing ended. */
-enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
+enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED, MIND_BREAK };
+
+/* What a line or a rule has said of its own agent's life. */
+enum mind_wish { MIND_WISH_NOTHING, MIND_WISH_RUN, MIND_WISH_STEP, MIND_WISH_SUSPEND };
 
 /* What the rules did in one step. */
 struct mind_act {
@@ -122,14 +132,16 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why; /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+                           rule that would fire next */
+    const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
-/* What rules want for their agent: the first wish of a step counts. */
-enum mind_wish_kind { MIND_STAYS, MIND_MOVES, MIND_CLONES, MIND_DISPOSES };
+/* Where rules want their agent to go: the first that they say in a step counts. */
+enum mind_travel_kind { MIND_STAYS, MIND_MOVES, MIND_CLONES, MIND_DISPOSES };
 
-struct mind_wish {
-    enum mind_wish_kind kind;
+struct mind_travel {
+    enum mind_travel_kind kind;
     char name[MU_NAME_MAX + 1]; /* of the clone */
     char host[MU_NAME_MAX + 1]; /* "": where it is */
 };
@@ -256,11 +268,28 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
  */
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
 
-/** @return whether (run) was called on a line since the last time this was asked */
-bool mind_wants_to_run(struct mind *m);
+/** What rules have failed at is forgotten: they may try again. */
+void mind_forgive(struct mind *m);
 
-/** Takes what rules or a line wished for since this was last asked. */
-struct mind_wish mind_wish(struct mind *m);
+/**
+ * What was said last since this was asked last: (run), (resume), (continue); (run N), (step N);
+ * (suspend).  In rules only the last counts.
+ *
+ * @param rules  out: of MIND_WISH_STEP: how many
+ */
+enum mind_wish mind_wish(struct mind *m, uint32_t *rules);
+
+/** It goes on after a break: the rule that it stopped before may fire once. */
+void mind_go_on(struct mind *m);
+
+/**
+ * Lists the words that a line may have: one a line, first its kind: f a function, command or
+ * construct, r a rule, t a relation, g a global.
+ */
+void mind_words(struct mind *m, struct mu_text *out);
+
+/** Takes where rules or a line want it to go; the first that they said since this was asked. */
+struct mind_travel mind_travel(struct mind *m);
 
 /** Prints the table of functions that rules may call, as Markdown, to standard output. */
 void mind_print_functions(void);

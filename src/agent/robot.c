@@ -3,9 +3,25 @@
 #include "agent/body.h"
 
 #include "core/fault.h"
+#include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
+
+void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
+                        const char *host)
+{
+    c->set = set;
+    c->host = host;
+    c->count = count;
+    mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
+    mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
+    trip_reserve(&c->trip);
+    c->robots = mu_startup_array(count, sizeof *c->robots);
+    for (uint32_t i = 0; i < count; i++) {
+        c->robots[i].crew = c;
+    }
+}
 
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
 {
@@ -35,6 +51,9 @@ mu_result robot_think(struct robot *r, const char *folder)
                                    .seed = (uint64_t)set->seed,
                                    .rules_folder = folder,
                                    .firings_max = (uint32_t)set->firings_max,
+                                   .failures_max = (uint32_t)set->failures_max,
+                                   .router = r->crew->router,
+                                   .half_m = robot_map_half_m(r),
                                    .ports = robot_ports(r)};
     struct mu_fault fault;
     mu_result made = mind_open(&r->mind, &options, &fault);
@@ -85,6 +104,7 @@ void robot_drop(struct robot *r)
         mu_agent_leave(r->agent);
     }
     robot_print_rest(r);
+    robot_console_flush(r);
     mind_close(r->mind);
     r->arrives = false;
     robot_leave(r);

@@ -101,7 +101,7 @@ static void trip_fail(struct crew *c, const char *reason)
 
 /* --- the way ---------------------------------------------------------------------------------- */
 
-static const char *objection(struct robot *r, const struct mind_wish *w, const char *host)
+static const char *objection(struct robot *r, const struct mind_travel *w, const char *host)
 {
     struct crew *c = r->crew;
     const struct mu_member *m = mu_process_lookup(c->process, host);
@@ -124,7 +124,7 @@ static const char *objection(struct robot *r, const struct mind_wish *w, const c
     return w->kind == MIND_CLONES && taken && taken->state != MU_GONE ? "name-taken" : NULL;
 }
 
-static void trip_fill(struct robot *r, const struct mind_wish *w, const char *host,
+static void trip_fill(struct robot *r, const struct mind_travel *w, const char *host,
                       const struct mu_mail *asked)
 {
     struct trip *t = &r->crew->trip;
@@ -141,7 +141,7 @@ static void trip_fill(struct robot *r, const struct mind_wish *w, const char *ho
     (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
 }
 
-mu_result trip_begin(struct robot *r, const struct mind_wish *w, const struct mu_mail *asked)
+mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked)
 {
     struct crew *c = r->crew;
     const char *host = w->host[0] ? w->host : c->host;

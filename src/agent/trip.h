@@ -66,7 +66,7 @@ void trip_reserve(struct trip *t);
  * @param asked  the directive that wants it, which is answered when it is over; NULL: the rules did
  * @return MU_OK, or MU_REFUSED: that was answered
  */
-mu_result trip_begin(struct robot *r, const struct mind_wish *wish, const struct mu_mail *asked);
+mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked);
 
 /** Goes on as far as that is possible now. */
 void trip_round(struct crew *c);

@@ -40,6 +40,7 @@ struct presence {
     uint64_t epoch;             /* how often it has set out for another process */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
+    char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
 };
 
 /* Queues of a place, for agents that may have something to be told: until they are served, and

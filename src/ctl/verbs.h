@@ -25,6 +25,8 @@ int post_verb_clone(int argc, char **argv);
 int post_verb_dispose(int argc, char **argv);
 int post_verb_group_send(int argc, char **argv);
 
+int console_verb(int argc, char **argv);
+
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
 

@@ -213,18 +213,13 @@ struct host *host_make(const struct host_settings *set)
 {
     struct host *h = mu_startup_alloc(sizeof *h);
     h->set = set;
-    h->crew.set = &set->robots;
-    h->crew.host = set->robots.name;
-    h->crew.count = (uint32_t)set->agents;
-    h->crew.robots = mu_startup_array(h->crew.count, sizeof *h->crew.robots);
+    robot_reserve_crew(&h->crew, &set->robots, (uint32_t)set->agents, set->robots.name);
     h->waiting = mu_startup_array(h->crew.count, sizeof *h->waiting);
     h->crew.on_arrived = on_arrived;
     for (uint32_t i = 0; i < h->crew.count; i++) {
-        h->crew.robots[i].crew = &h->crew;
         h->crew.robots[i].out = true;
         h->crew.robots[i].mind = mind_reserve();
     }
-    trip_reserve(&h->crew.trip);
     arrivals_reserve(h);
     return h;
 }

@@ -41,6 +41,7 @@ struct mu_agent {
     struct resolver resolver;
     uint64_t since_wall_ns; /* since when it has its name */
     uint64_t epoch;         /* how often it has set out for another process */
+    char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;

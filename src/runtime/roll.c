@@ -61,7 +61,8 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .via = nothing,
                           .host = nothing,
                           .since_wall_ns = a->since_wall_ns,
-                          .epoch = a->epoch};
+                          .epoch = a->epoch,
+                          .reason = a->reason};
 }
 
 static muster_Registration part_of(mu_process *p, uint32_t part)

@@ -105,3 +105,15 @@
 ; line: (+ 1 2
 ; expect: a parenthesis is never closed: (+ 1 2
 ; expect: refused
+;
+; What the fuzzer has found.
+; line: (deftemplate t (slot a) (multislot b)) (assert (t (a 1) (b x)))
+; expect: <Fact-15>
+; line: (modify 15 (a 2) (no-such-slot 3))
+; expect: [TMPLTDEF1] Invalid slot no-such-slot not defined in corresponding deftemplate t.
+; expect: FALSE
+; expect: refused
+; line: (send (undeffacts *))
+; expect: [MUSTER1] Function send expected somebody to send to
+; expect: FALSE
+; expect: refused
