@@ -153,7 +153,10 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
                  moves ? host : w->name);
         snprintf(said, sizeof said, "%s %s", r->name, wrong);
         mind_refused(r->mind, change, wrong);
-        trip_tell(c, asked ? asked->src : "", asked ? asked->reply_with : "", false, said);
+        if (asked && asked->reply_with[0] &&
+            mu_agent_reply(r->agent, asked, "failure", said) != MU_OK) {
+            mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+        }
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);
@@ -164,6 +167,20 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
     }
     c->trip.phase = TRIP_SETTLES;
     return MU_OK;
+}
+
+const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
+                       struct mu_fault *fault)
+{
+    struct mu_text rest;
+    mu_text_clear(out);
+    passport_add(out, p);
+    mu_text_init(&rest, out->at + out->len, out->size - out->len);
+    if (mind_save(r->mind, &rest, fault) != MU_OK) {
+        return fault->text;
+    }
+    out->len += rest.len;
+    return NULL;
 }
 
 /* @return NULL, or why there can be no capsule */
@@ -177,16 +194,7 @@ static const char *capsule_make(struct trip *t, struct mu_fault *fault)
     if (moves) {
         p.passage = t->passage;
     }
-    mu_text_clear(&t->text);
-    passport_add(&t->text, &p);
-    size_t head = t->text.len;
-    struct mu_text rest;
-    mu_text_init(&rest, t->text.at + head, t->text.size - head);
-    if (mind_save(r->mind, &rest, fault) != MU_OK) {
-        return fault->text;
-    }
-    t->text.len = head + rest.len;
-    return NULL;
+    return trip_write(r, &p, &t->text, fault);
 }
 
 static void settle(struct crew *c)

@@ -68,6 +68,14 @@ void trip_reserve(struct trip *t);
  */
 mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked);
 
+/**
+ * Writes down an agent: its passport, and its mind behind it.
+ *
+ * @return NULL, or why that cannot be; fault has it
+ */
+const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
+                       struct mu_fault *fault);
+
 /** Goes on as far as that is possible now. */
 void trip_round(struct crew *c);
 

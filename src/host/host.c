@@ -76,7 +76,7 @@ static const char *objection(struct host *h, const struct arrival *a, const stru
     if (mu_process_in_lockstep(h->crew.process)) {
         return "lock-step";
     }
-    if ((p->purpose == TRIP_LAUNCH) != a->directive) {
+    if (a->src[0] && (p->purpose == TRIP_LAUNCH) != a->directive) {
         return "launching is for those who may direct this host";
     }
     if (!name_is_welcome(h, p->name)) {
@@ -150,6 +150,9 @@ bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEX
     if (joined != MU_OK) {
         return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, mu_result_text(joined));
     }
+    if (h->set->checkpoint_s > 0) {
+        (void)checkpoint_write(h, r, p.state); /* before the source lets go */
+    }
     if (p.purpose == TRIP_MOVE) {
         host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
     }
@@ -221,6 +224,7 @@ struct host *host_make(const struct host_settings *set)
         h->crew.robots[i].mind = mind_reserve();
     }
     arrivals_reserve(h);
+    checkpoints_reserve(h);
     return h;
 }
 

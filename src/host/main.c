@@ -33,7 +33,9 @@ static mu_result host_connect(struct host *h)
 
 static void host_round(void *self)
 {
-    trip_round(self);
+    struct host *h = self;
+    trip_round(&h->crew);
+    checkpoints_round(h);
 }
 
 int main(int argc, char **argv)
@@ -54,7 +56,10 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    mu_process_each_round(h->crew.process, host_round, &h->crew);
+    if (set->restore) {
+        mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));
+    }
+    mu_process_each_round(h->crew.process, host_round, h);
     mu_memory_seal();
     mu_result ran = mu_process_run(h->crew.process);
     mu_process_close(h->crew.process);

@@ -188,6 +188,21 @@ def test_a_host_refuses():
         check_equal(done.returncode, 6, f"who may not direct red: {done.stderr}")
 
 
+def test_nobody_moves_in_lock_step():
+    """It is refused with a word, from the command line and to rules, and the run goes on."""
+    with team(bodies=()) as t:
+        t.robot_start("red", "(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))")
+        sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
+                                "--rate", "2", "--duration", "8", "--domain", t.domain)
+        t.done("start", "red")
+        refused = "(event refused moveTo north lock-step)"
+        wait_for(lambda: refused in t.ask("red", "(facts)"), 15, "the refusal to the rules")
+        done = t.muster("move", "red", "north")
+        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
+        check_equal(t.place_of("red"), "elsewhere", "where it is")
+        check_equal(sim.wait(20), 0, "the run")
+
+
 # --- what dies on the way ----------------------------------------------------------------------
 
 
@@ -282,3 +297,36 @@ def settled(t, may_return):
     while seen == "absent" and time.monotonic() < until:
         seen = still() or "absent"
         time.sleep(0.1)
+
+
+# --- checkpoints --------------------------------------------------------------------------------
+
+
+def test_a_host_comes_back_with_its_agents():
+    with team(bodies=()) as t:
+        store = t.out / "store"
+        store.mkdir()
+        words = ("--checkpoint", "0.2", "--folder", store)
+        t.hosts["east"] = t.host_start("east", *words)
+        rules = t.out / "red.clp"
+        rules.write_text("(defglobal ?*n* = 0)\n(deffacts f (kept 1.5))\n")
+        for name in ("red", "blue"):
+            t.done("launch", name, "east", "--rules", rules, "--quiet")
+        t.done("launch", "gone", "north", "--rules", rules, "--quiet")
+        t.done("move", "gone", "east")
+        check((store / "gone.capsule").exists(), "who has come is not on disk")
+        t.done("move", "gone", "north")
+        t.done("dispose", "blue")
+        t.ask("red", "(bind ?*n* 17)")
+        wait_for(lambda: {f.name for f in store.glob("[a-z]*")} == {"red.capsule"}, 10,
+                 "the files of those who are here")
+        wait_for(lambda: 'y"n" one i17' in (store / "red.capsule").read_text(), 10, "a checkpoint")
+        t.hosts["east"].kill()
+        t.hosts["east"].wait()
+        wait_for(lambda: members(t.domain)["red"]["state"] == "absent", 10, "the end of red")
+        t.hosts["east"] = t.host_start("east", "--restore", *words)
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check_equal(t.ask("red", "?*n*"), "17", "a global")
+        check("(kept 1.5)" in t.ask("red", "(facts)"), "a fact")
+        check_equal(t.place_of("gone"), "north", "who had moved on")
+        check_equal(t.place_of("blue"), None, "who was disposed of")
