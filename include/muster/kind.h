@@ -55,9 +55,9 @@ struct mu_agent_kind {
  *
  * Layer 1: suspend, resume and dispose are granted, and answered `agree`, where the agent's state
  * allows them and it is not of MU_KIND_SPECIAL; they are refused else.  dispatch, retract and clone
- * are refused: `no-mobility`.  Mail waits for who is suspended, a request to resume, too: the
- * directive does not.  Layer 2: the questions `state`, `groups` and `services` are
- * answered with `inform`: `state running`, `groups north scouts`, `services map`.
+ * are refused: `no-mobility` (a robot with rules grants them).  Mail waits for who is suspended, a
+ * request to resume, too: the directive does not.  Layer 2: the questions `state`, `groups` and
+ * `services` are answered with `inform`: `state running`, `groups north scouts`, `services map`.
  */
 extern const struct mu_agent_kind mu_base_kind;
 

@@ -145,6 +145,12 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 /** Answers what it knows: all facts, or those of the relation that is named. */
 enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
 
+/** Moves to the host that the content names: `dispatch` sends it there, `retract` calls it back. */
+enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/** Makes a copy of the name, and on the host, that the content says. */
+enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mail);
+
 void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail);
 void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 

@@ -121,6 +121,9 @@ static const struct mu_layer_handler robot_handlers[] = {
     {MU_LAYER_QUERY, NULL, robot_take_by_rules},
     {MU_LAYER_SPEECH, NULL, robot_take_by_rules},
     {MU_LAYER_QUERY, "facts", robot_take_facts},
+    {MU_LAYER_SYSTEM, "dispatch", robot_take_dispatch},
+    {MU_LAYER_SYSTEM, "retract", robot_take_dispatch},
+    {MU_LAYER_SYSTEM, "clone", robot_take_clone},
     {0, NULL, NULL},
 };
 const struct mu_agent_kind robot_kind = {.name = "robot",

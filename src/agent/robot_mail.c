@@ -144,27 +144,49 @@ static bool names_read(const char *content, char first[MU_NAME_MAX + 1],
            mu_text_copy(second, MU_NAME_MAX + 1, words[1]);
 }
 
+/* The answer comes when the trip is over. */
+static void travel_begin(struct robot *r, const struct mind_travel *travel, bool good,
+                         const struct mu_mail *mail)
+{
+    if (good) {
+        (void)trip_begin(r, travel, mail);
+    } else if (mail->reply_with[0] &&
+               mu_agent_reply(r->agent, mail, "failure",
+                              travel->kind == MIND_MOVES ? "expected HOST"
+                                                         : "expected NAME [HOST]") != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
 static void directive_move(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct mind_travel travel = {.kind = MIND_MOVES};
     char none[MU_NAME_MAX + 1];
-    if (names_read(mail->content, travel.host, none) && !none[0]) {
-        (void)trip_begin(r, &travel, mail);
-    } else {
-        trip_tell(r->crew, mail->src, mail->reply_with, false, "expected a host");
-    }
+    bool good = names_read(mail->content, travel.host, none) && !none[0];
+    travel_begin(r, &travel, good, mail);
 }
 
 static void directive_clone(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct mind_travel travel = {.kind = MIND_CLONES};
-    if (names_read(mail->content, travel.name, travel.host) && !mu_name_reserved(travel.name)) {
-        (void)trip_begin(r, &travel, mail);
-    } else {
-        trip_tell(r->crew, mail->src, mail->reply_with, false, "expected a name and a host");
-    }
+    bool good =
+        names_read(mail->content, travel.name, travel.host) && !mu_name_reserved(travel.name);
+    travel_begin(r, &travel, good, mail);
+}
+
+/* The same as requests: a robot grants them, unless its rules have said of layer 1 what they do. */
+enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    directive_move(self, a, mail);
+    return MU_TAKEN;
+}
+
+enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    directive_clone(self, a, mail);
+    return MU_TAKEN;
 }
 
 /* N rules, in as many control steps as that takes. */
