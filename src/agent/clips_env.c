@@ -282,7 +282,8 @@ static void env_clear(struct mind *m)
                                 .text = m->text,
                                 .form = m->form,
                                 .messages = m->messages,
-                                .parked = m->parked};
+                                .parked = m->parked,
+                                .places = m->places};
     *m = before;
 }
 
@@ -300,6 +301,9 @@ static mu_result env_take_options(struct mind *m, const struct mind_options *opt
             return mu_fault_at(fault, "", 0, 0, "the path of the shared rules is too long");
         }
         m->options.rules_folder = m->folder;
+    }
+    if (options->rules_file) {
+        m->options.rules_file = mu_startup_string(options->rules_file);
     }
     if (m->options.firings_max == 0) {
         m->options.firings_max = MU_FIRINGS_PER_STEP;

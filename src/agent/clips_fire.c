@@ -18,12 +18,13 @@ void clips_fire_install(struct mind *m)
     EnvAddRunFunction(m->env, "mu-step", fire_after_rule, 0);
 }
 
-/* @return whether this complaint was shown before; remembers it */
+/* @return whether this complaint was shown before, be it of other numbers; remembers it */
 static bool fire_was_shown(struct mind *m, const char *text)
 {
     uint64_t hash = 14695981039346656037ull; /* FNV-1a */
     for (const char *c = text; *c; c++) {
-        hash = (hash ^ (unsigned char)*c) * 1099511628211ull;
+        bool number = (*c >= '0' && *c <= '9') || *c == '.' || *c == '-';
+        hash = number ? hash : (hash ^ (unsigned char)*c) * 1099511628211ull;
     }
     for (size_t i = 0; i < m->shown_count; i++) {
         if (m->shown[i] == hash) {
@@ -43,7 +44,9 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name)
     char bytes[CLIPS_SAID_MAX];
     struct mu_text line;
     mu_text_init(&line, bytes, sizeof bytes);
-    mu_text_format(&line, "%s %s: ", kind, name);
+    mu_text_format(&line, "%s %s", kind, name);
+    clips_place_add(m, name, &line);
+    mu_text_add(&line, ": ");
     clips_text_as_written(m->said.at);
     char *halted = strstr(m->said.at, halt);
     while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
@@ -62,7 +65,8 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name)
         }
     }
     if (line.len == start) {
-        mu_text_add(&line, "stopped");
+        mu_text_format(&line, "stopped%s%s", m->stopped ? " by the guard for " : "",
+                       m->stopped ? m->stopped : "");
     }
     if (!fire_was_shown(m, line.at) && m->options.ports.print) {
         m->options.ports.print(m->options.ports.self, line.at);

@@ -34,8 +34,9 @@
     X("laser", 'u', clips_sense_laser, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
-      "from, counted from 0 at the right; `()` if the body has no laser, or no call of laser was " \
-      "there before this step: a body reads only what rules look at") \
+      "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
+      "the body has no laser, or no call of laser was there before this step: a body reads only " \
+      "what rules look at") \
     X("camera", 'm', clips_sense_camera, "01k", \
       "(camera [color])", \
       "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
@@ -78,6 +79,9 @@
       "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
       "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
       "none, or the robot was given no map (`--world`)") \
+    X("has-map", 'u', clips_plan_has_map, "00", \
+      "(has-map)", \
+      "TRUE if the robot was given a map for plan") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \

@@ -48,6 +48,7 @@ static bool line_run(struct mind *m, struct clips_form f)
     mu_text_add(&form, begun ? "(set-break" : "");
     clips_text_rewrite(&form, f.at + begun, f.len - begun);
     bool done = RouteCommand(m->env, form.at, TRUE);
+    clips_place_note(m, form.at, NULL, 0);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     FlushPPBuffer(m->env);
     SetPPBufferStatus(m->env, OFF);

@@ -26,11 +26,13 @@ static void load_note_error(void *env, const char *file, const char *warning, co
 void clips_load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
+    clips_place_install(m);
 }
 
 void clips_load_reserve(struct mind *m)
 {
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    clips_place_reserve(m);
     m->form = mu_startup_alloc(CLIPS_FILE_MAX);
 }
 
@@ -107,6 +109,7 @@ mu_result clips_load_construct(struct mind *m, const char *path, struct clips_fo
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
+    clips_place_note(m, f.at, path, f.line);
     return MU_OK;
 }
 
@@ -145,20 +148,38 @@ static bool load_exists(const char *path)
     return f != NULL;
 }
 
+/* Joins a name to the folder of a file.  @return whether there is such a file */
+static bool load_beside(const char *file, const char *name, char *path, size_t size)
+{
+    const char *slash = strrchr(file, '/');
+    int folder = slash ? (int)(slash - file) + 1 : 0;
+    int len = snprintf(path, size, "%.*s%s", folder, file, name);
+    return len > 0 && (size_t)len < size && load_exists(path);
+}
+
+/* @return whether the library's file is replaced by one that lies beside the robot's rule file */
+static bool load_replaces(const struct mind *m, const char *from, const char *name, char *path,
+                          size_t size)
+{
+    const char *own = m->options.rules_file;
+    const char *library = m->options.rules_folder;
+    size_t len = library ? strlen(library) : 0;
+    bool of_library = len > 0 && strncmp(from, library, len) == 0 && from[len] == '/' &&
+                      !strchr(from + len + 1, '/');
+    return own && of_library && load_beside(own, name, path, size) && strcmp(path, own) != 0;
+}
+
 /* Where an extended file is: beside the one that names it, else in the library. */
 static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
                       size_t size)
 {
-    const char *slash = strrchr(from, '/');
-    int folder = slash ? (int)(slash - from) + 1 : 0;
-    int len = snprintf(path, size, "%.*s%s", folder, from, name);
-    if (len > 0 && (size_t)len < size && load_exists(path)) {
+    if (load_replaces(m, from, name, path, size) || load_beside(from, name, path, size)) {
         return true;
     }
     if (!m->options.rules_folder) {
         return false;
     }
-    len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
+    int len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
     return len > 0 && (size_t)len < size && load_exists(path);
 }
 

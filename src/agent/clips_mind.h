@@ -87,6 +87,8 @@ struct clips_failing {
     uint32_t count;
 };
 
+struct clips_places; /* clips_place.c */
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -180,6 +182,7 @@ struct mind {
     const char *files[CLIPS_FILES_DEEP_MAX];
     size_t files_deep;
     long error_line;
+    struct clips_places *places; /* of what was loaded */
 
     char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
 };
@@ -227,6 +230,16 @@ void clips_load_install(struct mind *m);
 /** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
 MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
                                            struct mu_fault *fault);
+
+/* clips_place.c */
+void clips_place_reserve(struct mind *m);
+void clips_place_install(struct mind *m);
+
+/** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
+void clips_place_note(struct mind *m, const char *form, const char *path, int line);
+
+/** Adds " (FILE:LINE)" where the construct of that name is from a file. */
+void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
 
 /* clips_percept.c */
 

@@ -90,6 +90,7 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
         clips_value_refuse(env, override_names[which], wanted);
         return;
     }
+    clips_place_note(clips_env_mind(env), text, NULL, 0);
     mu_text_init(&rewritten, bytes, sizeof bytes);
     clips_text_rewrite(&rewritten, text, strlen(text));
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};

@@ -8,6 +8,11 @@
 /* So many cells of the map cost as much as one turn of a loop. */
 enum { PLAN_CELLS_A_TICK = 8 };
 
+void clips_plan_has_map(void *env, DATA_OBJECT *out)
+{
+    clips_value_bool(env, out, clips_env_mind(env)->options.router != NULL);
+}
+
 void clips_plan_call(void *env, DATA_OBJECT *out)
 {
     static struct route route; /* large, and of use only until the fields are made */

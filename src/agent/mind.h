@@ -108,6 +108,8 @@ struct mind_options {
     const char *name;         /* the robot's: ?*my-name* */
     uint64_t seed;            /* of (random), together with the name */
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
+    const char *rules_file;   /* the robot's; what lies beside it replaces files of the library by
+                                 name; NULL: nothing does */
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
     uint32_t failures_max;    /* of one rule until it is enough; 0: never */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */

@@ -65,7 +65,7 @@
 ; line: (assert (attack endless) (works))
 ; expect: <Fact-2>
 ; step:
-; expect: rule endless: stopped
+; expect: rule endless (tests/rules/attacks.clp:5): stopped by the guard for ticks
 ; expect: stopped ticks, 1 fired, 1 errors: endless
 ; step:
 ; expect: works
@@ -73,12 +73,12 @@
 ; line: (assert (attack deep))
 ; expect: <Fact-7>
 ; step:
-; expect: rule recursion: [MUSTER2] Functions call each other too deeply 
+; expect: rule recursion (tests/rules/attacks.clp:6): [MUSTER2] Functions call each other too deeply 
 ; expect: stopped depth, 1 fired, 1 errors: recursion
 ; line: (assert (attack hog))
 ; expect: <Fact-10>
 ; step:
-; expect: rule hog: stopped
+; expect: rule hog (tests/rules/attacks.clp:7): stopped by the guard for memory
 ; expect: stopped memory, 1 fired, 1 errors: hog
 ; step:
 ; expect: idle, 0 fired, 0 errors:

@@ -9,14 +9,14 @@
 ; expect: ()
 ; acts: on
 ; step:
-; expect: rule bad: [ARGACCES5] Function setSpeed expected argument #1 to be of type integer or float 
+; expect: rule bad (tests/rules/failures.clp:4): [MUSTER1] Function setSpeed expected a number as argument #1, and got the symbol fast 
 ; expect: speed 0 0
 ; expect: idle, 2 fired, 1 errors: bad fine
 ; line: (assert (go))
 ; expect: <Fact-3>
 ; step:
-; expect: rule worse: [MUSTER1] Function div expected no division by zero 
-; expect: rule bad: [ARGACCES5] Function setSpeed expected argument #1 to be of type integer or float 
+; expect: rule worse (tests/rules/failures.clp:5): [MUSTER1] Function div expected no division by zero 
+; expect: rule bad (tests/rules/failures.clp:4): [MUSTER1] Function setSpeed expected a number as argument #1, and got the symbol fast 
 ; expect: speed 0 0
 ; expect: idle, 3 fired, 2 errors: worse bad fine
 ; step:
