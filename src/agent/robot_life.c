@@ -133,7 +133,7 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
-    robot_console_flush(r); /* what mail did to one that does not act */
+    robot_console_offer(r); /* what happened to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
@@ -192,5 +192,5 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
         mu_agent_set_state(a, MU_SUSPENDED);
     }
     robot_do_wish(r, a);
-    robot_console_flush(r);
+    robot_console_offer(r);
 }

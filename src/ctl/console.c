@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 static const int64_t ROUND_NS = 20000000;
-static const int ROUND_MS = 100;
+static const int ROUND_MS = 50;
 static const uint64_t SILENCE_NS = 3000000000; /* a busy machine may be that busy */
 static const uint64_t WORDS_PATIENCE_NS = 400000000;
 
@@ -350,6 +350,7 @@ static int console_live(struct console *c, const char *agent)
 {
     bool terminal = !c->line && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *term = getenv("TERM"), *plain = getenv("NO_COLOR");
+    c->options.stays = terminal || c->watch_s > 0.0;
     int code = console_link_open(&c->link, &c->options, agent);
     if (code != MU_EXIT_DONE) {
         return code;
