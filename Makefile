@@ -60,7 +60,7 @@ LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions -lclips -lddsc -lccd -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
@@ -159,9 +159,9 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: test check unit rules system tidy asan coverage
 .PHONY: helpers
-helpers: $(HELPERS)
+helpers: $(HELPERS) $(O)/test/gohome
 
-test: all $(HELPERS) ## every test: tidy, unit, rules, system, and again under the sanitizers
+test: all helpers ## every test: tidy, unit, rules, system, and again under the sanitizers
 	@BUILD=$(BUILD) tests/run
 
 check: test ## the same as test
@@ -169,10 +169,12 @@ check: test ## the same as test
 unit: $(TESTS) ## the unit tests of every module
 	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
 
-rules: $(O)/test/rules ## the rule tests: tests/rules/*.clp against their `; expect:` lines
-	@$(O)/test/rules tests/rules/*.clp
+rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/*.clp against their `; expect:` lines, tests/clips against the program clips
+	@$(O)/test/rules $(filter-out tests/rules/attack_%,$(wildcard tests/rules/*.clp))
+	@ASAN_OPTIONS=detect_leaks=0 $(O)/test/rules tests/rules/attack_*.clp # a mind that breaks loses memory
+	@BUILD=$(BUILD) tests/clips/run
 
-system: all $(HELPERS) ## the system tests: real processes on loopback
+system: all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
 
 .PHONY: soak
@@ -200,6 +202,24 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-worlds
+soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
+.PHONY: soak-crush
+soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
+	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
+
+.PHONY: soak-gohome
+soak-gohome: $(O)/test/gohome ## (gohome) from fifty random places of each world: how many arrive
+	@BUILD=$(BUILD) tests/gohome/run
+
+.PHONY: soak-minds
+soak-minds: ## a million random lines and damaged rule files for minds, under the sanitizers
+	@$(MAKE) --no-print-directory BUILD=asan build/asan/test/test_agent_fuzz
+	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
+	  build/asan/test/test_agent_fuzz; done
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -209,6 +229,15 @@ asan: ## unit and rule tests under the address and undefined-behaviour sanitizer
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
 
+$(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+
+# A mind and the engine in one process, which no program of ours has.
+$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto
+
 $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
@@ -216,6 +245,10 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
+
+.PHONY: bench-scale
+bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
+	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.
 PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)

@@ -1,12 +1,13 @@
 ; SPDX-License-Identifier: Apache-2.0
 ;
-; (gohome X Y), (goto X Y): goes to a point in mm.  (stay): stands still.
+; (gohome X Y), (goto X Y): goes to a point in mm, along the way of way.clp.  (stay): stands still.
 
 (defglobal
   ?*gohome-near* = 150    ; mm: there
   ?*gohome-speed* = 350)  ; mm/s
 
 (deffunction gohome (?x ?y)
+  (bind ?*way-until* -1.0)
   (new-goal gohome ?x ?y))
 
 (deffunction goto (?x ?y)
@@ -30,9 +31,9 @@
   (goal gohome ?home-x ?home-y)
   (position ?time ?x ?y ? ? ?compass ?)
   =>
-  (bind ?far (distance ?x ?y ?home-x ?home-y))
-  (bind ?aside (aside ?x ?y ?compass ?home-x ?home-y))
-  (steer (clamp ?far 80 ?*gohome-speed*) (detour ?time ?x ?y ?compass ?aside) ?far)
+  (if (>= ?time ?*way-until*) then
+    (plan-way ?time ?home-x ?home-y))
+  (go-on ?time ?x ?y ?compass ?*gohome-speed*)
   (update-sensors)
   (tell-position ?x ?y))
 

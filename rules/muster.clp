@@ -3,7 +3,8 @@
 ; The library that every robot loads before its own rule file.  A rule file changes it by defining a
 ; rule or a function of the same name.
 ;
-; Goals: (goal safe-wander), (goal follow), (goal gohome ?x ?y), (goal stay); one at a time.
+; Goals: (goal safe-wander), (goal follow), (goal gohome ?x ?y), (goal stay), (goal wall ?side),
+; (goal explore), (goal formation ?kind ?place); one at a time.
 ; Each behaviour acts once a step, calls (update-sensors), and tells where it is.
 
 (deffunction new-goal ($?goal)
@@ -19,4 +20,9 @@
 (extends "avoid.clp")
 (extends "wander.clp")
 (extends "follow.clp")
+(extends "way.clp")
 (extends "gohome.clp")
+(extends "wall.clp")
+(extends "explore.clp")
+(extends "formation.clp")
+(extends "timers.clp")

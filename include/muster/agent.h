@@ -155,8 +155,9 @@ struct mu_member {
     enum mu_state state;
     char broker[MU_NAME_MAX + 1];
     char host[MU_FIELD_MAX + 1];
-    uint32_t pid;           /* of its process */
-    uint64_t since_wall_ns; /* since when in this state, nanoseconds since 1970 */
+    uint32_t pid;                  /* of its process */
+    uint64_t since_wall_ns;        /* since when in this state, nanoseconds since 1970 */
+    char reason[MU_FIELD_MAX + 1]; /* why it suspended itself; "" otherwise */
 };
 
 struct mu_service; /* directory.h */
@@ -318,6 +319,13 @@ enum mu_state mu_agent_state(const mu_agent *a);
 
 /** Changes the state, as a directive would; the white pages follow. */
 void mu_agent_set_state(mu_agent *a, enum mu_state state);
+
+/**
+ * Suspends an agent that runs and finds that it had better not; the white pages say why.
+ *
+ * @param reason  what is longer than MU_FIELD_MAX bytes is cut
+ */
+void mu_agent_suspend(mu_agent *a, const char *reason);
 
 /** @return the line of a name, valid until the next spin; NULL: not in the white pages */
 const struct mu_member *mu_process_lookup(const mu_process *p, const char *name);

@@ -42,10 +42,12 @@ void mind_event(struct mind *m, enum mu_event event)
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
     m->pending[event] = true;
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
-    clips_event_assert(m);
-    clips_env_leave(m);
+    if (!CLIPS_BROKEN(m)) {
+        clips_env_enter(m, CLIPS_MODE_QUIET);
+        clips_guard_start(m, 0);
+        clips_event_assert(m);
+        clips_env_leave(m);
+    }
     mind_fire(m, act);
 }
 
@@ -54,6 +56,9 @@ void mind_refused(struct mind *m, const char *change, const char *reason)
     char bytes[2 * (MU_FIELD_MAX + 1)];
     const char *words[EVENT_WORDS_MAX] = {"refused", bytes, reason};
     size_t count = 3;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
     mu_text_copy(bytes, sizeof bytes, change);
     char *blank = strchr(bytes, ' ');
     if (blank) { /* which change, and of what */

@@ -17,12 +17,13 @@ void clips_fire_install(struct mind *m)
     EnvAddRunFunction(m->env, "mu-step", fire_after_rule, 0);
 }
 
-/* @return whether this complaint was shown before; remembers it */
+/* @return whether this complaint was shown before, be it of other numbers; remembers it */
 static bool fire_was_shown(struct mind *m, const char *text)
 {
     uint64_t hash = 14695981039346656037ull; /* FNV-1a */
     for (const char *c = text; *c; c++) {
-        hash = (hash ^ (unsigned char)*c) * 1099511628211ull;
+        bool number = (*c >= '0' && *c <= '9') || *c == '.' || *c == '-';
+        hash = number ? hash : (hash ^ (unsigned char)*c) * 1099511628211ull;
     }
     for (size_t i = 0; i < m->shown_count; i++) {
         if (m->shown[i] == hash) {
@@ -42,7 +43,9 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name)
     char bytes[CLIPS_SAID_MAX];
     struct mu_text line;
     mu_text_init(&line, bytes, sizeof bytes);
-    mu_text_format(&line, "%s %s: ", kind, name);
+    mu_text_format(&line, "%s %s", kind, name);
+    clips_place_add(m, name, &line);
+    mu_text_add(&line, ": ");
     clips_text_as_written(m->said.at);
     char *halted = strstr(m->said.at, halt);
     while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
@@ -61,7 +64,8 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name)
         }
     }
     if (line.len == start) {
-        mu_text_add(&line, "stopped");
+        mu_text_format(&line, "stopped%s%s", m->stopped ? " by the guard for " : "",
+                       m->stopped ? m->stopped : "");
     }
     if (!fire_was_shown(m, line.at) && m->options.ports.print) {
         m->options.ports.print(m->options.ports.self, line.at);
@@ -80,6 +84,9 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
     clips_env_leave(m);
     *failed = halted;
+    if (halted) {
+        clips_failure_note(m);
+    }
     if (m->said.len > 0 || halted) {
         clips_fire_complain(m, "rule", m->rule ? m->rule : "?");
     }
@@ -117,8 +124,24 @@ void mind_fire(struct mind *m, struct mind_act *act)
     mind_fire_some(m, m->options.firings_max, act);
 }
 
+/* Nothing fires any more; the robot stands still. */
+static void fire_nothing(struct mind *m, struct mind_act *act)
+{
+    mu_text_copy(m->reason, sizeof m->reason, "its rules are gone: memory");
+    *act = (struct mind_act){.drives = true,
+                             .errors = 1,
+                             .rules = "",
+                             .end = MIND_STOPPED,
+                             .why = "memory",
+                             .enough = m->reason};
+}
+
 void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 {
+    if (CLIPS_BROKEN(m)) {
+        fire_nothing(m, act);
+        return;
+    }
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
     clips_guard_start(m, 0);
     mu_text_clear(&m->fired);

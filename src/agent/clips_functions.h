@@ -34,8 +34,9 @@
     X("laser", 'u', clips_sense_laser, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
-      "from, counted from 0 at the right; `()` if the body has no laser, or no call of laser was " \
-      "there before this step: a body reads only what rules look at") \
+      "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
+      "the body has no laser, or no call of laser was there before this step: a body reads only " \
+      "what rules look at") \
     X("camera", 'm', clips_sense_camera, "01k", \
       "(camera [color])", \
       "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
@@ -73,6 +74,14 @@
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
+    X("plan", 'u', clips_plan_call, "22n", \
+      "(plan x y)", \
+      "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
+      "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
+      "none, or the robot was given no map (`--world`)") \
+    X("has-map", 'u', clips_plan_has_map, "00", \
+      "(has-map)", \
+      "TRUE if the robot was given a map for plan") \
     X("setSpeed", 'u', clips_physical_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
@@ -181,6 +190,11 @@
     X("listing", 'm', clips_social_listing, "00", \
       "(listing)", \
       "the names of all agents") \
+    X("failures", 'm', clips_failure_call, "00", \
+      "(failures)", \
+      "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
+      "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
+      "count anew") \
     X("run", 'u', clips_control_run, "01i", \
       "(run [n])", \
       "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \

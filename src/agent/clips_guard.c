@@ -13,6 +13,49 @@ static void guard_stop(struct mind *m, const char *why)
     SetHaltExecution(m->env, TRUE);
 }
 
+/* The mind that is in CLIPS just now; minds of a process share a thread. */
+static struct mind *guard_armed;
+
+void clips_guard_arm(struct mind *m)
+{
+    guard_armed = m;
+}
+
+/*
+ * One expression can want any amount of memory, and one fact can complete any number of matches,
+ * before CLIPS comes to a tick.  There is no way back out of the middle of that but this one.
+ */
+static void guard_burst(struct mind *m)
+{
+    guard_armed = NULL;
+    m->stopped = "memory";
+    m->broken = true;
+    m->firing = false;
+    m->mode = CLIPS_MODE_QUIET;
+    m->stack = NULL;
+    longjmp(m->shelter, 1);
+}
+
+/* The linker's --wrap brings all that CLIPS allocates through here. */
+void *__real_malloc(size_t bytes);
+void *__wrap_malloc(size_t bytes);
+
+void *__wrap_malloc(size_t bytes)
+{
+    struct mind *m = guard_armed;
+    if (!m) {
+        return __real_malloc(bytes);
+    }
+    size_t held = (size_t)EnvMemUsed(m->env);
+    void *given = bytes > CLIPS_MEMORY_BURST || held > CLIPS_MEMORY_BURST - bytes
+                      ? NULL
+                      : __real_malloc(bytes);
+    if (!given) {
+        guard_burst(m);
+    }
+    return given;
+}
+
 /* CLIPS calls this at each turn of a loop, at each return of a function and after each rule. */
 static void guard_tick(void *env)
 {
@@ -29,6 +72,14 @@ static void guard_tick(void *env)
     }
 }
 
+void clips_guard_spend(struct mind *m, uint32_t ticks)
+{
+    m->ticks += ticks;
+    if (m->ticks > CLIPS_TICKS_MAX) {
+        guard_stop(m, "ticks");
+    }
+}
+
 void clips_guard_install(struct mind *m)
 {
     EnvAddPeriodicFunction(m->env, "mu-guard", guard_tick, 0);
@@ -42,6 +93,24 @@ void clips_guard_start(struct mind *m, long memory_spare)
     if (memory_spare > 0 && EnvMemUsed(m->env) + memory_spare > m->memory_max) {
         m->memory_max = EnvMemUsed(m->env) + memory_spare;
     }
+}
+
+/*
+ * (modify) and (duplicate) give a fact back with multifields that they have not filled yet, when a
+ * slot is not there; CLIPS 6.30 follows them.
+ */
+void __real_ReturnFact(void *env, struct fact *fact);
+void __wrap_ReturnFact(void *env, struct fact *fact);
+
+void __wrap_ReturnFact(void *env, struct fact *fact)
+{
+    for (long i = 0; i < fact->theProposition.multifieldLength; i++) {
+        struct field *f = &fact->theProposition.theFields[i];
+        if (f->type == MULTIFIELD && !f->value) {
+            f->type = RVOID;
+        }
+    }
+    __real_ReturnFact(env, fact);
 }
 
 /*

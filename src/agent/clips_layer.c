@@ -124,7 +124,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     struct clips_handler chain[CLIPS_HANDLERS_MAX]; /* a handler may add others */
     size_t count = m->handler_count;
     bool list, taken = false;
-    if (!mind_has_layer(m, layer_of(mail))) {
+    if (!mind_has_layer(m, layer_of(mail)) || CLIPS_BROKEN(m)) {
         return false;
     }
     memcpy(chain, m->handlers, count * sizeof chain[0]);
@@ -176,6 +176,11 @@ static void facts_end_character(struct mu_text *out, size_t start)
 
 mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
 {
+    if (CLIPS_BROKEN(m)) {
+        m->out = NULL;
+        mu_text_add(out, CLIPS_BROKEN_TEXT "\n");
+        return MU_ABSENT;
+    }
     struct deftemplate *t = relation[0] ? EnvFindDeftemplate(m->env, relation) : NULL;
     size_t start = out->len;
     unsigned count = 0;

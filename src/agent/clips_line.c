@@ -48,6 +48,7 @@ static bool line_run(struct mind *m, struct clips_form f)
     mu_text_add(&form, begun ? "(set-break" : "");
     clips_text_rewrite(&form, f.at + begun, f.len - begun);
     bool done = RouteCommand(m->env, form.at, TRUE);
+    clips_place_note(m, form.at, NULL, 0);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     FlushPPBuffer(m->env);
     SetPPBufferStatus(m->env, OFF);
@@ -68,6 +69,11 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     const char *wrong = line_check(line, &f);
     if (wrong) {
         mu_text_format(out, "%s: %.*s\n", wrong, (int)(f.len < 40 ? f.len : 40), f.at);
+        return MU_MALFORMED;
+    }
+    if (CLIPS_BROKEN(m)) {
+        m->out = NULL;
+        mu_text_add(out, CLIPS_BROKEN_TEXT "\n");
         return MU_MALFORMED;
     }
     m->out = out;
@@ -119,6 +125,9 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
     struct mu_text build;
     DATA_OBJECT value;
     mu_text_init(&build, bytes, sizeof bytes);
+    if (CLIPS_BROKEN(m)) {
+        return MU_MALFORMED;
+    }
     if (!EnvGetDefglobalValue(m->env, name, &value)) {
         return MU_ABSENT;
     }

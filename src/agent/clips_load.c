@@ -26,7 +26,13 @@ static void load_note_error(void *env, const char *file, const char *warning, co
 void clips_load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
+    clips_place_install(m);
+}
+
+void clips_load_reserve(struct mind *m)
+{
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    clips_place_reserve(m);
     m->form = mu_startup_alloc(CLIPS_FILE_MAX);
 }
 
@@ -79,8 +85,8 @@ static void load_said(struct mind *m, char *to, size_t size)
     }
 }
 
-static mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
-                                struct mu_fault *fault)
+mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                               struct mu_fault *fault)
 {
     struct mu_text form;
     mu_text_init(&form, m->form, CLIPS_FILE_MAX);
@@ -103,6 +109,7 @@ static mu_result load_construct(struct mind *m, const char *path, struct clips_f
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
+    clips_place_note(m, f.at, path, f.line);
     return MU_OK;
 }
 
@@ -141,20 +148,38 @@ static bool load_exists(const char *path)
     return f != NULL;
 }
 
+/* Joins a name to the folder of a file.  @return whether there is such a file */
+static bool load_beside(const char *file, const char *name, char *path, size_t size)
+{
+    const char *slash = strrchr(file, '/');
+    int folder = slash ? (int)(slash - file) + 1 : 0;
+    int len = snprintf(path, size, "%.*s%s", folder, file, name);
+    return len > 0 && (size_t)len < size && load_exists(path);
+}
+
+/* @return whether the library's file is replaced by one that lies beside the robot's rule file */
+static bool load_replaces(const struct mind *m, const char *from, const char *name, char *path,
+                          size_t size)
+{
+    const char *own = m->options.rules_file;
+    const char *library = m->options.rules_folder;
+    size_t len = library ? strlen(library) : 0;
+    bool of_library = len > 0 && strncmp(from, library, len) == 0 && from[len] == '/' &&
+                      !strchr(from + len + 1, '/');
+    return own && of_library && load_beside(own, name, path, size) && strcmp(path, own) != 0;
+}
+
 /* Where an extended file is: beside the one that names it, else in the library. */
 static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
                       size_t size)
 {
-    const char *slash = strrchr(from, '/');
-    int folder = slash ? (int)(slash - from) + 1 : 0;
-    int len = snprintf(path, size, "%.*s%s", folder, from, name);
-    if (len > 0 && (size_t)len < size && load_exists(path)) {
+    if (load_replaces(m, from, name, path, size) || load_beside(from, name, path, size)) {
         return true;
     }
     if (!m->options.rules_folder) {
         return false;
     }
-    len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
+    int len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
     return len > 0 && (size_t)len < size && load_exists(path);
 }
 
@@ -242,7 +267,7 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
         return load_layer(m, path, f.line, at, fault);
     }
     if (!load_is_extends(f, name, sizeof name, &well_formed)) {
-        return load_construct(m, path, f, fault);
+        return clips_load_construct(m, path, f, fault);
     }
     if (!well_formed) {
         return mu_fault_at(fault, path, f.line, 0, "expected (extends \"FILE\")");
@@ -250,15 +275,12 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
     return load_extends(m, path, f.line, name, fault);
 }
 
-mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+/* Loads one form after the other. */
+static mu_result load_forms(struct mind *m, const char *path, const char *at,
+                            struct mu_fault *fault)
 {
-    const char *at;
     int line = 1;
-    size_t used = m->text_used;
-    mu_result r = load_read(m, path, &at, fault);
-    if (r != MU_OK) {
-        return r;
-    }
+    mu_result r = MU_OK;
     m->files[m->files_deep++] = path;
     while (r == MU_OK) {
         struct clips_form f = clips_text_form(&at, &line);
@@ -268,16 +290,22 @@ mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fau
         r = load_form(m, path, f, fault);
     }
     m->files_deep--;
+    return r;
+}
+
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    const char *at;
+    size_t used = m->text_used;
+    mu_result r = load_read(m, path, &at, fault);
+    r = r == MU_OK ? load_forms(m, path, at, fault) : r;
     m->text_used = used;
     return r;
 }
 
-mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+/* What was loaded begins: initial facts, first values. */
+static mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    mu_result r = clips_load_file(m, path, fault);
-    if (r != MU_OK) {
-        return r;
-    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     m->shown_count = 0;
@@ -288,4 +316,24 @@ mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
         return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");
     }
     return MU_OK;
+}
+
+mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT);
+    }
+    clips_failure_clear(m);
+    MU_TRY(clips_load_file(m, path, fault));
+    return load_begin(m, path, fault);
+}
+
+mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT);
+    }
+    clips_failure_clear(m);
+    MU_TRY(load_forms(m, name, text, fault));
+    return load_begin(m, name, fault);
 }

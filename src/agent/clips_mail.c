@@ -7,6 +7,12 @@
 
 enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
 
+void clips_mail_reserve(struct mind *m)
+{
+    clips_message_reserve(m);
+    clips_parked_reserve(m);
+}
+
 void clips_mail_install(struct mind *m)
 {
     clips_message_install(m);
@@ -174,6 +180,9 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
     struct mind_mail letter = *mail;
     bool list;
     letter.language = mail_is_clips(mail) ? "clips" : mail->language;
+    if (CLIPS_BROKEN(m)) {
+        return MU_FULL;
+    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env);

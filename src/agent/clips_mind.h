@@ -12,6 +12,8 @@
 #include "muster/limits.h"
 
 #include <clips.h>
+#include <limits.h>
+#include <setjmp.h>
 #include <tmpltutl.h>
 
 enum {
@@ -19,6 +21,8 @@ enum {
     CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
+    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
+    CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
@@ -77,6 +81,14 @@ struct clips_handler {
     SYMBOL_HN *function;
 };
 
+/* How often a rule has failed. */
+struct clips_failing {
+    char rule[MU_FIELD_MAX + 1]; /* its name, or how that begins */
+    uint32_t count;
+};
+
+struct clips_places; /* clips_place.c */
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -89,6 +101,7 @@ enum clips_global {
 struct mind {
     void *env;
     struct mind_options options;
+    char name[MU_NAME_MAX + 1], folder[PATH_MAX]; /* that the options point to */
     struct mu_random random;
     uint64_t asked; /* questions so far, for reply-with */
 
@@ -142,6 +155,12 @@ struct mind {
     long memory_max;
     const char *stopped; /* which guard, or NULL */
     const char *stack;   /* at the entry */
+    jmp_buf shelter;     /* in the function of mind.h that called into CLIPS */
+    bool broken;         /* its environment must not be touched any more */
+    struct clips_failing failing[CLIPS_FAILING_MAX];
+    size_t failing_count;
+    uint64_t stops; /* by guards */
+    char reason[MU_ATTRIBUTES_MAX + 1];
 
     /* output */
     enum clips_mode mode;
@@ -162,6 +181,7 @@ struct mind {
     const char *files[CLIPS_FILES_DEEP_MAX];
     size_t files_deep;
     long error_line;
+    struct clips_places *places; /* of what was loaded */
 
     char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
 };
@@ -179,15 +199,46 @@ bool clips_env_leave(struct mind *m);
 double clips_env_global(const struct mind *m, enum clips_global which);
 
 /* clips_guard.c */
+
+/**
+ * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and is not touched
+ * again.
+ */
+#define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
+
+/** The answer of a broken mind. */
+#define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
+
+/** From enter to leave, memory is refused beyond the limit.  m: NULL ends it. */
+void clips_guard_arm(struct mind *m);
 void clips_guard_install(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
+
+/** Counts what C code has done for a rule as so many turns of a loop. */
+void clips_guard_spend(struct mind *m, uint32_t ticks);
 
 /* clips_override.c */
 void clips_override_install(struct mind *m);
 
 /* clips_load.c */
 mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+void clips_load_reserve(struct mind *m);
 void clips_load_install(struct mind *m);
+
+/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
+MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                                           struct mu_fault *fault);
+
+/* clips_place.c */
+void clips_place_reserve(struct mind *m);
+void clips_place_install(struct mind *m);
+
+/** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
+void clips_place_note(struct mind *m, const char *form, const char *path, int line);
+
+/** Adds " (FILE:LINE)" where the construct of that name is from a file. */
+void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
 
 /* clips_percept.c */
 
@@ -202,10 +253,18 @@ struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
 void clips_percept_show(struct mind *m);
 
 /* clips_message.c */
+void clips_message_reserve(struct mind *m);
 void clips_message_install(struct mind *m);
 
 /** Makes a mail's content a message fact; what it tells again goes. */
 void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/**
+ * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ *
+ * @return false: there is no room
+ */
+bool clips_message_enter(struct mind *m, const struct clips_message *entry);
 
 /** The message fact of a mail goes, if it still stands. */
 void clips_message_forget(struct mind *m, uint64_t id);
@@ -214,6 +273,7 @@ void clips_message_forget(struct mind *m, uint64_t id);
 void clips_message_age(struct mind *m);
 
 /* clips_mail.c */
+void clips_mail_reserve(struct mind *m);
 void clips_mail_install(struct mind *m);
 
 /** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
@@ -222,6 +282,7 @@ struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *ma
 struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
 
 /* clips_parked.c */
+void clips_parked_reserve(struct mind *m);
 void clips_parked_install(struct mind *m);
 
 /**
@@ -241,6 +302,13 @@ void clips_fire_install(struct mind *m);
 
 /** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
 void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+
+/* clips_failure.c */
+
+/** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
+void clips_failure_note(struct mind *m);
+
+void clips_failure_clear(struct mind *m);
 
 /* clips_control.c */
 

@@ -38,6 +38,10 @@ void clips_override_send(void *env, DATA_OBJECT *out)
     if (!clips_value_any(env, 1, &first)) {
         return;
     }
+    if (first.type == RVOID) { /* what a function gives that gives nothing */
+        clips_value_refuse(env, "send", "somebody to send to");
+        return;
+    }
     bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;
     if (instance && EnvRtnArgCount(env) < 2) {
         clips_value_refuse(env, "send", "a message for the instance");
@@ -86,6 +90,7 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
         clips_value_refuse(env, override_names[which], wanted);
         return;
     }
+    clips_place_note(clips_env_mind(env), text, NULL, 0);
     mu_text_init(&rewritten, bytes, sizeof bytes);
     clips_text_rewrite(&rewritten, text, strlen(text));
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};

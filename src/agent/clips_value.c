@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "agent/clips_value.h"
 
+#include <math.h>
+
 void clips_value_refuse(void *env, const char *function, const char *wanted)
 {
     PrintErrorID(env, "MUSTER", 1, FALSE);
@@ -11,6 +13,37 @@ void clips_value_refuse(void *env, const char *function, const char *wanted)
     EnvPrintRouter(env, WERROR, "\n");
     SetHaltExecution(env, TRUE);
     SetEvaluationError(env, TRUE);
+}
+
+/* What a value is, in a word, and the value itself where it is short. */
+static void value_describe(void *env, const DATA_OBJECT *value, struct mu_text *out)
+{
+    switch (value->type) {
+    case SYMBOL: mu_text_format(out, "the symbol %.40s", ValueToString(value->value)); break;
+    case STRING: mu_text_format(out, "the string \"%.40s\"", ValueToString(value->value)); break;
+    case INTEGER: mu_text_format(out, "the whole number %lld", ValueToLong(value->value)); break;
+    case FLOAT: mu_text_format(out, "the number %.15g", ValueToDouble(value->value)); break;
+    case INSTANCE_NAME:
+        mu_text_format(out, "the instance [%.40s]", ValueToString(value->value));
+        break;
+    case MULTIFIELD:
+        mu_text_format(out, "a multifield of %ld fields", value->end - value->begin + 1);
+        break;
+    case FACT_ADDRESS: mu_text_add(out, "a fact"); break;
+    default: mu_text_add(out, value->type == RVOID ? "nothing" : "something else"); break;
+    }
+    (void)env;
+}
+
+void clips_value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                                 const DATA_OBJECT *got)
+{
+    char bytes[256];
+    struct mu_text text;
+    mu_text_init(&text, bytes, sizeof bytes);
+    mu_text_format(&text, "%s as argument #%d, and got ", wanted, index);
+    value_describe(env, got, &text);
+    clips_value_refuse(env, function, bytes);
 }
 
 void clips_value_bool(void *env, DATA_OBJECT *out, bool value)
@@ -83,7 +116,11 @@ double clips_value_of(unsigned short type, const void *value)
 bool clips_value_number(void *env, const char *function, int index, double *out)
 {
     DATA_OBJECT value;
-    if (!EnvArgTypeCheck(env, function, index, INTEGER_OR_FLOAT, &value)) {
+    if (!clips_value_any(env, index, &value)) {
+        return false;
+    }
+    if (value.type != INTEGER && value.type != FLOAT) {
+        clips_value_refuse_argument(env, function, index, "a number", &value);
         return false;
     }
     *out = clips_value_of(value.type, value.value);
@@ -103,7 +140,16 @@ bool clips_value_numbers(void *env, const char *function, int count, double *out
 bool clips_value_whole(void *env, const char *function, int index, long long *out)
 {
     DATA_OBJECT value;
-    if (!EnvArgTypeCheck(env, function, index, INTEGER, &value)) {
+    if (!clips_value_any(env, index, &value)) {
+        return false;
+    }
+    if (value.type == FLOAT && ValueToDouble(value.value) == rint(ValueToDouble(value.value)) &&
+        fabs(ValueToDouble(value.value)) < 9e15) { /* as CLIPS takes it */
+        *out = (long long)ValueToDouble(value.value);
+        return true;
+    }
+    if (value.type != INTEGER) {
+        clips_value_refuse_argument(env, function, index, "a whole number", &value);
         return false;
     }
     *out = ((struct integerHashNode *)value.value)->contents;
@@ -113,7 +159,11 @@ bool clips_value_whole(void *env, const char *function, int index, long long *ou
 bool clips_value_word(void *env, const char *function, int index, const char **out)
 {
     DATA_OBJECT value;
-    if (!EnvArgTypeCheck(env, function, index, SYMBOL_OR_STRING, &value)) {
+    if (!clips_value_any(env, index, &value)) {
+        return false;
+    }
+    if (value.type != SYMBOL && value.type != STRING) {
+        clips_value_refuse_argument(env, function, index, "a word or a string", &value);
         return false;
     }
     *out = ValueToString(value.value);

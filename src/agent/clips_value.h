@@ -11,6 +11,10 @@
 /** Ends the call in a CLIPS error: "Function NAME expected WANTED". */
 void clips_value_refuse(void *env, const char *function, const char *wanted);
 
+/** The same of one argument, counted from 1: "... expected WANTED as argument #1, and got GOT". */
+void clips_value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                                 const DATA_OBJECT *got);
+
 void clips_value_bool(void *env, DATA_OBJECT *out, bool value);
 void clips_value_float(void *env, DATA_OBJECT *out, double value);
 void clips_value_integer(void *env, DATA_OBJECT *out, long long value);

@@ -33,6 +33,7 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
+    MU_TRY(robot_map_open(c));
     for (uint32_t i = 0; i < c->count; i++) {
         MU_TRY(robot_think(&c->robots[i], folder));
     }

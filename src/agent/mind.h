@@ -9,6 +9,7 @@
 #ifndef MUSTER_AGENT_MIND_H
 #define MUSTER_AGENT_MIND_H
 
+#include "agent/route.h"
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
@@ -107,8 +108,13 @@ struct mind_options {
     const char *name;         /* the robot's: ?*my-name* */
     uint64_t seed;            /* of (random), together with the name */
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
+    const char *rules_file;   /* the robot's; what lies beside it replaces files of the library by
+                                 name; NULL: nothing does */
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
+    uint32_t failures_max;    /* of one rule until it is enough; 0: never */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;         /* half the body's width, and what it wants to have beside it */
     struct mind_ports ports;
 };
 
@@ -128,8 +134,9 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why; /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the rule
-                        that would fire next */
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+                           rule that would fire next */
+    const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
 struct mind;
@@ -138,7 +145,35 @@ struct mind;
 MU_MUST_USE mu_result mind_open(struct mind **out, const struct mind_options *options,
                                 struct mu_fault *fault);
 
+/** Takes the memory of a mind while the process starts, for a mind_begin at any time. */
+struct mind *mind_reserve(void);
+
+/** As mind_open, in memory that was reserved and holds no mind, or one that was closed. */
+MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *options,
+                                 struct mu_fault *fault);
+
+/** Its memory stays. */
 void mind_close(struct mind *m);
+
+/**
+ * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
+ * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
+ * is.
+ *
+ * @return MU_OK; MU_REFUSED: it has what cannot be written down, and fault says what; MU_FULL: out
+ *         is too small
+ */
+MU_MUST_USE mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
+
+/**
+ * Makes a mind that was begun without rules_folder, and has loaded nothing, what a capsule says.
+ * When its own name is another one than the capsule's, it is a copy with that name.
+ *
+ * @return MU_OK; MU_FAULT_FILE: the capsule is not whole, of another version, or says what does not
+ *         come about; the mind is of no use then
+ */
+MU_MUST_USE mu_result mind_restore(struct mind *m, const char *capsule, size_t len,
+                                   struct mu_fault *fault);
 
 /**
  * Loads a rule file and resets.
@@ -146,6 +181,10 @@ void mind_close(struct mind *m);
  * @return MU_OK, or MU_FAULT_FILE with file, line and what CLIPS said
  */
 MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** The same with a text; what it extends is in the library.  @param name  for faults */
+MU_MUST_USE mu_result mind_load_text(struct mind *m, const char *name, const char *text,
+                                     struct mu_fault *fault);
 
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
@@ -221,6 +260,9 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
  * @return MU_OK; MU_MALFORMED: CLIPS refused it, and out says why
  */
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
+
+/** What rules have failed at is forgotten: they may try again. */
+void mind_forgive(struct mind *m);
 
 /**
  * What was said last since this was asked last: (run), (resume), (continue); (run N), (step N);

@@ -34,7 +34,11 @@ mu_result robot_think(struct robot *r, const char *folder)
     struct mind_options options = {.name = r->name,
                                    .seed = (uint64_t)set->seed,
                                    .rules_folder = folder,
+                                   .rules_file = set->rules,
                                    .firings_max = (uint32_t)set->firings_max,
+                                   .failures_max = (uint32_t)set->failures_max,
+                                   .router = r->crew->router,
+                                   .half_m = robot_map_half_m(r),
                                    .ports = robot_ports(r)};
     struct mu_fault fault;
     mu_result made = mind_open(&r->mind, &options, &fault);

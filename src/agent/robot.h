@@ -37,7 +37,9 @@ struct crew {
     mu_process *process;
     struct robot *robots;
     uint32_t count;
-    bool refused; /* the broker has refused a name */
+    struct world *world;   /* that (plan) knows; NULL: none */
+    struct router *router; /* over its map; the robots share it */
+    bool refused;          /* the broker has refused a name */
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
@@ -53,8 +55,10 @@ struct robot {
     char name[MU_NAME_MAX + 1];
     struct mind *mind;
     mu_agent *agent;
-    bool out;            /* it takes no part: it is disposed of, or its name is refused */
-    bool box_full;       /* said once */
+    struct mu_percept percept; /* of this step, */
+    bool percept_waits;        /* which the mind has not taken yet */
+    bool out;                  /* it takes no part: it is disposed of, or its name is refused */
+    bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
@@ -76,6 +80,18 @@ MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
 /** Lets it join its crew's process.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
+
+/* robot_map.c */
+
+/**
+ * Makes the map of the world that the settings name, if they do.
+ *
+ * @return MU_OK; MU_FAULT_FILE: it has said what is wrong with the file
+ */
+MU_MUST_USE mu_result robot_map_open(struct crew *c);
+
+/** @return half the width of a robot and what it wants to have beside it, in metres */
+double robot_map_half_m(const struct robot *r);
 
 /* robot_ports.c */
 
@@ -121,6 +137,13 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 
 /** What robots do beside their rules, and with which events their rules hear of their life. */
 extern const struct mu_agent_kind robot_kind;
+
+/**
+ * Lets the mind take the percept that waits, before anything else reaches it.  While it runs, that
+ * is when it acts or has mail: of many minds each is met once a step, not twice, and what it works
+ * on is in the processor's caches then.
+ */
+void robot_settle(struct robot *r);
 
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);

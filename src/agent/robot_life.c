@@ -78,6 +78,7 @@ static void on_clone(void *self, mu_agent *a)
 static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
 {
     struct mind_act act;
+    robot_settle(r);
     mind_event_now(r->mind, event, &act);
     mu_agent_fired(a, act.firings, act.rules);
 }
@@ -113,14 +114,17 @@ void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *r
     struct robot *r = self;
     mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a),
            change, reason);
+    robot_settle(r);
     mind_refused(r->mind, change, reason);
 }
 
 void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
+    robot_settle(r);
     r->rules_left = 0;
     if (state == MU_RUNNING) {
+        mind_forgive(r->mind);
         mind_go_on(r->mind);
     }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
@@ -129,7 +133,18 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     }
 }
 
-/* A suspended mind keeps still, so that a person can look at it. */
+void robot_settle(struct robot *r)
+{
+    if (!r->percept_waits) {
+        return;
+    }
+    struct mind_percept percept = body_percept(&r->percept);
+    r->percept_waits = false;
+    mind_percept(r->mind, &percept);
+}
+
+/* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
+ */
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
@@ -137,8 +152,19 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
-    struct mind_percept percept = body_percept(p);
-    mind_percept(r->mind, &percept);
+    r->percept = *p;
+    r->percept_waits = true;
+    if (mu_agent_state(a) != MU_RUNNING) {
+        robot_settle(r);
+    }
+}
+
+/* The rules do more harm than good: a person has to look at them. */
+static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
+{
+    (void)r;
+    mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", mu_agent_name(a), why);
+    mu_agent_suspend(a, why);
 }
 
 /* Stands before a rule, as somebody wanted; the world goes on without it. */
@@ -177,14 +203,18 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     struct robot *r = self;
     struct mind_act act;
     uint32_t left = r->rules_left;
+    robot_settle(r);
     mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
-        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s", mu_agent_name(a), act.why);
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s rules=%s", mu_agent_name(a),
+               act.why, act.rules);
     }
     body_act(a, &act);
     body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
-    if (act.end == MIND_BREAK) {
+    if (act.enough) {
+        robot_give_up(r, a, act.enough);
+    } else if (act.end == MIND_BREAK) {
         robot_break(r, a, act.why);
     } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;

@@ -52,6 +52,7 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 {
     (void)a;
     struct robot *r = self;
+    robot_settle(r);
     r->numbered = mind_has_layer(r->mind, mail->layer);
     if (!r->numbered) {
         return MU_PASS;
@@ -64,6 +65,7 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
+    robot_settle(r);
     if (mail->layer > MU_LAYER_SPEECH && robot_take_by_rules(self, a, mail) != MU_PASS) {
         return;
     }
@@ -101,6 +103,7 @@ enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mai
 {
     (void)a;
     struct robot *r = self;
+    robot_settle(r);
     struct mu_text answer;
     mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
     bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
@@ -170,6 +173,7 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
                       {"words", directive_words}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
+            robot_settle(self);
             directives[i].carry_out(self, a, mail);
             return;
         }

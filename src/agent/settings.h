@@ -17,9 +17,10 @@
 struct settings {
     struct mu_network network;
     const char *name, *rules;
+    const char *world; /* NULL: no map */
     int64_t count,
         first; /* of robots, and the number of the first; count 0: one, without a number */
-    int64_t seed, firings_max;
+    int64_t seed, firings_max, failures_max;
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
     bool verbose, functions;

@@ -64,6 +64,7 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
                       .home = nothing,
                       .via = nothing,
                       .host = nothing,
+                      .reason = nothing,
                       .last_seq = registry_last_seq(a)};
     if (a->process == MU_NONE) {
         return e;
@@ -76,6 +77,7 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
     e.hops = a->is.hops;
     e.since_wall_ns = a->is.since_wall_ns;
     e.host = a->is.host;
+    e.reason = a->is.reason;
     e.pid = a->is.pid;
     return e;
 }

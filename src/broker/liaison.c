@@ -105,6 +105,7 @@ static struct presence presence_of(const struct way *way)
                           .pid = way->pid};
     (void)mu_text_copy(is.home, sizeof is.home, way->home);
     (void)mu_text_copy(is.host, sizeof is.host, way->host);
+    (void)mu_text_copy(is.reason, sizeof is.reason, way->reason);
     return is;
 }
 
@@ -373,6 +374,7 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
                         .last_seq = e->last_seq};
     (void)mu_text_copy(way->home, sizeof way->home, e->home);
     (void)mu_text_copy(way->host, sizeof way->host, e->host);
+    (void)mu_text_copy(way->reason, sizeof way->reason, e->reason ? e->reason : "");
     liaison_review(b, agent);
 }
 

@@ -38,6 +38,7 @@ struct way {
     uint64_t since_wall_ns, last_seq;
     char home[MU_NAME_MAX + 1];
     char host[MU_FIELD_MAX + 1];
+    char reason[MU_FIELD_MAX + 1];
 };
 
 struct peer {

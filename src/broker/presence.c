@@ -269,6 +269,15 @@ static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
     }
 }
 
+/* Words of somebody's rules, which end on a terminal. */
+static void reason_copy(char to[MU_FIELD_MAX + 1], const char *reason)
+{
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, reason ? reason : "");
+    for (char *c = to; *c; c++) {
+        *c = *c >= ' ' && *c <= '~' ? *c : '?';
+    }
+}
+
 static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
 {
     *is = (struct presence){.kind = e->kind,
@@ -282,6 +291,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
     host_copy(is->host, r->host);
+    reason_copy(is->reason, e->reason);
 }
 
 static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,

@@ -136,7 +136,9 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     struct agent *a = &r->agents[agent];
     bool same_state = a->is.state == presence->state;
     bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
-                strcmp(a->is.host, presence->host) == 0 && strcmp(a->is.home, presence->home) == 0;
+                strcmp(a->is.host, presence->host) == 0 &&
+                strcmp(a->is.home, presence->home) == 0 &&
+                strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
     if (same) {
         return false;
@@ -169,7 +171,8 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .process = a->place,
                            .host = a->is.host,
                            .pid = a->is.pid,
-                           .since_wall_ns = a->since_wall_ns};
+                           .since_wall_ns = a->since_wall_ns,
+                           .reason = a->is.reason};
     out->broker = a->is.home[0] ? a->is.home : sample_text(broker);
 }
 

@@ -39,6 +39,7 @@ struct presence {
     uint64_t since_wall_ns;     /* since when it has its name */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
+    char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
 };
 
 /* Queues of a place, for agents that may have something to be told: until they are served, and

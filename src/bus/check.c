@@ -88,7 +88,8 @@ static bool entry_ok(const muster_Entry *e)
 {
     return e->name && text_fits(e->home, MU_FIELD_MAX) &&
            (!e->via || text_fits(e->via, MU_FIELD_MAX)) &&
-           (!e->host || text_fits(e->host, MU_FIELD_MAX)) && e->last_seq <= INT64_MAX;
+           (!e->host || text_fits(e->host, MU_FIELD_MAX)) &&
+           (!e->reason || text_fits(e->reason, MU_FIELD_MAX)) && e->last_seq <= INT64_MAX;
 }
 
 bool check_registration(const void *sample)
@@ -198,7 +199,8 @@ bool check_sense(const void *sample)
 static bool member_ok(const muster_Member *m)
 {
     return is_name(m->name) && text_fits(m->process, MU_PROCESS_MAX) &&
-           text_fits(m->broker, MU_FIELD_MAX) && text_fits(m->host, MU_FIELD_MAX);
+           text_fits(m->broker, MU_FIELD_MAX) && text_fits(m->host, MU_FIELD_MAX) &&
+           (!m->reason || text_fits(m->reason, MU_FIELD_MAX));
 }
 
 static bool members_ok(const muster_Member *members, uint32_t count)

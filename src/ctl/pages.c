@@ -94,8 +94,9 @@ static void member_print(const struct mu_member *m, bool json, struct counters *
     char since[32];
     since_text(m->since_wall_ns, since, sizeof since);
     if (!json) {
-        printf("%-20s %-8s %-10s %-10s %-16s %8u  %s\n", m->name, mu_kind_text(m->kind),
-               mu_state_text(m->state), m->broker, m->host, m->pid, since);
+        printf("%-20s %-8s %-10s %-10s %-16s %8u  %s%s%s\n", m->name, mu_kind_text(m->kind),
+               mu_state_text(m->state), m->broker, m->host, m->pid, since, m->reason[0] ? "  " : "",
+               m->reason);
         if (counters) {
             counters_print(counters);
         }
@@ -111,6 +112,9 @@ static void member_print(const struct mu_member *m, bool json, struct counters *
     mu_json_string(&j, "host", m->host);
     mu_json_uint(&j, "pid", m->pid);
     mu_json_string(&j, "since", since);
+    if (m->reason[0]) {
+        mu_json_string(&j, "reason", m->reason);
+    }
     if (counters && counters->at) {
         counters_print_json(counters, &j);
     }

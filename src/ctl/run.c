@@ -279,7 +279,7 @@ static mu_result command_send(struct run *r, const struct experiment_command *c,
                                               .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
 
-/* One directive to all robots that are named, and one to each group or address. */
+/* One directive to as many of the named robots as fit, and one to each group or address. */
 static mu_result command_tell(struct run *r, unsigned index)
 {
     const struct experiment_command *c = &r->experiment->observer[index];
@@ -291,7 +291,13 @@ static mu_result command_tell(struct run *r, unsigned index)
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
         if (receivers_are_many(c->targets[t])) {
             sent = command_send(r, c, c->targets[t], label);
-        } else {
+            continue;
+        }
+        if (to.len + strlen(c->targets[t]) + 1 > MU_DST_MAX) {
+            sent = command_send(r, c, names, label);
+            mu_text_clear(&to);
+        }
+        if (sent == MU_OK) {
             mu_text_format(&to, "%s%s", to.len ? "," : "", c->targets[t]);
         }
     }

@@ -130,6 +130,7 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
         word_add("--first=%u", crew->first);
     }
     word_add("--rules=%s", robot->rules);
+    word_add("--world=%s", r->experiment->world);
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);

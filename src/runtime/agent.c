@@ -234,11 +234,20 @@ void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
     }
 }
 
+void mu_agent_suspend(mu_agent *a, const char *reason)
+{
+    if (a->state == MU_RUNNING) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+        mu_text_copy(a->reason, sizeof a->reason, reason);
+    }
+}
+
 void mu_agent_set_state(mu_agent *a, enum mu_state state)
 {
     if (state == a->state) {
         return;
     }
+    a->reason[0] = '\0';
     if (state == MU_GONE) {
         kind_end(a);
         a->last_state = a->state;

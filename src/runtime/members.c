@@ -109,6 +109,7 @@ void members_set(struct members *m, const muster_Member *from)
     to->since_wall_ns = from->since_wall_ns;
     mu_text_copy(to->broker, sizeof to->broker, from->broker);
     mu_text_copy(to->host, sizeof to->host, from->host);
+    mu_text_copy(to->reason, sizeof to->reason, from->reason ? from->reason : "");
     if (to->state != MU_GONE) {
         m->absences[line] = 0;
     } else if (m->absences[line] == 0) {

@@ -39,7 +39,8 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
-    uint64_t since_wall_ns; /* since when it has its name */
+    uint64_t since_wall_ns;        /* since when it has its name */
+    char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;

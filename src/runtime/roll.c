@@ -60,7 +60,8 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .home = nothing,
                           .via = nothing,
                           .host = nothing,
-                          .since_wall_ns = a->since_wall_ns};
+                          .since_wall_ns = a->since_wall_ns,
+                          .reason = a->reason};
 }
 
 static muster_Registration part_of(mu_process *p, uint32_t part)

@@ -65,7 +65,7 @@
 ; line: (assert (attack endless) (works))
 ; expect: <Fact-2>
 ; step:
-; expect: rule endless: stopped
+; expect: rule endless (tests/rules/attacks.clp:5): stopped by the guard for ticks
 ; expect: stopped ticks, 1 fired, 1 errors: endless
 ; step:
 ; expect: works
@@ -73,12 +73,12 @@
 ; line: (assert (attack deep))
 ; expect: <Fact-7>
 ; step:
-; expect: rule recursion: [MUSTER2] Functions call each other too deeply 
+; expect: rule recursion (tests/rules/attacks.clp:6): [MUSTER2] Functions call each other too deeply 
 ; expect: stopped depth, 1 fired, 1 errors: recursion
 ; line: (assert (attack hog))
 ; expect: <Fact-10>
 ; step:
-; expect: rule hog: stopped
+; expect: rule hog (tests/rules/attacks.clp:7): stopped by the guard for memory
 ; expect: stopped memory, 1 fired, 1 errors: hog
 ; step:
 ; expect: idle, 0 fired, 0 errors:
@@ -104,4 +104,16 @@
 ; expect: refused
 ; line: (+ 1 2
 ; expect: a parenthesis is never closed: (+ 1 2
+; expect: refused
+;
+; What the fuzzer has found.
+; line: (deftemplate t (slot a) (multislot b)) (assert (t (a 1) (b x)))
+; expect: <Fact-15>
+; line: (modify 15 (a 2) (no-such-slot 3))
+; expect: [TMPLTDEF1] Invalid slot no-such-slot not defined in corresponding deftemplate t.
+; expect: FALSE
+; expect: refused
+; line: (send (undeffacts *))
+; expect: [MUSTER1] Function send expected somebody to send to
+; expect: FALSE
 ; expect: refused

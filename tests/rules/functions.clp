@@ -181,3 +181,10 @@
 ; line: (findall (pair ?) (pair ?))
 ; expect: [MUSTER4] Function findall expected one pattern
 ; expect: refused
+;
+; Without a map there is no way.
+; line: (plan 100 200)
+; expect: FALSE
+; line: (plan 100)
+; expect: [ARGACCES4] Function plan expected exactly 2 argument(s)
+; expect: refused

@@ -99,7 +99,7 @@
 ; layer: 8 tell q red x
 ; layer: 8 tell q red x
 ; step:
-; expect: function broken: [ARGACCES5] Function lookup expected argument #1 to be of type symbol or string 
+; expect: function broken: [MUSTER1] Function lookup expected a word or a string as argument #1, and got the whole number 16 
 ; expect: fact 8 red tell (x)
 ; expect: fact 8 red tell (x)
 ; line: (deffunction endless (?id ?from ?p ?c) (while TRUE do))
@@ -107,7 +107,7 @@
 ; expect: TRUE
 ; layer: 9 tell q red x
 ; step:
-; expect: function endless: stopped
+; expect: function endless: stopped by the guard for ticks
 ; expect: fact 9 red tell (x)
 ;
 ; What a handler gets outlives it; what it sets is the step's.

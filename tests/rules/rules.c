@@ -3,7 +3,7 @@
  * Runs rule files against a body and a post office that are not there, and compares what they do
  * with the comments in them:
  *
- *   ; options: library=no budget=3    before everything else; both are optional
+ *   ; options: library=no budget=3 failures=3    before everything else; all are optional
  *   ; fails: 7 text                   the file is refused at line 7, and the message holds the text
  *   ; mail: red mate-pos red 1.0 2.0  arrives in the next step
  *   ; speech: ask-one q1 red what     the same with a performative and a reply-with
@@ -290,6 +290,11 @@ static void show_act(struct bench *b, const struct mind_act *act)
         mu_text_format(&t, "%s%s%s, %u fired, %u errors:%s%.200s", ends[act->end],
                        act->why ? " " : "", act->why ? act->why : "", act->firings, act->errors,
                        act->rules[0] ? " " : "", act->rules);
+        out_line(b, line);
+    }
+    if (act->enough) {
+        mu_text_clear(&t);
+        mu_text_format(&t, "enough: %s", act->enough);
         out_line(b, line);
     }
 }
@@ -637,20 +642,24 @@ static bool expect_fault(struct bench *b, FILE *f, mu_result r, const struct mu_
     return true;
 }
 
+/* @return the number of an option; 0 when it is not there */
+static unsigned option_of(const char *options, const char *name)
+{
+    const char *at = options ? strstr(options, name) : NULL;
+    return at ? (unsigned)strtoul(at + strlen(name), NULL, 10) : 0;
+}
+
 static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
 {
     char line[LINE_MAX_BYTES];
     int number;
-    unsigned budget = 0;
     const char *options = find_header(f, "options: ", line, sizeof line, &number);
     bool library = !options || !strstr(options, "library=no");
-    if (options && strstr(options, "budget=")) {
-        budget = (unsigned)strtoul(strstr(options, "budget=") + 7, NULL, 10);
-    }
     struct mind_options o = {.name = "blue",
                              .seed = 1,
                              .rules_folder = library ? "rules" : NULL,
-                             .firings_max = budget,
+                             .firings_max = option_of(options, "budget="),
+                             .failures_max = option_of(options, "failures="),
                              .forward_max_m_s = 0.5,
                              .turn_max_rad_s = 90 / deg,
                              .ports = {b, post, lookup, listing, change, entry, out_print}};

@@ -70,7 +70,7 @@
 ; line: (undefrule spin) (assert (mode bad fast))
 ; expect: <Fact-26>
 ; step:
-; expect: rule bad: [ARGACCES5] Function setSpeed expected argument #1 to be of type integer or float 
+; expect: rule bad (tests/rules/steps.clp:29): [MUSTER1] Function setSpeed expected a number as argument #1, and got the symbol fast 
 ; expect: the others go on
 ; expect: idle, 2 fired, 1 errors: bad good
 ;
@@ -78,7 +78,7 @@
 ; line: (assert (mode bad slow))
 ; expect: <Fact-29>
 ; step:
-; expect: rule bad: [ARGACCES5] Function setSpeed expected argument #1 to be of type integer or float 
+; expect: rule bad (tests/rules/steps.clp:29): [MUSTER1] Function setSpeed expected a number as argument #1, and got the symbol slow 
 ; expect: the others go on
 ; expect: idle, 2 fired, 1 errors: bad good
 ; line: (update-sensors)

@@ -82,6 +82,23 @@ def test_a_robot_says_what_it_does_not_understand():
         wait_for(lambda: members(domain)["red"]["state"] == "absent", 10, "red's absence")
 
 
+def test_a_file_beside_the_rules_replaces_one_of_the_library():
+    """By its name; the rule file itself never does, and other files of the library stay."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        (out / "gohome.clp").write_text("(deffunction stay () not-today)\n")
+        broker_start(processes, domain)
+        robot_start(processes, domain, "red", "(deffunction mine () (stay))", out)
+        done = muster("do", "red", "(mine)", "--domain", domain)
+        check("not-today" in done.stdout, f"{done.stdout} {done.stderr}")
+        check("declaration" in muster("do", "red", "(gohome 1 2)", "--domain", domain).stdout,
+              "the library's file is not there")
+        check_equal(muster("do", "red", "(wander)", "--domain", domain).returncode, 0, "wander")
+        robot_start(processes, domain, "wander", "(deffunction wander () hardly)", out)
+        check("hardly" in muster("do", "wander", "(wander)", "--domain", domain).stdout,
+              "the rule file comes last")
+
+
 def test_a_robot_lives_through_events():
     rules = """
     (defrule lives (declare (salience 50)) (event ?what) => (send blue I ?what))

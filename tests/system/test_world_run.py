@@ -67,6 +67,7 @@ def test_orders_that_cannot_be_carried_out_say_why():
                 (("reset", "nobody"), 7, "no robot or object of that name"),
                 (("sensor", "nobody", "sonar", "off"), 7, "no robot or object of that name"),
                 (("place", "red", "1000", "0"), 8, "outside"),
+                (("place", "red", "1e308", "0", "1e308"), 8, "outside"),
                 (("place", "red", "1.0", "3.7"), 8, "overlap"),
                 (("place", "red", "1"), 2, "expected place NAME X Y [DEG]"),
                 (("place", "red", "1", "nan"), 2, "expected a number"),
@@ -106,6 +107,16 @@ def test_pace_and_a_sensor_that_nobody_reads_leave_the_hash():
         _, summary = experiment_run(out / "plain", "--duration", "20")
         hashes.add(summary["hash"])
         check_equal(len(hashes), 1, f"{hashes}")
+
+
+def test_the_slowest_and_the_fastest_pace():
+    """The run ends at once behind the second order, and has answered it all the same."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "5")
+        slow = done_at(domain, "pace", "1e-300")
+        check(slow <= done_at(domain, "pace", "1e300") <= slow + 1, "it stands meanwhile")
+        check_equal(run.wait(60), 0, "the run ends well")
 
 
 def test_without_a_simulator_nobody_answers():

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules that would end or hold up their robot, on the real programs."""
+import pathlib
+
+from support import (MUSTER, ROOT, Processes, alive, broker_start, check, check_equal, folder,
+                     members, muster, new_domain, wait_for)
+
+RULES = """
+(defglobal ?*big* = (create$))
+(deffunction deep (?x) (deep (+ ?x 1)))
+(defrule drives (position $?) => (setSpeed 200 0) (update-sensors))
+(defrule endless (declare (salience 9)) (attack endless) (position $?) => (while TRUE do (bind ?x 1)))
+(defrule runaway (declare (salience 9)) (attack runaway) ?f <- (turn ?n)
+  => (retract ?f) (assert (turn (+ ?n 1))))
+(defrule recursion (declare (salience 9)) (attack deep) (position $?) => (deep 1))
+(defrule giant (declare (salience 9)) (attack giant) (position $?)
+  => (bind ?*big* (create$ 1 2 3)) (while TRUE do (bind ?*big* (create$ ?*big* ?*big*))))
+(defrule divides (declare (salience 9)) (attack div) (position $?)
+  => (div -9223372036854775808 -1))
+(defrule matches (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?)
+  (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) =>)
+"""
+
+
+class Arena:
+    """A broker, the simulator out of lock step, and red, which drives."""
+
+    def __init__(self, processes, out, *words):
+        self.domain = new_domain()
+        rules = out / "red.clp"
+        rules.write_text(RULES)
+        self.log = out / "red.log"
+        broker_start(processes, self.domain)
+        with open(self.log, "w") as log:
+            self.red = processes.start(MUSTER, "robot", "red", "--rules", rules, "--domain",
+                                       self.domain, *words, stderr=log)
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red", "--free",
+                        "--domain", self.domain)
+        wait_for(lambda: "red" in members(self.domain), 10, "red in the white pages")
+        self.do("(run)")
+        wait_for(lambda: self.speed() > 100, 10, "red drives")
+
+    def do(self, line, code=0):
+        done = muster("do", "red", line, "--wait", "10", "--domain", self.domain)
+        check_equal(done.returncode, code, f"{line}: {done.stdout} {done.stderr}")
+        return done.stdout
+
+    def speed(self):
+        words = self.do("(position)").strip().strip('"\\n()').split()
+        return float(words[-4]) if len(words) >= 7 else 0
+
+    def line(self):
+        return members(self.domain)["red"]
+
+    def says(self, word):
+        wait_for(lambda: word in self.log.read_text(), 10, f"'{word}' in red's log")
+
+
+def test_rules_that_do_not_end_are_stopped_named_and_counted():
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--failures", "0")
+        for attack, guard, rule in (("endless", "ticks", "endless"), ("deep", "depth", "recursion"),
+                                    ("giant", "memory", "giant")):
+            arena.do(f"(assert (attack {attack}))")
+            arena.says(f"guard={guard} rules={rule}")
+            # It answers meanwhile, and stands still: nobody has set its speed.
+            check("2" in arena.do("(+ 1 1)"), "an answer")
+            wait_for(lambda: abs(arena.speed()) < 1, 20, f"red stands still under {attack}")
+            check(rule in arena.do("(failures)"), "it is counted")
+            check_equal(arena.line()["state"], "running", "its state")
+            arena.do("(do-for-all-facts ((?f attack)) TRUE (retract ?f))")
+            arena.do("(bind ?*big* 0)")
+            wait_for(lambda: arena.speed() > 100, 20, f"red drives on after {attack}")
+        check(alive(arena.red.pid), "the process lives")
+
+
+def test_rules_that_are_only_many_do_not_hold_up_the_others():
+    """Each firing is fine; a step has room for so many, and the robot stays responsive."""
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out)
+        arena.do("(assert (attack runaway) (turn 0))")
+        wait_for(lambda: abs(arena.speed()) < 1, 20, "red stands still")
+        check_equal(arena.line()["state"], "running", "its state")
+        check("turn" in arena.do("(facts)"), "it answers")
+        arena.do("(do-for-all-facts ((?f attack)) TRUE (retract ?f))")
+        wait_for(lambda: arena.speed() > 100, 20, "red drives on")
+
+
+def test_a_rule_that_fails_too_often_suspends_its_robot():
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--failures", "5")
+        arena.do("(assert (attack div))")
+        line = wait_for(lambda: arena.line()["state"] == "suspended" and arena.line(), 20, "suspended")
+        wait_for(lambda: "reason" in arena.line(), 10, "a reason in the white pages")
+        check_equal(arena.line()["reason"], "rule divides failed 5 times", f"{line}")
+        check("rule divides failed 5 times" in muster("ps", "--domain", arena.domain).stdout, "ps")
+        arena.says("why=rule divides failed 5 times")
+        check("(divides 5)" in arena.do("(failures)"), "a suspended robot answers")
+        arena.do("(do-for-all-facts ((?f attack)) TRUE (retract ?f))")
+        check_equal(muster("resume", "red", "--domain", arena.domain).returncode, 0, "resume")
+        wait_for(lambda: arena.speed() > 100, 20, "red drives on")
+        check("reason" not in arena.line(), f"the reason is gone: {arena.line()}")
+
+
+def test_what_cannot_be_undone_ends_the_rules_and_not_the_process():
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out)
+        check("Missing function declaration" in arena.do("(exit)", 8), "exit")
+        check("Missing function declaration" in arena.do('(system "true")', 8), "system")
+        check("Missing function declaration" in arena.do('(open "x" f "w")', 8), "open")
+        check("nested" in arena.do("(+ 1 " * 2000 + ")" * 2000, 8), "a deep expression")
+        check("the rules are gone" in arena.do("(assert (m 1) (m 2))", 8), "2^28 matches")
+        wait_for(lambda: arena.line()["state"] == "suspended", 20, "suspended")
+        wait_for(lambda: arena.line().get("reason") == "its rules are gone: memory", 10, "why")
+        check("the rules are gone" in arena.do("(+ 1 1)", 8), "it still answers")
+        check(alive(arena.red.pid), "the process lives")
+
+
+def test_a_file_with_a_deep_expression_is_refused_with_its_line():
+    with folder() as out:
+        deep = out / "deep.clp"
+        deep.write_text("; one\n(defrule deep (x)\n => (printout t " + "(+ 1 " * 100000 + "0" +
+                        ")" * 100000 + "))\n")
+        done = muster("robot", "red", "--rules", deep, "--domain", new_domain())
+        check_equal(done.returncode, 3, done.stderr)
+        check("deep.clp:2" in done.stderr and "nested" in done.stderr, done.stderr)
+        check(pathlib.Path(deep).exists(), "the file")
