@@ -41,12 +41,11 @@ struct console {
     enum mu_state state;       /* that the prompt shows */
 };
 
-static volatile sig_atomic_t interrupted;
+static volatile sig_atomic_t interrupted; /* the signal that came, or 0 */
 
 static void interrupt_note(int number)
 {
-    (void)number;
-    interrupted = 1;
+    interrupted = number;
 }
 
 /* --- the screen ------------------------------------------------------------------------------- */
@@ -259,7 +258,8 @@ static const char *on_words(void *self)
 
 static void interrupt_take(struct console *c)
 {
-    if (interrupted) {
+    c->over = c->over || (interrupted && interrupted != SIGINT);
+    if (interrupted == SIGINT) {
         interrupted = 0;
         forms_clear(&c->forms);
         console_link_forget(&c->link);
@@ -358,6 +358,8 @@ static int console_live(struct console *c, const char *agent)
     c->heard_ns = mu_clock_ns();
     struct sigaction note_it = {.sa_handler = interrupt_note};
     sigaction(SIGINT, &note_it, NULL);
+    sigaction(SIGTERM, &note_it, NULL); /* the terminal is to be as it was */
+    sigaction(SIGHUP, &note_it, NULL);
     c->colors = terminal && term && strcmp(term, "dumb") != 0 && !(plain && plain[0]);
     if (terminal) {
         console_link_attach(&c->link);
