@@ -28,6 +28,7 @@ enum {
 struct console {
     char name[MU_NAME_MAX + 1];
     uint32_t credit; /* pieces that it has room for */
+    uint32_t unread; /* pieces that it has said nothing of yet */
     uint64_t lost;   /* lines that it has missed since its last piece */
 };
 
@@ -126,6 +127,9 @@ bool robot_console_print(struct robot *r, const char *text);
 
 /** Sends them what was kept. */
 void robot_console_flush(struct robot *r);
+
+/** A step is over: the same if it is much, or somebody has read all that came before. */
+void robot_console_offer(struct robot *r);
 
 /** Asks the mind, and answers a console in pieces.  @return whether the mind did it */
 bool robot_console_answer(struct robot *r, const struct mu_mail *asked,

@@ -58,6 +58,7 @@ static bool trace_send(struct robot *r, struct console *c, const char *piece)
         return false;
     }
     c->credit--;
+    c->unread++;
     c->lost = 0;
     return true;
 }
@@ -84,6 +85,18 @@ void robot_console_flush(struct robot *r)
 {
     if (r->crew->traced == r) {
         trace_flush(r);
+    }
+}
+
+/* At hundreds of steps a second each would be a mail, which nobody reads so fast. */
+void robot_console_offer(struct robot *r)
+{
+    bool reads = r->crew->trace.len >= ROBOT_ANSWER_MAX;
+    for (uint32_t i = 0; i < r->console_count; i++) {
+        reads = reads || r->consoles[i].unread == 0;
+    }
+    if (reads) {
+        robot_console_flush(r);
     }
 }
 
@@ -180,12 +193,14 @@ static void console_push_out(struct robot *r)
 /* @return the one of that name, there already or new, and the youngest then */
 static struct console *console_enter(struct robot *r, const char *name)
 {
+    const struct console *earlier = console_find(r, name);
+    uint64_t lost = earlier ? earlier->lost : 0;
     console_leave(r, name);
     if (r->console_count == ROBOT_CONSOLES_MAX) {
         console_push_out(r);
     }
     struct console *c = &r->consoles[r->console_count++];
-    *c = (struct console){.credit = 0};
+    *c = (struct console){.lost = lost};
     mu_text_copy(c->name, sizeof c->name, name);
     return c;
 }
@@ -205,6 +220,8 @@ void robot_console_directive(struct robot *r, const struct mu_mail *mail)
     if (c) {
         unsigned long credit = c->credit + (more < ROBOT_CREDIT_MAX ? more : 0);
         c->credit = credit < ROBOT_CREDIT_MAX ? (uint32_t)credit : ROBOT_CREDIT_MAX;
+        c->unread = 0;
+        robot_console_offer(r);
     }
     if (mail->reply_with[0] && mu_agent_reply(r->agent, mail, "inform", mail->content) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);

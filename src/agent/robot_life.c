@@ -184,7 +184,7 @@ void robot_settle(struct robot *r)
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
-    robot_console_flush(r); /* what mail did to one that does not act */
+    robot_console_offer(r); /* what happened to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
         return;
     }
@@ -259,5 +259,5 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     }
     robot_do_wish(r, a);
     robot_travel(r);
-    robot_console_flush(r);
+    robot_console_offer(r);
 }

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 static const int64_t ROUND_NS = 20000000;
-static const int ROUND_MS = 100;
+static const int ROUND_MS = 50;
 static const uint64_t SILENCE_NS = 3000000000; /* a busy machine may be that busy */
 static const uint64_t WORDS_PATIENCE_NS = 400000000;
 
@@ -41,12 +41,11 @@ struct console {
     enum mu_state state;       /* that the prompt shows */
 };
 
-static volatile sig_atomic_t interrupted;
+static volatile sig_atomic_t interrupted; /* the signal that came, or 0 */
 
 static void interrupt_note(int number)
 {
-    (void)number;
-    interrupted = 1;
+    interrupted = number;
 }
 
 /* --- the screen ------------------------------------------------------------------------------- */
@@ -259,7 +258,8 @@ static const char *on_words(void *self)
 
 static void interrupt_take(struct console *c)
 {
-    if (interrupted) {
+    c->over = c->over || (interrupted && interrupted != SIGINT);
+    if (interrupted == SIGINT) {
         interrupted = 0;
         forms_clear(&c->forms);
         console_link_forget(&c->link);
@@ -350,6 +350,7 @@ static int console_live(struct console *c, const char *agent)
 {
     bool terminal = !c->line && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *term = getenv("TERM"), *plain = getenv("NO_COLOR");
+    c->options.stays = terminal || c->watch_s > 0.0;
     int code = console_link_open(&c->link, &c->options, agent);
     if (code != MU_EXIT_DONE) {
         return code;
@@ -357,6 +358,8 @@ static int console_live(struct console *c, const char *agent)
     c->heard_ns = mu_clock_ns();
     struct sigaction note_it = {.sa_handler = interrupt_note};
     sigaction(SIGINT, &note_it, NULL);
+    sigaction(SIGTERM, &note_it, NULL); /* the terminal is to be as it was */
+    sigaction(SIGHUP, &note_it, NULL);
     c->colors = terminal && term && strcmp(term, "dumb") != 0 && !(plain && plain[0]);
     if (terminal) {
         console_link_attach(&c->link);

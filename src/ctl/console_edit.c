@@ -23,7 +23,8 @@ struct console_edit {
     History *history;
     HistEvent event;
     const struct console_edit_hooks *hooks;
-    struct termios before; /* how the terminal was */
+    bool is_terminal;
+    struct termios before; /* how it was */
     char file[PATH_MAX];   /* of the history; "": none */
 };
 
@@ -128,15 +129,21 @@ static void history_place(char file[PATH_MAX])
     }
 }
 
+/* Between two lines: what is typed ahead is shown once, by the editor, and kept as it is. */
+static void terminal_hush(const struct console_edit *e)
+{
+    struct termios silent = e->before;
+    silent.c_lflag &= ~(tcflag_t)(ECHO | ICANON);
+    if (e->is_terminal) {
+        tcsetattr(STDIN_FILENO, TCSANOW, &silent);
+    }
+}
+
 struct console_edit *console_edit_open(const struct console_edit_hooks *hooks)
 {
     edit = (struct console_edit){.hooks = hooks};
-    if (tcgetattr(STDIN_FILENO, &edit.before) ==
-        0) { /* what is typed ahead is shown once, and kept as it is */
-        struct termios silent = edit.before;
-        silent.c_lflag &= ~(tcflag_t)(ECHO | ICANON);
-        tcsetattr(STDIN_FILENO, TCSANOW, &silent);
-    }
+    edit.is_terminal = tcgetattr(STDIN_FILENO, &edit.before) == 0;
+    terminal_hush(&edit);
     edit.line = el_init("muster", stdin, stdout, stderr);
     edit.history = history_init();
     if (!edit.line || !edit.history) {
@@ -167,13 +174,16 @@ void console_edit_close(struct console_edit *e)
     }
     history_end(e->history);
     el_end(e->line);
-    tcsetattr(STDIN_FILENO, TCSANOW, &e->before);
+    if (e->is_terminal) {
+        tcsetattr(STDIN_FILENO, TCSANOW, &e->before);
+    }
 }
 
 const char *console_edit_line(struct console_edit *e)
 {
     int count = 0;
     const char *line = el_gets(e->line, &count);
+    terminal_hush(e); /* the editor has undone it */
     if (!line || count <= 0) {
         return NULL;
     }

@@ -12,6 +12,8 @@
 #include <string.h>
 
 static const uint64_t GOODBYE_NS = 300000000;
+static const uint64_t AWAY_NS = 900000000;
+static const uint64_t READ_NS = 50000000;
 static const int64_t ROUND_NS = 20000000;
 
 static void show(struct console_link *l, enum console_kind kind, const char *text)
@@ -140,12 +142,19 @@ void console_link_attach(struct console_link *l)
 static void trace_take(struct console_link *l, const struct mu_mail *mail)
 {
     unsigned long long lost = 0;
-    char content[32];
     if (sscanf(mail->ontology, "lost %llu", &lost) == 1 && lost > 0) {
         show_note(l, "[%llu lines came faster than this console reads, and are lost]", lost);
     }
     show(l, CONSOLE_TRACE, mail->content);
-    if (++l->used < CONSOLE_CREDIT / 2) {
+    l->used_ns = l->used++ == 0 ? mu_clock_ns() : l->used_ns;
+}
+
+/* It has read: not after each piece, which would be a mail for a mail. */
+static void trace_renew(struct console_link *l)
+{
+    char content[32];
+    bool due = l->used >= CONSOLE_CREDIT / 2 || mu_clock_ns() - l->used_ns > READ_NS;
+    if (l->used == 0 || !due) {
         return;
     }
     snprintf(content, sizeof content, "more %u", l->used);
@@ -224,11 +233,17 @@ static void on_receipt(void *self, uint64_t first_seq, uint64_t last_seq, enum m
     }
 }
 
-/* A robot that was started again knows nothing of us. */
+/* A robot that was started again knows nothing of us; and when we were away ourselves, pieces may
+ * be lost that we would have said we had read. */
 static void attach_again(struct console_link *l)
 {
     const struct mu_member *m = mu_process_lookup(l->op.process, l->agent);
-    if (l->attached && m && m->state != MU_GONE && m->pid != l->agent_pid) {
+    uint64_t now_ns = mu_clock_ns();
+    bool was_away = l->spun_ns > 0 && now_ns - l->spun_ns > AWAY_NS;
+    bool is_there = mu_process_has_broker(l->op.process);
+    bool is_other = m && m->state != MU_GONE && m->pid != l->agent_pid;
+    l->spun_ns = is_there ? now_ns : l->spun_ns;
+    if (l->attached && is_there && (was_away || is_other)) {
         console_link_attach(l);
     }
 }
@@ -237,6 +252,7 @@ mu_result console_link_spin(struct console_link *l, int64_t timeout_ns)
 {
     mu_result spun = mu_process_spin(l->op.process, timeout_ns);
     attach_again(l);
+    trace_renew(l);
     return spun;
 }
 

@@ -13,7 +13,7 @@
 
 enum {
     CONSOLE_PENDING_MAX = 64,       /* lines that wait for their answers */
-    CONSOLE_CREDIT = 64,            /* pieces of what is watched that may be under way */
+    CONSOLE_CREDIT = 16,            /* pieces of what is watched that may be under way */
     CONSOLE_WORDS_MAX = 128 * 1024, /* bytes of the words that are completed */
     CONSOLE_FORM_SHOWN = 48         /* bytes of a line that are shown with its failure */
 };
@@ -44,7 +44,9 @@ struct console_link {
     uint64_t heard_ns; /* when something came for a line last */
     bool attached;
     unsigned used;      /* pieces that came since room was given for more */
+    uint64_t used_ns;   /* when the first of them came */
     uint32_t agent_pid; /* of the life that it is attached to */
+    uint64_t spun_ns;   /* when it was there last, with a broker */
     char words[CONSOLE_WORDS_MAX];
     size_t words_len;
     uint64_t words_asked; /* number of the question, or 0: none is under way */

@@ -25,7 +25,7 @@ static const uint64_t HELD_PATIENCE_NS = 10000000000;
 static const uint64_t HELD_PAUSE_NS = 200000000;
 
 /* Names of verbs that only read. */
-enum { READERS = 64 };
+enum { READERS = 64, READERS_THAT_STAY = 192 };
 static const char READER[] = "operator-";
 
 /* So many lines are in one Delivery, whatever they are. */
@@ -131,7 +131,9 @@ static void agent_join(struct operator* o, const struct operator_options *option
     if (options->as || !options->only_reads) {
         mu_text_copy(name, sizeof name, options->as ? options->as : "operator");
     } else {
-        snprintf(name, sizeof name, "%s%u", READER, ((unsigned)getpid() + attempt) % READERS);
+        unsigned names = options->stays ? READERS_THAT_STAY : READERS;
+        unsigned number = ((unsigned)getpid() + attempt) % names;
+        snprintf(name, sizeof name, "%s%u", READER, number + (options->stays ? READERS : 0));
     }
     enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
     struct mu_handlers handlers = {

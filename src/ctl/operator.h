@@ -27,6 +27,8 @@ struct operator_options {
     bool json, quiet;
     bool takes_no_mail; /* what waits for the agent stays where it is */
     bool only_reads;    /* it need not be the operator; a console is the operator all the same */
+    bool stays;         /* it reads for long: who does so for a moment does not take its name while
+                           it is away */
     const struct operator_hooks *hooks; /* or NULL */
 };
 

@@ -18,7 +18,9 @@ class Terminal:
         self.status = None
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
-            os.environ.update({"TERM": "xterm", "NO_COLOR": "", **(env or {})})
+            # libedit never frees the names of functions that it is given
+            os.environ.update({"TERM": "xterm", "NO_COLOR": "", "ASAN_OPTIONS": "detect_leaks=0",
+                               **(env or {})})
             os.execv(str(words[0]), [str(w) for w in words])
 
     def __enter__(self):
