@@ -62,7 +62,7 @@ LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
-LIBS_ctl     := -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
@@ -202,6 +202,14 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-worlds
+soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
+.PHONY: soak-crush
+soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
+	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
+
 .PHONY: soak-gohome
 soak-gohome: $(O)/test/gohome ## (gohome) from fifty random places of each world: how many arrive
 	@BUILD=$(BUILD) tests/gohome/run
@@ -237,6 +245,10 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
+
+.PHONY: bench-scale
+bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
+	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.
 PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)

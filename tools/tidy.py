@@ -27,6 +27,7 @@ ONLY_IN = {
     r"ode/": r"src/sim/ode_",
     r"ccd/": r"src/world/place",
     r"png\.h": r"src/world/bitmap",
+    r"histedit|editline": r"src/ctl/console_edit",
     r"cyaml/|yaml\.h": r"src/ctl/(experiment|yaml)",
     r"openssl/": r"src/sim/runhash",
     r"sqlite3\.h": r"src/broker/disk",

@@ -98,6 +98,14 @@ static int env_route_print(void *env, const char *name, const char *text)
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
     }
+    if (m->firing && strcmp(name, WDIALOG) == 0) {
+        return TRUE; /* "Breaking on rule": the robot says so itself */
+    }
+    const struct mind_ports *ports = &m->options.ports;
+    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && strcmp(name, WTRACE) == 0;
+    if (watched && ports->trace(ports->self, text)) {
+        return TRUE;
+    }
     if (m->mode == CLIPS_MODE_LINE) {
         bool blank = m->out->len == 0 || m->out->at[m->out->len - 1] == '\n';
         mu_text_add(m->out, complaint && blank && strcmp(text, "\n") == 0 ? "" : text);
@@ -258,24 +266,60 @@ static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
     return clips_load_file(m, path, fault);
 }
 
-mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
+struct mind *mind_reserve(void)
+{
+    struct mind *m = mu_startup_alloc(sizeof *m);
+    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
+    clips_load_reserve(m);
+    clips_mail_reserve(m);
+    return m;
+}
+
+/* What was there of another mind goes; its memory stays. */
+static void env_clear(struct mind *m)
+{
+    const struct mind before = {.scratch = m->scratch,
+                                .text = m->text,
+                                .form = m->form,
+                                .places = m->places,
+                                .messages = m->messages,
+                                .parked = m->parked};
+    *m = before;
+    clips_place_clear(m);
+}
+
+static mu_result env_take_options(struct mind *m, const struct mind_options *options,
+                                  struct mu_fault *fault)
 {
     if (!mu_name_valid(options->name)) {
         return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
     }
-    struct mind *m = mu_startup_alloc(sizeof *m);
     m->options = *options;
-    m->options.name = mu_startup_string(options->name);
+    (void)mu_text_copy(m->name, sizeof m->name, options->name);
+    m->options.name = m->name;
     if (options->rules_folder) {
-        m->options.rules_folder = mu_startup_string(options->rules_folder);
+        if (!mu_text_copy(m->folder, sizeof m->folder, options->rules_folder)) {
+            return mu_fault_at(fault, "", 0, 0, "the path of the shared rules is too long");
+        }
+        m->options.rules_folder = m->folder;
     }
     if (options->rules_file) {
-        m->options.rules_file = mu_startup_string(options->rules_file);
+        if (!mu_text_copy(m->file, sizeof m->file, options->rules_file)) {
+            return mu_fault_at(fault, "", 0, 0, "the path of the rules is too long");
+        }
+        m->options.rules_file = m->file;
     }
     if (m->options.firings_max == 0) {
         m->options.firings_max = MU_FIRINGS_PER_STEP;
     }
-    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
+    return MU_OK;
+}
+
+mu_result mind_begin(struct mind *m, const struct mind_options *options, struct mu_fault *fault)
+{
+    MU_ASSERT(!m->env);
+    env_clear(m);
+    MU_TRY(env_take_options(m, options, fault));
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
     mu_random_seed(&m->random, options->seed, m->options.name);
@@ -292,14 +336,24 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
     MU_ASSERT(!clips_env_leave(m) && built);
     env_hold(m);
     clips_mail_install(m);
-    *out = m;
     return env_load_library(m, fault);
+}
+
+mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
+{
+    if (!mu_name_valid(options->name)) {
+        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
+    }
+    *out = mind_reserve();
+    return mind_begin(*out, options, fault);
 }
 
 void mind_close(struct mind *m)
 {
-    if (m && !m->broken) {
+    if (m && m->env && !m->broken) { /* what is broken is not to be touched, not even to free it */
         DestroyEnvironment(m->env);
+    }
+    if (m) {
         m->env = NULL;
     }
 }

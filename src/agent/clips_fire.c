@@ -97,6 +97,10 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
     while (m->act.firings < budget) {
         bool failed;
+        if (clips_control_stops(m)) {
+            m->act.why = m->stands;
+            return MIND_BREAK;
+        }
         uint32_t fired = fire_some(m, budget - m->act.firings, &failed);
         m->act.firings += fired;
         m->act.errors += failed;
@@ -107,7 +111,8 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
         if (m->sense_again) {
             return MIND_SENSE_AGAIN;
         }
-        if (fired == 0 || (!failed && m->act.firings < budget)) {
+        bool idle = !failed && m->act.firings < budget && !clips_control_breaks(m);
+        if (fired == 0 || idle) {
             return MIND_IDLE;
         }
     }

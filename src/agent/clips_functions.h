@@ -194,9 +194,23 @@
       "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
       "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
       "count anew") \
-    X("run", 'u', clips_social_run, "01", \
-      "(run)", \
-      "on the console: leaves standby; in rules: nothing")
+    X("run", 'u', clips_control_run, "01i", \
+      "(run [n])", \
+      "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \
+      "step; in rules: nothing") \
+    X("resume", 'u', clips_control_run, "00", \
+      "(resume)", \
+      "the same as run") \
+    X("continue", 'u', clips_control_run, "00", \
+      "(continue)", \
+      "the same as run: the rule that the agent stands before fires") \
+    X("step", 'u', clips_control_step, "01i", \
+      "(step [n])", \
+      "on the console: fires n rules, or one, in as many control steps as that takes, and " \
+      "suspends then; in rules: nothing") \
+    X("suspend", 'u', clips_control_suspend, "00", \
+      "(suspend)", \
+      "stands still until it is resumed; in a rule, when the step is over")
 
 #define CLIPS_EXTENSIONS(X) \
     X("findall", 'm', clips_findall_call, NULL, \

@@ -26,13 +26,27 @@ static const char *line_check(const char *line, struct clips_form *f)
     }
 }
 
+/* (break RULE): in CLIPS break leaves a loop, has no arguments, and is of no use on a line.
+ * @return the bytes of "(break", or 0: it is something else */
+static size_t line_sets_break(struct clips_form f)
+{
+    const char *at = f.at + 1, *end = f.at + f.len;
+    while (at < end && strchr(" \t\n", *at)) {
+        at++;
+    }
+    bool is_break = end - at > 6 && memcmp(at, "break", 5) == 0 && strchr(" \t\n", at[5]);
+    return f.kind == CLIPS_FORM_LIST && is_break ? (size_t)(at + 5 - f.at) : 0;
+}
+
 /* @return whether CLIPS did it */
 static bool line_run(struct mind *m, struct clips_form f)
 {
     static char bytes[LINE_FORM_MAX]; /* RouteCommand reads it before it evaluates */
     struct mu_text form;
     mu_text_init(&form, bytes, sizeof bytes);
-    clips_text_rewrite(&form, f.at, f.len);
+    size_t begun = line_sets_break(f);
+    mu_text_add(&form, begun ? "(set-break" : "");
+    clips_text_rewrite(&form, f.at + begun, f.len - begun);
     bool done = RouteCommand(m->env, form.at, TRUE);
     clips_place_note(m, form.at, NULL, 0);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
@@ -79,13 +93,6 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     clips_text_as_written(out->at + start);
     out->len = start + strlen(out->at + start);
     return done ? MU_OK : MU_MALFORMED;
-}
-
-bool mind_wants_to_run(struct mind *m)
-{
-    bool wants = m->wants_to_run;
-    m->wants_to_run = false;
-    return wants;
 }
 
 /* The field as text that reads back; false: it is not exactly one field. */

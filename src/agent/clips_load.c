@@ -26,9 +26,13 @@ static void load_note_error(void *env, const char *file, const char *warning, co
 void clips_load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
+}
+
+void clips_load_reserve(struct mind *m)
+{
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
-    clips_place_install(m);
     m->form = mu_startup_alloc(CLIPS_FILE_MAX);
+    clips_place_reserve(m);
 }
 
 /* Reads a file onto the stack of texts. */
@@ -80,8 +84,8 @@ static void load_said(struct mind *m, char *to, size_t size)
     }
 }
 
-static mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
-                                struct mu_fault *fault)
+mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                               struct mu_fault *fault)
 {
     struct mu_text form;
     mu_text_init(&form, m->form, CLIPS_FILE_MAX);
@@ -262,7 +266,7 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
         return load_layer(m, path, f.line, at, fault);
     }
     if (!load_is_extends(f, name, sizeof name, &well_formed)) {
-        return load_construct(m, path, f, fault);
+        return clips_load_construct(m, path, f, fault);
     }
     if (!well_formed) {
         return mu_fault_at(fault, path, f.line, 0, "expected (extends \"FILE\")");
@@ -270,15 +274,12 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
     return load_extends(m, path, f.line, name, fault);
 }
 
-mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+/* Loads one form after the other. */
+static mu_result load_forms(struct mind *m, const char *path, const char *at,
+                            struct mu_fault *fault)
 {
-    const char *at;
     int line = 1;
-    size_t used = m->text_used;
-    mu_result r = load_read(m, path, &at, fault);
-    if (r != MU_OK) {
-        return r;
-    }
+    mu_result r = MU_OK;
     m->files[m->files_deep++] = path;
     while (r == MU_OK) {
         struct clips_form f = clips_text_form(&at, &line);
@@ -288,20 +289,22 @@ mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fau
         r = load_form(m, path, f, fault);
     }
     m->files_deep--;
+    return r;
+}
+
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    const char *at;
+    size_t used = m->text_used;
+    mu_result r = load_read(m, path, &at, fault);
+    r = r == MU_OK ? load_forms(m, path, at, fault) : r;
     m->text_used = used;
     return r;
 }
 
-mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+/* What was loaded begins: initial facts, first values. */
+static mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT);
-    }
-    clips_failure_clear(m);
-    mu_result r = clips_load_file(m, path, fault);
-    if (r != MU_OK) {
-        return r;
-    }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     m->shown_count = 0;
@@ -312,4 +315,24 @@ mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
         return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");
     }
     return MU_OK;
+}
+
+mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT);
+    }
+    clips_failure_clear(m);
+    MU_TRY(clips_load_file(m, path, fault));
+    return load_begin(m, path, fault);
+}
+
+mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT);
+    }
+    clips_failure_clear(m);
+    MU_TRY(load_forms(m, name, text, fault));
+    return load_begin(m, name, fault);
 }

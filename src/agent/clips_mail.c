@@ -7,6 +7,12 @@
 
 enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
 
+void clips_mail_reserve(struct mind *m)
+{
+    clips_message_reserve(m);
+    clips_parked_reserve(m);
+}
+
 void clips_mail_install(struct mind *m)
 {
     clips_message_install(m);

@@ -3,10 +3,15 @@
 #include "agent/clips_mind.h"
 #include "muster/memory.h"
 
-void clips_message_install(struct mind *m)
+void clips_message_reserve(struct mind *m)
 {
     m->messages = mu_startup_alloc(sizeof *m->messages);
+}
+
+void clips_message_install(struct mind *m)
+{
     struct clips_messages *all = m->messages;
+    *all = (struct clips_messages){.free = 0};
     for (uint16_t i = 1; i < CLIPS_MESSAGES_MAX; i++) {
         all->at[i].newer = i + 1; /* the free ones are chained through newer */
     }
@@ -65,42 +70,50 @@ static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void 
     }
 }
 
+bool clips_message_enter(struct mind *m, const struct clips_message *entry)
+{
+    struct clips_messages *all = m->messages;
+    uint16_t index = all->free;
+    if (index == 0) {
+        return false;
+    }
+    struct clips_message *e = &all->at[index];
+    all->free = e->newer;
+    IncrementSymbolCount(entry->from);
+    if (entry->first) {
+        AtomInstall(m->env, entry->first_type, entry->first);
+    }
+    uint16_t *chain = &all->chains[message_chain(entry->from, entry->first)];
+    *e = *entry;
+    e->older = all->newest;
+    e->newer = 0;
+    e->chain = *chain;
+    *chain = index;
+    *(all->newest ? &all->at[all->newest].newer : &all->oldest) = index;
+    all->newest = index;
+    return true;
+}
+
 void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
 {
     struct clips_messages *all = m->messages;
     bool some = fields->multifieldLength > 0;
-    void *first = some ? fields->theFields[0].value : NULL;
-    unsigned short type = some ? fields->theFields[0].type : SYMBOL;
-    message_supersede(m, from, first);
+    struct clips_message e = {.from = from, .first_type = SYMBOL, .id = id, .step = m->step};
+    if (some) {
+        e.first = fields->theFields[0].value;
+        e.first_type = fields->theFields[0].type;
+    }
+    message_supersede(m, from, e.first);
     if (!all->free) {
         message_remove(m, all->oldest);
     }
     /* one fact for each mail, even when two senders say the same */
     EnvSetFactDuplication(m->env, TRUE);
-    struct fact *fact = clips_percept_assert(m, m->message, fields);
+    e.fact = clips_percept_assert(m, m->message, fields);
     EnvSetFactDuplication(m->env, FALSE);
-    if (!fact) {
-        return;
+    if (e.fact) {
+        (void)clips_message_enter(m, &e);
     }
-    uint16_t index = all->free;
-    struct clips_message *e = &all->at[index];
-    all->free = e->newer;
-    IncrementSymbolCount(from);
-    if (first) {
-        AtomInstall(m->env, type, first);
-    }
-    uint16_t *chain = &all->chains[message_chain(from, first)];
-    *e = (struct clips_message){.fact = fact,
-                                .from = from,
-                                .first_type = type,
-                                .first = first,
-                                .id = id,
-                                .step = m->step,
-                                .older = all->newest,
-                                .chain = *chain};
-    *chain = index;
-    *(all->newest ? &all->at[all->newest].newer : &all->oldest) = index;
-    all->newest = index;
 }
 
 void clips_message_forget(struct mind *m, uint64_t id)

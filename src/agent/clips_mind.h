@@ -12,6 +12,7 @@
 #include "muster/limits.h"
 
 #include <clips.h>
+#include <limits.h>
 #include <setjmp.h>
 #include <tmpltutl.h>
 
@@ -100,6 +101,7 @@ enum clips_global {
 struct mind {
     void *env;
     struct mind_options options;
+    char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct mu_random random;
     uint64_t asked; /* questions so far, for reply-with */
 
@@ -140,7 +142,13 @@ struct mind {
     char fired_bytes[CLIPS_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
-    bool firing, sense_again, wants_to_run;
+    bool firing, sense_again;
+
+    /* its own life */
+    enum mind_wish wish;
+    uint32_t wish_rules;
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
+    bool passes;                   /* that rule may fire once all the same */
 
     /* guards */
     uint32_t ticks;
@@ -215,10 +223,16 @@ void clips_override_install(struct mind *m);
 
 /* clips_load.c */
 mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+void clips_load_reserve(struct mind *m);
 void clips_load_install(struct mind *m);
 
+/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
+MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                                           struct mu_fault *fault);
+
 /* clips_place.c */
-void clips_place_install(struct mind *m);
+void clips_place_reserve(struct mind *m);
+void clips_place_clear(struct mind *m);
 
 /** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
 void clips_place_note(struct mind *m, const char *form, const char *path, int line);
@@ -239,10 +253,18 @@ struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
 void clips_percept_show(struct mind *m);
 
 /* clips_message.c */
+void clips_message_reserve(struct mind *m);
 void clips_message_install(struct mind *m);
 
 /** Makes a mail's content a message fact; what it tells again goes. */
 void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/**
+ * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ *
+ * @return false: there is no room
+ */
+bool clips_message_enter(struct mind *m, const struct clips_message *entry);
 
 /** The message fact of a mail goes, if it still stands. */
 void clips_message_forget(struct mind *m, uint64_t id);
@@ -251,6 +273,7 @@ void clips_message_forget(struct mind *m, uint64_t id);
 void clips_message_age(struct mind *m);
 
 /* clips_mail.c */
+void clips_mail_reserve(struct mind *m);
 void clips_mail_install(struct mind *m);
 
 /** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
@@ -259,6 +282,7 @@ struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *ma
 struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
 
 /* clips_parked.c */
+void clips_parked_reserve(struct mind *m);
 void clips_parked_install(struct mind *m);
 
 /**
@@ -285,6 +309,14 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name);
 void clips_failure_note(struct mind *m);
 
 void clips_failure_clear(struct mind *m);
+
+/* clips_control.c */
+
+/** @return whether the rule that fires next has a breakpoint */
+bool clips_control_breaks(struct mind *m);
+
+/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
+bool clips_control_stops(struct mind *m);
 
 /* clips_event.c */
 

@@ -8,9 +8,14 @@
 
 #include <string.h>
 
-void clips_parked_install(struct mind *m)
+void clips_parked_reserve(struct mind *m)
 {
     m->parked = mu_startup_alloc(sizeof *m->parked);
+}
+
+void clips_parked_install(struct mind *m)
+{
+    m->parked->first = m->parked->count = 0;
 }
 
 static struct clips_parked_mail *parked_at(struct clips_parked *p, uint32_t index)

@@ -77,31 +77,20 @@ static struct fact *percept_laser(struct mind *m)
 static void percept_sights(struct mind *m)
 {
     double time_s = (double)m->percept.time_ns * 1e-9;
-    for (size_t i = 0; m->blob->patternNetwork && i < m->percept.blob_count; i++) {
+    bool blobs = clips_sense_is_used(m->blob);
+    bool fiducials = clips_sense_is_used(m->fiducial);
+    for (size_t i = 0; blobs && i < m->percept.blob_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
         clips_sense_blob(m, &m->blobs[i], fields, 1);
         m->blob_facts[i] = clips_percept_assert(m, m->blob, fields);
     }
-    for (size_t i = 0; m->fiducial->patternNetwork && i < m->percept.fiducial_count; i++) {
+    for (size_t i = 0; fiducials && i < m->percept.fiducial_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
         clips_sense_fiducial(m, &m->fiducials[i], fields, 1);
         m->fiducial_facts[i] = clips_percept_assert(m, m->fiducial, fields);
     }
-}
-
-/*
- * Whether rules could miss the fact of the ring: one has a pattern of it, or a query over facts, or
- * it is watched.  CLIPS counts such uses together with the facts that there are, and C holds one.
- */
-static bool percept_ring_is_used(const struct mind *m)
-{
-    long facts = 0;
-    for (const struct fact *f = m->ring->factList; f; f = f->nextTemplateFact) {
-        facts++;
-    }
-    return m->ring->patternNetwork || m->ring->watch || m->ring->busyCount - 1 > facts;
 }
 
 void clips_percept_show(struct mind *m)
@@ -120,7 +109,7 @@ void clips_percept_show(struct mind *m)
 /* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
 static void percept_ring(struct mind *m)
 {
-    m->ring_unseen = m->percept.sonar_count > 0 && !percept_ring_is_used(m);
+    m->ring_unseen = m->percept.sonar_count > 0 && !clips_sense_is_used(m->ring);
     if (m->ring_unseen) {
         m->ring_number = FactData(m->env)->NextFactIndex++;
     } else {

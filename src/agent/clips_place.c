@@ -19,9 +19,15 @@ struct clips_places {
     int file_count;
 };
 
-void clips_place_install(struct mind *m)
+void clips_place_reserve(struct mind *m)
 {
     m->places = mu_startup_alloc(sizeof *m->places);
+}
+
+void clips_place_clear(struct mind *m)
+{
+    m->places->count = 0;
+    m->places->file_count = 0;
 }
 
 /* Takes the second word of a form, without its module.  @return false: it has none that fits */

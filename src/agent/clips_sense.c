@@ -66,13 +66,23 @@ void clips_sense_install(struct mind *m)
     }
 }
 
+/* CLIPS counts uses in constructs together with the facts that there are, and C holds one. */
+bool clips_sense_is_used(const struct deftemplate *template)
+{
+    long facts = 0;
+    for (const struct fact *f = template->factList; f; f = f->nextTemplateFact) {
+        facts++;
+    }
+    return template->patternNetwork || template->watch || template->busyCount - 1 > facts;
+}
+
 uint32_t mind_senses(const struct mind *m)
 {
-    uint32_t patterns = (m->ring->patternNetwork ? MU_SENSE_SONAR : 0u) |
-                        (m->laser->patternNetwork ? MU_SENSE_LASER : 0u) |
-                        (m->blob->patternNetwork ? MU_SENSE_CAMERA : 0u) |
-                        (m->fiducial->patternNetwork ? MU_SENSE_FIDUCIALS : 0u);
-    return patterns | m->senses_named;
+    uint32_t used = (clips_sense_is_used(m->ring) ? MU_SENSE_SONAR : 0u) |
+                    (clips_sense_is_used(m->laser) ? MU_SENSE_LASER : 0u) |
+                    (clips_sense_is_used(m->blob) ? MU_SENSE_CAMERA : 0u) |
+                    (clips_sense_is_used(m->fiducial) ? MU_SENSE_FIDUCIALS : 0u);
+    return used | m->senses_named;
 }
 
 /* --- what they read --------------------------------------------------------------------------- */

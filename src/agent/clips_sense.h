@@ -15,6 +15,10 @@ void clips_sense_install(struct mind *m);
  */
 void clips_sense_note(struct mind *m, const char *word);
 
+/** @return whether a pattern or a query of some construct looks at facts of that template, or
+ * somebody watches them */
+bool clips_sense_is_used(const struct deftemplate *template);
+
 /** Writes four fields: colour, bearing deg, width deg, range mm. */
 void clips_sense_blob(struct mind *m, const struct mu_blob *b, struct multifield *fields,
                       size_t at);

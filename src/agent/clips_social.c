@@ -43,16 +43,3 @@ void clips_social_listing(void *env, DATA_OBJECT *out)
     }
     clips_value_multifield(out, fields);
 }
-
-/* (run) on a line asks the life cycle to leave standby: rules fire in steps only. */
-void clips_social_run(void *env, DATA_OBJECT *out)
-{
-    struct mind *m = clips_env_mind(env);
-    clips_value_bool(env, out, true);
-    if (EnvRtnArgCount(env) > 0) {
-        clips_value_refuse(env, "run", "no number: use `muster step NAME N` to fire N rules");
-        clips_value_bool(env, out, false);
-        return;
-    }
-    m->wants_to_run = m->wants_to_run || m->mode == CLIPS_MODE_LINE;
-}

@@ -14,6 +14,8 @@ static struct crew *crew_make(const struct settings *set)
 {
     struct crew *c = mu_startup_alloc(sizeof *c);
     c->set = set;
+    mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
+    mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
     c->count = settings_robots(set);
     c->robots = mu_startup_array(c->count, sizeof *c->robots);
     for (uint32_t i = 0; i < c->count; i++) {

@@ -99,6 +99,9 @@ struct mind_ports {
     const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
+    /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
+     * anybody looks; if nobody does it is printed.  May be NULL. */
+    bool (*trace)(void *self, const char *text);
 };
 
 struct mind_options {
@@ -116,7 +119,10 @@ struct mind_options {
 };
 
 /* Why a step's firing ended. */
-enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED };
+enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED, MIND_BREAK };
+
+/* What a line or a rule has said of its own agent's life. */
+enum mind_wish { MIND_WISH_NOTHING, MIND_WISH_RUN, MIND_WISH_STEP, MIND_WISH_SUSPEND };
 
 /* What the rules did in one step. */
 struct mind_act {
@@ -128,7 +134,8 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory" */
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+                           rule that would fire next */
     const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
@@ -138,7 +145,35 @@ struct mind;
 MU_MUST_USE mu_result mind_open(struct mind **out, const struct mind_options *options,
                                 struct mu_fault *fault);
 
+/** Takes the memory of a mind while the process starts, for a mind_begin at any time. */
+struct mind *mind_reserve(void);
+
+/** As mind_open, in memory that was reserved and holds no mind, or one that was closed. */
+MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *options,
+                                 struct mu_fault *fault);
+
+/** Its memory stays. */
 void mind_close(struct mind *m);
+
+/**
+ * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
+ * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
+ * is.
+ *
+ * @return MU_OK; MU_REFUSED: it has what cannot be written down, and fault says what; MU_FULL: out
+ *         is too small
+ */
+MU_MUST_USE mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
+
+/**
+ * Makes a mind that was begun without rules_folder, and has loaded nothing, what a capsule says.
+ * When its own name is another one than the capsule's, it is a copy with that name.
+ *
+ * @return MU_OK; MU_FAULT_FILE: the capsule is not whole, of another version, or says what does not
+ *         come about; the mind is of no use then
+ */
+MU_MUST_USE mu_result mind_restore(struct mind *m, const char *capsule, size_t len,
+                                   struct mu_fault *fault);
 
 /**
  * Loads a rule file and resets.
@@ -146,6 +181,10 @@ void mind_close(struct mind *m);
  * @return MU_OK, or MU_FAULT_FILE with file, line and what CLIPS said
  */
 MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** The same with a text; what it extends is in the library.  @param name  for faults */
+MU_MUST_USE mu_result mind_load_text(struct mind *m, const char *name, const char *text,
+                                     struct mu_fault *fault);
 
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
@@ -225,8 +264,22 @@ MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text
 /** What rules have failed at is forgotten: they may try again. */
 void mind_forgive(struct mind *m);
 
-/** @return whether (run) was called on a line since the last time this was asked */
-bool mind_wants_to_run(struct mind *m);
+/**
+ * What was said last since this was asked last: (run), (resume), (continue); (run N), (step N);
+ * (suspend).  In rules only the last counts.
+ *
+ * @param rules  out: of MIND_WISH_STEP: how many
+ */
+enum mind_wish mind_wish(struct mind *m, uint32_t *rules);
+
+/** It goes on after a break: the rule that it stopped before may fire once. */
+void mind_go_on(struct mind *m);
+
+/**
+ * Lists the words that a line may have: one a line, first its kind: f a function, command or
+ * construct, r a rule, t a relation, g a global.
+ */
+void mind_words(struct mind *m, struct mu_text *out);
 
 /** Prints the table of functions that rules may call, as Markdown, to standard output. */
 void mind_print_functions(void);

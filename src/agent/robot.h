@@ -14,7 +14,21 @@
 #include "agent/settings.h"
 #include "muster/muster.h"
 
-enum { ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2, ROBOT_PRINT_MAX = 1024 };
+enum {
+    ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
+    ROBOT_PRINT_MAX = 1024,
+    ROBOT_CONSOLES_MAX = 8,         /* that look at one robot */
+    ROBOT_CREDIT_MAX = 1024,        /* pieces that a console can have room for */
+    ROBOT_LISTING_MAX = 256 * 1024, /* bytes of an answer to a console */
+    ROBOT_TRACE_MAX = 128 * 1024    /* bytes that consoles see of one step */
+};
+
+/* Somebody who looks at a robot. */
+struct console {
+    char name[MU_NAME_MAX + 1];
+    uint32_t credit; /* pieces that it has room for */
+    uint64_t lost;   /* lines that it has missed since its last piece */
+};
 
 /* The robots of one process. */
 struct crew {
@@ -28,6 +42,11 @@ struct crew {
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
+    struct mu_text listing; /* the same for consoles: longer, and sent in pieces */
+    struct mu_text trace;   /* what the consoles of one robot have not been told of yet */
+    struct robot *traced;   /* that one, or NULL */
+    uint32_t trace_cut;     /* lines for which there was no room */
+    char listing_bytes[ROBOT_LISTING_MAX], trace_bytes[ROBOT_TRACE_MAX];
 };
 
 struct robot {
@@ -35,13 +54,17 @@ struct robot {
     char name[MU_NAME_MAX + 1];
     struct mind *mind;
     mu_agent *agent;
-    bool out;            /* it takes no part: it is disposed of, or its name is refused */
-    bool box_full;       /* said once */
+    struct mu_percept percept; /* of this step, */
+    bool percept_waits;        /* which the mind has not taken yet */
+    bool out;                  /* it takes no part: it is disposed of, or its name is refused */
+    bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
     char print[ROBOT_PRINT_MAX]; /* a line that rules have begun */
     size_t print_len;
+    struct console consoles[ROBOT_CONSOLES_MAX];
+    uint32_t console_count;
 };
 
 /* robot.c */
@@ -77,6 +100,24 @@ struct mind_ports robot_ports(struct robot *r);
 /** Ends the line that its rules have begun to print. */
 void robot_print_rest(struct robot *r);
 
+/* robot_console.c */
+
+/** Keeps text for the robot's consoles.  @return whether it has any */
+bool robot_console_print(struct robot *r, const char *text);
+
+/** Sends them what was kept. */
+void robot_console_flush(struct robot *r);
+
+/** Asks the mind, and answers a console in pieces.  @return whether the mind did it */
+bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
+                          mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));
+
+/** Answers with the words that a line may have, as mind_words has them. */
+void robot_console_words(struct robot *r, const struct mu_mail *asked);
+
+/** A console comes, has room for more, or goes. */
+void robot_console_directive(struct robot *r, const struct mu_mail *mail);
+
 /* robot_mail.c */
 
 /** Offers a mail to the rules' handlers of its layer: for the kind of agents that robots are. */
@@ -93,8 +134,18 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 /** What robots do beside their rules, and with which events their rules hear of their life. */
 extern const struct mu_agent_kind robot_kind;
 
+/**
+ * Lets the mind take the percept that waits, before anything else reaches it.  While it runs, that
+ * is when it acts or has mail: of many minds each is met once a step, not twice, and what it works
+ * on is in the processor's caches then.
+ */
+void robot_settle(struct robot *r);
+
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
+/** Does what a line or a rule has said of the robot's own life. */
+void robot_do_wish(struct robot *r, mu_agent *a);
+
 void robot_on_state(void *self, mu_agent *a, enum mu_state state);
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *percept);
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept);

@@ -78,6 +78,7 @@ static void on_clone(void *self, mu_agent *a)
 static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
 {
     struct mind_act act;
+    robot_settle(r);
     mind_event_now(r->mind, event, &act);
     mu_agent_fired(a, act.firings, act.rules);
 }
@@ -113,15 +114,18 @@ void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *r
     struct robot *r = self;
     mu_log(MU_LOG_WARNING, "change-refused", "name=%s change=%s reason=%s", mu_agent_name(a),
            change, reason);
+    robot_settle(r);
     mind_refused(r->mind, change, reason);
 }
 
 void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
+    robot_settle(r);
     r->rules_left = 0;
     if (state == MU_RUNNING) {
         mind_forgive(r->mind);
+        mind_go_on(r->mind);
     }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
     if (state == MU_GONE) {
@@ -129,15 +133,30 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
     }
 }
 
-/* A suspended mind keeps still, so that a person can look at it. */
+void robot_settle(struct robot *r)
+{
+    if (!r->percept_waits) {
+        return;
+    }
+    struct mind_percept percept = body_percept(&r->percept);
+    r->percept_waits = false;
+    mind_percept(r->mind, &percept);
+}
+
+/* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
+ */
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
+    robot_console_flush(r); /* what mail did to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED) {
         return;
     }
-    struct mind_percept percept = body_percept(p);
-    mind_percept(r->mind, &percept);
+    r->percept = *p;
+    r->percept_waits = true;
+    if (mu_agent_state(a) != MU_RUNNING) {
+        robot_settle(r);
+    }
 }
 
 /* The rules do more harm than good: a person has to look at them. */
@@ -148,12 +167,43 @@ static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
     mu_agent_suspend(a, why);
 }
 
+/* Stands before a rule, as somebody wanted; the world goes on without it. */
+static void robot_break(struct robot *r, mu_agent *a, const char *rule)
+{
+    char said[MU_FIELD_MAX + 64];
+    snprintf(said, sizeof said, "break: %s is about to fire; suspended\n", rule);
+    mu_log(MU_LOG_INFO, "break", "name=%s rule=%s", mu_agent_name(a), rule);
+    (void)robot_console_print(r, said);
+    mu_agent_set_state(a, MU_SUSPENDED);
+}
+
+/* At most so many rules, and then it is suspended. */
+static void robot_run(struct robot *r, mu_agent *a, uint32_t rules)
+{
+    mu_agent_set_state(a, MU_RUNNING);
+    r->rules_left = rules;
+}
+
+void robot_do_wish(struct robot *r, mu_agent *a)
+{
+    uint32_t rules;
+    enum mind_wish wish = mind_wish(r->mind, &rules);
+    enum mu_state state = mu_agent_state(a);
+    bool lives = state == MU_STANDBY || state == MU_RUNNING || state == MU_SUSPENDED;
+    if (lives && (wish == MIND_WISH_RUN || wish == MIND_WISH_STEP)) {
+        robot_run(r, a, wish == MIND_WISH_STEP ? rules : 0);
+    } else if (wish == MIND_WISH_SUSPEND && state == MU_RUNNING) {
+        mu_agent_set_state(a, MU_SUSPENDED);
+    }
+}
+
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)percept;
     struct robot *r = self;
     struct mind_act act;
     uint32_t left = r->rules_left;
+    robot_settle(r);
     mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
         mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s rules=%s", mu_agent_name(a),
@@ -164,9 +214,13 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     mu_agent_fired(a, act.firings, act.rules);
     if (act.enough) {
         robot_give_up(r, a, act.enough);
+    } else if (act.end == MIND_BREAK) {
+        robot_break(r, a, act.why);
     } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
     } else if (left > 0) {
         mu_agent_set_state(a, MU_SUSPENDED);
     }
+    robot_do_wish(r, a);
+    robot_console_flush(r);
 }

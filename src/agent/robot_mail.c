@@ -52,6 +52,7 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 {
     (void)a;
     struct robot *r = self;
+    robot_settle(r);
     r->numbered = mind_has_layer(r->mind, mail->layer);
     if (!r->numbered) {
         return MU_PASS;
@@ -64,6 +65,7 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
+    robot_settle(r);
     if (mail->layer > MU_LAYER_SPEECH && robot_take_by_rules(self, a, mail) != MU_PASS) {
         return;
     }
@@ -101,6 +103,7 @@ enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mai
 {
     (void)a;
     struct robot *r = self;
+    robot_settle(r);
     struct mu_text answer;
     mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
     bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
@@ -110,20 +113,20 @@ enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mai
 
 static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
+    bool is_console = strcmp(mail->ontology, "console") == 0;
     struct mu_text answer;
     mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
-    bool done = mind_line(r->mind, mail->content, &answer) == MU_OK;
-    if (!done) {
+    bool done = is_console ? robot_console_answer(r, mail, mind_line)
+                           : mind_line(r->mind, mail->content, &answer) == MU_OK;
+    if (!done && !is_console) {
         mu_log(MU_LOG_WARNING, "line-refused", "from=%s line=%s answer=%s", mail->src,
                mail->content, r->crew->answer);
     }
-    if (mail->reply_with[0]) {
+    if (mail->reply_with[0] && !is_console) {
         line_answer(r, mail, done);
     }
     body_ask(a, r->mind);
-    if (mind_wants_to_run(r->mind) && mu_agent_state(a) == MU_STANDBY) {
-        mu_agent_set_state(a, MU_RUNNING);
-    }
+    robot_do_wish(r, a);
 }
 
 /* N rules, in as many control steps as that takes. */
@@ -147,14 +150,30 @@ static void directive_step(struct robot *r, mu_agent *a, const struct mu_mail *m
     }
 }
 
+static void directive_console(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    robot_console_directive(r, mail);
+}
+
+static void directive_words(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    robot_console_words(r, mail);
+}
+
 void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     static const struct {
         const char *performative;
         void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
-    } directives[] = {{"do", directive_do}, {"step", directive_step}};
+    } directives[] = {{"do", directive_do},
+                      {"step", directive_step},
+                      {"console", directive_console},
+                      {"words", directive_words}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
+            robot_settle(self);
             directives[i].carry_out(self, a, mail);
             return;
         }

@@ -82,6 +82,7 @@ static void print_flush(struct robot *r)
 static void port_print(void *self, const char *text)
 {
     struct robot *r = self;
+    (void)robot_console_print(r, text); /* beside what is printed here */
     for (const char *c = text; *c; c++) {
         if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
             print_flush(r);
@@ -97,6 +98,11 @@ static void port_print(void *self, const char *text)
     }
 }
 
+static bool port_trace(void *self, const char *text)
+{
+    return robot_console_print(self, text);
+}
+
 struct mind_ports robot_ports(struct robot *r)
 {
     return (struct mind_ports){.self = r,
@@ -105,6 +111,7 @@ struct mind_ports robot_ports(struct robot *r)
                                .listing = port_listing,
                                .change = port_change,
                                .entry = port_entry,
+                               .trace = port_trace,
                                .print = port_print};
 }
 

@@ -155,12 +155,20 @@ mu_result trust_read(struct trust *t, const char *text, const char *file, struct
 
 /* --- deciding --------------------------------------------------------------------------------- */
 
+/* Consoles are the operator under further names, each as special as he is. */
+static bool party_is_named(const struct trust_party *p, const struct trust_agent *a)
+{
+    bool operates = strcmp(p->name, "operator") == 0 && a->kind == muster_KIND_SPECIAL &&
+                    mu_name_of_operator(a->name);
+    return operates || strcmp(p->name, a->name) == 0;
+}
+
 static bool party_fits(const struct trust *t, const struct trust_party *p,
                        const struct trust_agent *a)
 {
     const struct trust_pages *pages = &t->pages;
     switch (p->kind) {
-    case TRUST_NAME: return strcmp(p->name, a->name) == 0;
+    case TRUST_NAME: return party_is_named(p, a);
     case TRUST_ALL: return true;
     case TRUST_ROBOTS: return a->kind == muster_KIND_ROBOT;
     case TRUST_SPECIAL: return a->kind == muster_KIND_SPECIAL;

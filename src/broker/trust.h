@@ -9,7 +9,8 @@
  *     deny WHO direct WHOM
  *
  * WHO and WHOM are a name, all, robots, special, group:G or role:R.  When no line fits, the answer
- * is no.  Without a file it is as if there were these: allow observer direct all, allow operator
+ * is no.  The name operator also stands for special agents named operator-N, which are consoles.
+ * Without a file it is as if there were these: allow observer direct all, allow operator
  * direct all.
  */
 #ifndef MUSTER_BROKER_TRUST_H

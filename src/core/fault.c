@@ -19,12 +19,17 @@ mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int co
 
 void mu_fault_print(const struct mu_fault *fault)
 {
-    fprintf(stderr, "%s:", fault->file);
+    mu_fault_print_to(stderr, fault, "");
+}
+
+void mu_fault_print_to(FILE *to, const struct mu_fault *fault, const char *word)
+{
+    fprintf(to, "%s:", fault->file);
     if (fault->line > 0) {
-        fprintf(stderr, "%d:", fault->line);
+        fprintf(to, "%d:", fault->line);
     }
     if (fault->line > 0 && fault->column > 0) {
-        fprintf(stderr, "%d:", fault->column);
+        fprintf(to, "%d:", fault->column);
     }
-    fprintf(stderr, " %s\n", fault->text);
+    fprintf(to, " %s%s\n", word, fault->text);
 }

@@ -9,6 +9,7 @@
 #include "muster/result.h"
 
 #include <stdbool.h>
+#include <stdio.h>
 
 enum { MU_FAULT_FILE_MAX = 255, MU_FAULT_TEXT_MAX = 511 };
 
@@ -36,5 +37,8 @@ mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int co
 
 /** Prints "file:line:column: text" to standard error, leaving out what is not known. */
 void mu_fault_print(const struct mu_fault *fault);
+
+/** mu_fault_print to another file, with a word before the text: "", or "warning: ". */
+void mu_fault_print_to(FILE *to, const struct mu_fault *fault, const char *word);
 
 #endif

@@ -44,6 +44,14 @@ bool mu_name_of_group(const char *name)
     return mu_name_valid(name) && !name_is_in(name, others, sizeof others / sizeof others[0]);
 }
 
+bool mu_name_of_operator(const char *name)
+{
+    static const char operator_[] = "operator-";
+    size_t len = sizeof operator_ - 1;
+    return strncmp(name, operator_, len) == 0 && name[len] &&
+           name[len + strspn(name + len, "0123456789")] == '\0';
+}
+
 bool mu_name_reserved(const char *name)
 {
     static const char *const reserved[] = {"all",      "robots",   "special",

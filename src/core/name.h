@@ -21,4 +21,8 @@ bool mu_name_reserved(const char *name);
  *  stand for others where receivers are named */
 bool mu_name_of_group(const char *name);
 
+/** @return whether it is a further name of the operator, for command lines that live beside each
+ *  other: operator-N */
+bool mu_name_of_operator(const char *name);
+
 #endif

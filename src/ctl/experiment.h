@@ -76,7 +76,7 @@ struct experiment_expectation {
     char *near_robot; /* who */
     char *near_mate;  /* whom */
     double within_m;
-    double from_s, to_s;         /* the whole run unless it says otherwise */
+    double from_s, to_s;         /* the whole run unless it says otherwise; objects: from_s alone */
     double share;                /* of the time, 0 to 1; 1 unless it says otherwise */
     char *inside;                /* or: "arena": no robot outside the world */
     char *objects;               /* or: things of that name, or * behind how their names begin, */

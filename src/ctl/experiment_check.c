@@ -407,8 +407,8 @@ static mu_result check_beside(struct experiment_source *s,
     static const struct {
         const char *key;
         bool near, objects; /* beside which it may stand */
-    } keys[] = {{"within", true, true}, {"from", true, false}, {"to", true, false},
-                {"share", true, false}, {"at", false, true},   {"count", false, true}};
+    } keys[] = {{"within", true, true}, {"from", true, true}, {"to", true, false},
+                {"share", true, false}, {"at", false, true},  {"count", false, true}};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
         int child = yaml_tree_child(s->tree, node, keys[i].key);
         bool may = (expect->near_robot && keys[i].near) || (expect->objects && keys[i].objects);

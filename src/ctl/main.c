@@ -37,6 +37,7 @@ static const struct verb verbs[] = {
     {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
     {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},
     {"broadcast", post_verb_broadcast, NULL, "WORD...", "mail to every active agent"},
+    {"console", console_verb, NULL, "NAME", "look into an agent: CLIPS lines, answers, traces"},
     {"do", post_verb_do, NULL, "TARGETS 'LINE'", "a CLIPS line to agents"},
     {"start", post_verb_start, NULL, "TARGETS", "take agents out of standby"},
     {"suspend", post_verb_suspend, NULL, "TARGETS", "stop agents where they are"},

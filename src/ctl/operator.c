@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/name.h"
 #include "core/text.h"
 #include "ctl/answer.h"
 #include "ctl/receivers.h"
@@ -51,6 +52,9 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 {
     (void)a;
     struct operator* o = self;
+    if (o->hooks) {
+        o->hooks->on_receipt(o->hooks->self, first_seq, last_seq, outcome);
+    }
     if (first_seq <= o->seq && o->seq <= last_seq) {
         o->outcome = outcome;
         o->answered_for = true;
@@ -61,6 +65,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct operator* o = self;
+    if (o->hooks) {
+        o->hooks->on_mail(o->hooks->self, mail);
+    }
     if (!o->reply_with || strcmp(mail->in_reply_to, o->reply_with) != 0) {
         return;
     }
@@ -114,9 +121,7 @@ static void pages_await(mu_process *p)
 
 bool operator_is_reader(const struct mu_member *m)
 {
-    size_t len = strlen(READER);
-    return m->kind == MU_KIND_SPECIAL && strncmp(m->name, READER, len) == 0 && m->name[len] &&
-           m->name[len + strspn(m->name + len, "0123456789")] == '\0';
+    return m->kind == MU_KIND_SPECIAL && mu_name_of_operator(m->name);
 }
 
 /* attempt: readers have one name after another, until one is free */
@@ -182,7 +187,7 @@ static int name_await(struct operator* o, const struct operator_options *options
 int operator_join(struct operator* o, const struct operator_options *options, const char *verb)
 {
     int domain = (int)options->network.domain;
-    *o = (struct operator){.json = options->json, .quiet = options->quiet};
+    *o = (struct operator){.json = options->json, .quiet = options->quiet, .hooks = options->hooks};
     if (domain < 0 && runs_find(&domain) != MU_OK) {
         return MU_EXIT_USAGE;
     }
@@ -214,7 +219,7 @@ void operator_leave(struct operator* o)
     mu_process_close(o->process);
 }
 
-static int outcome_exit(enum mu_outcome outcome)
+int operator_outcome_exit(enum mu_outcome outcome)
 {
     switch (outcome) {
     case MU_MAIL_DELIVERED:
@@ -246,7 +251,7 @@ static bool outcome_await(struct operator* o, uint64_t patience_ns)
 static void answers_await(struct operator* o, unsigned wanted, uint64_t patience_ns)
 {
     uint64_t until_ns = mu_clock_ns() + patience_ns;
-    while (o->answers < wanted && outcome_exit(o->outcome) == MU_EXIT_DONE &&
+    while (o->answers < wanted && operator_outcome_exit(o->outcome) == MU_EXIT_DONE &&
            mu_clock_ns() <= until_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
     }
 }
@@ -254,7 +259,7 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
 /* Says what became of the mail, if that is no good.  @return the exit code */
 static int outcome_tell(const struct operator* o, const char *to)
 {
-    int code = outcome_exit(o->outcome);
+    int code = operator_outcome_exit(o->outcome);
     if (code != MU_EXIT_DONE) {
         fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
                 o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");

@@ -13,13 +13,21 @@
 #include "core/options.h"
 #include "muster/agent.h"
 
+/* What a verb that lives longer does with what comes, in place of the operator. */
+struct operator_hooks {
+    void *self;
+    void (*on_mail)(void *self, const struct mu_mail *mail);
+    void (*on_receipt)(void *self, uint64_t first_seq, uint64_t last_seq, enum mu_outcome outcome);
+};
+
 struct operator_options {
     struct mu_network network; /* domain < 0: the one live run's, else 0 */
     const char *as;            /* NULL: operator, or a reader's name */
     double wait_s;             /* for an answer; 0: none is wanted */
     bool json, quiet;
     bool takes_no_mail; /* what waits for the agent stays where it is */
-    bool only_reads;    /* it need not be the operator */
+    bool only_reads;    /* it need not be the operator; a console is the operator all the same */
+    const struct operator_hooks *hooks; /* or NULL */
 };
 
 struct operator
@@ -37,6 +45,7 @@ struct operator
     unsigned failures;       /* of them, failures */
     const char *reply_with;  /* that answers refer to; NULL: none are wanted */
     char reply_with_own[32];
+    const struct operator_hooks *hooks;
     /* Takes an answer instead of its being printed; may be NULL. */
     void (*on_answer)(void *self, const struct mu_mail *mail);
     void *on_answer_self;
@@ -73,6 +82,9 @@ int operator_join(struct operator* o, const struct operator_options *options, co
  * @return the exit code
  */
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
+
+/** @return the exit code for what became of a mail */
+int operator_outcome_exit(enum mu_outcome outcome);
 
 void operator_leave(struct operator* o);
 

@@ -40,7 +40,7 @@ static unsigned names_count(const char *to)
     return count;
 }
 
-static bool is_addressed(const mu_process *p, const char *to, const struct mu_member *m)
+bool receivers_have(const mu_process *p, const char *to, const struct mu_member *m)
 {
     const char *group = group_of(to);
     if (group) {
@@ -66,7 +66,7 @@ unsigned receivers_count(const mu_process *p, const char *to, const char *from, 
     const struct mu_member *m;
     for (size_t i = 0; (m = mu_process_member(p, i)); i++) {
         count += m->state != MU_GONE && strcmp(m->name, from) != 0 && !operator_is_reader(m) &&
-                 is_addressed(p, to, m) && (!robots_only || m->kind == MU_KIND_ROBOT);
+                 receivers_have(p, to, m) && (!robots_only || m->kind == MU_KIND_ROBOT);
     }
     return count;
 }

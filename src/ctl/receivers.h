@@ -15,6 +15,9 @@
 /** @return whether nobody in particular is meant, so that nobody in particular has to answer */
 bool receivers_are_many(const char *to);
 
+/** @return whether all, robots, special or group:G means that agent */
+bool receivers_have(const mu_process *p, const char *to, const struct mu_member *m);
+
 /**
  * Counts those whose answer may be waited for: with names, each of them; else who is there now.
  *

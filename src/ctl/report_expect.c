@@ -184,9 +184,14 @@ static void expect_judge_objects(const struct report_expect *x, unsigned i,
     mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
     mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted, expect->objects,
                    expect->within_m, expect->at->x_m, expect->at->y_m);
-    mu_text_format(&measured, "%u of %u", there, meant);
-    result->judged[i] = true;
-    result->met[i] = meant > 0 && there >= wanted;
+    /* As with near: what is expected from a time on says nothing of a run that was cut short. */
+    result->judged[i] = expect->from_s < x->input->experiment->duration;
+    result->met[i] = !result->judged[i] || (meant > 0 && there >= wanted);
+    if (result->judged[i]) {
+        mu_text_format(&measured, "%u of %u", there, meant);
+    } else {
+        mu_text_add(&measured, "not reached: the run was cut short");
+    }
 }
 
 void report_expect_close(struct report_expect *x, const struct report_input *input,

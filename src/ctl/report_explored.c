@@ -85,7 +85,10 @@ struct report_explored *report_explored_open(const struct world *world)
     e->stack = mu_startup_array(fine, sizeof *e->stack);
     e->crossed = mu_startup_array((size_t)cells_x * (size_t)cells_y, sizeof *e->crossed);
     for (size_t i = 0; i < world->shape_count; i++) {
-        explored_add_shape(e, &world->shapes[i]);
+        const struct world_look *look = &world->shapes[i].look;
+        if (look->stops || look->echoes) { /* a mark on the floor can be driven over */
+            explored_add_shape(e, &world->shapes[i]);
+        }
     }
     return e;
 }

@@ -72,23 +72,51 @@ static void tracks_draw_axis(const struct tracks *t, const struct svg_scale *sca
             (t->y.from_px + t->y.to_px) / 2);
 }
 
+static void tracks_draw_shape(const struct tracks *t, const struct world_shape *shape,
+                              const char *style)
+{
+    double at[2], half[2] = {shape->half_x_m * t->px_per_m, shape->half_y_m * t->px_per_m};
+    tracks_place(t, shape->pose.x_m, shape->pose.y_m, at);
+    if (shape->kind == WORLD_DISC) {
+        svg_circle(t->file, at, shape->radius_m * t->px_per_m, style);
+    } else {
+        svg_box(t->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
+    }
+}
+
+/* What robots drive over has its colour, faintly. */
 static void tracks_draw_world(const struct tracks *t)
 {
-    static const char style[] = "fill=\"#c3c8ce\" stroke=\"#c3c8ce\" stroke-width=\".6\"";
+    static const char solid[] = "fill=\"#c3c8ce\" stroke=\"#c3c8ce\" stroke-width=\".6\"";
     const struct world *w = t->data->input->world;
     for (size_t i = 0; i < w->shape_count; i++) {
-        const struct world_shape *shape = &w->shapes[i];
-        double at[2], half[2] = {shape->half_x_m * t->px_per_m, shape->half_y_m * t->px_per_m};
-        tracks_place(t, shape->pose.x_m, shape->pose.y_m, at);
-        if (shape->kind == WORLD_DISC) {
-            svg_circle(t->file, at, shape->radius_m * t->px_per_m, style);
-        } else {
-            svg_box(t->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
-        }
+        char flat[64];
+        snprintf(flat, sizeof flat, "fill=\"#%06x\" fill-opacity=\".15\"",
+                 (unsigned)w->shapes[i].look.rgb);
+        bool stands = w->shapes[i].look.stops || w->shapes[i].look.echoes;
+        tracks_draw_shape(t, &w->shapes[i], stands ? solid : flat);
     }
     double centre[2] = {(t->x.from_px + t->x.to_px) / 2, (t->y.from_px + t->y.to_px) / 2};
     double half[2] = {(t->x.to_px - t->x.from_px) / 2, (t->y.from_px - t->y.to_px) / 2};
     svg_box(t->file, centre, half, 0, "fill=\"none\" stroke=\"#8b939c\"");
+}
+
+/* Things that can be moved: hollow where they began, filled where they are at the end. */
+static void tracks_draw_objects(const struct tracks *t)
+{
+    const struct report_input *input = t->data->input;
+    for (size_t i = 0; i < input->world->object_count; i++) {
+        struct world_shape shape = input->world->objects[i].shape;
+        char style[96];
+        snprintf(style, sizeof style, "fill=\"none\" stroke=\"#%06x\"", (unsigned)shape.look.rgb);
+        tracks_draw_shape(t, &shape, style);
+        if (i < input->objects_count) {
+            shape.pose = input->objects[i].pose;
+            snprintf(style, sizeof style, "fill=\"#%06x\" stroke=\"#333\" stroke-width=\".6\"",
+                     (unsigned)shape.look.rgb);
+            tracks_draw_shape(t, &shape, style);
+        }
+    }
 }
 
 static void tracks_draw_line(const struct tracks *t, size_t robot)
@@ -181,6 +209,7 @@ void report_write_tracks(FILE *file, const struct report_data *data)
     for (size_t i = 0; i < data->input->robots_count; i++) {
         tracks_draw_line(&t, i);
     }
+    tracks_draw_objects(&t);
     for (size_t i = 0; i < data->input->robots_count; i++) {
         fputs("<g stroke=\"", file);
         svg_escape(file, data->colors[i]);

@@ -196,6 +196,10 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 {
     (void)a;
     struct run *r = self;
+    uint64_t of_console = run_observer_receipt(r, first_seq, last_seq, outcome);
+    if (of_console == last_seq - first_seq + 1) {
+        return;
+    }
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
@@ -219,12 +223,20 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (!run_pages_take(r, mail) && strcmp(mail->performative, "failure") == 0) {
+    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) &&
+        strcmp(mail->performative, "failure") == 0) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
         fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
                 line_of(r->experiment, mail->in_reply_to), (int)strcspn(why, "\n"), why);
     }
+}
+
+/* Whoever may direct the observer has a console on it. */
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    run_observer_directive(self, mail);
 }
 
 static mu_result network_join(struct run *r)
@@ -236,8 +248,12 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
-    struct mu_handlers handlers = {
-        .self = r, .on_registered = on_registered, .on_receipt = on_receipt, .on_mail = on_mail};
+    struct mu_handlers handlers = {.self = r,
+                                   .on_registered = on_registered,
+                                   .on_receipt = on_receipt,
+                                   .on_mail = on_mail,
+                                   .on_directive = on_directive};
+    run_observer_open(r);
     MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_decline_broadcasts(r->observer);
     return MU_OK;
@@ -263,7 +279,7 @@ static mu_result command_send(struct run *r, const struct experiment_command *c,
                                               .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
 
-/* One directive to all robots that are named, and one to each group or address. */
+/* One directive to as many of the named robots as fit, and one to each group or address. */
 static mu_result command_tell(struct run *r, unsigned index)
 {
     const struct experiment_command *c = &r->experiment->observer[index];
@@ -275,7 +291,13 @@ static mu_result command_tell(struct run *r, unsigned index)
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
         if (receivers_are_many(c->targets[t])) {
             sent = command_send(r, c, c->targets[t], label);
-        } else {
+            continue;
+        }
+        if (to.len + strlen(c->targets[t]) + 1 > MU_DST_MAX) {
+            sent = command_send(r, c, names, label);
+            mu_text_clear(&to);
+        }
+        if (sent == MU_OK) {
             mu_text_format(&to, "%s%s", to.len ? "," : "", c->targets[t]);
         }
     }
@@ -388,6 +410,7 @@ static int round_live(struct run *r)
 {
     mu_result spun = mu_process_spin(r->process, ROUND_NS);
     statuses_take(r);
+    run_observer_look(r);
     supervise_look(&r->children);
     progress_show(r);
     if (run_signal) {

@@ -28,6 +28,8 @@ struct run_options {
     size_t set_count;
 };
 
+struct run_observer;
+
 struct run {
     struct run_options options;
     struct experiment *experiment;
@@ -37,6 +39,7 @@ struct run {
     struct supervise children;
     mu_process *process;
     mu_agent *observer;
+    struct run_observer *console; /* of the observer */
     struct bus_reader status, broker_status;
     struct bus_writer command;
     char simulator[MU_PROCESS_MAX + 1]; /* known once it has said something */
@@ -95,6 +98,22 @@ bool run_pages_tell(struct run *r);
 
 /** @return whether a mail to the observer was an answer to that; a refusal ends the run */
 bool run_pages_take(struct run *r, const struct mu_mail *mail);
+
+/** Makes the observer's console, in run_observer.c. */
+void run_observer_open(struct run *r);
+
+/** A directive to the observer: a line of its console. */
+void run_observer_directive(struct run *r, const struct mu_mail *mail);
+
+/** @return whether a mail to the observer was an answer to such a line */
+bool run_observer_take(struct run *r, const struct mu_mail *mail);
+
+/** @return how many of the mails first_seq to last_seq are of such lines */
+uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_seq,
+                              enum mu_outcome outcome);
+
+/** Looks whether lines have all their answers, or have waited too long. */
+void run_observer_look(struct run *r);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -22,6 +22,8 @@ int post_verb_resume(int argc, char **argv);
 int post_verb_step(int argc, char **argv);
 int post_verb_group_send(int argc, char **argv);
 
+int console_verb(int argc, char **argv);
+
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
 

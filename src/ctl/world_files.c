@@ -13,6 +13,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* --- draw and import ----------------------------------------------------------------------------
@@ -21,8 +22,8 @@
 /* What is written goes to a file beside its end, so that a fault leaves no half of one. */
 struct output {
     FILE *file;
-    const char *path; /* NULL: standard output */
-    char beside[PATH_MAX];
+    const char *path;      /* NULL: standard output */
+    char beside[PATH_MAX]; /* "": it is written where it is */
 };
 
 static int output_fault(const char *path)
@@ -31,19 +32,33 @@ static int output_fault(const char *path)
     return MU_EXIT_WRITE;
 }
 
+/* A new file may take the place of a file, but not that of a link, a pipe or a device. */
+static bool output_can_replace(const char *path)
+{
+    struct stat there;
+    return lstat(path, &there) != 0 || S_ISREG(there.st_mode);
+}
+
 static int output_open(struct output *output, const char *path)
 {
     *output = (struct output){.file = stdout, .path = path};
     if (!path) {
         return MU_EXIT_DONE;
     }
-    int len = snprintf(output->beside, sizeof output->beside, "%s.part", path);
+    bool beside = output_can_replace(path);
+    int len = beside ? snprintf(output->beside, sizeof output->beside, "%s.part", path) : 0;
     if (len < 0 || (size_t)len >= sizeof output->beside) {
         errno = ENAMETOOLONG;
         return output_fault(path);
     }
-    output->file = fopen(output->beside, "w");
+    output->file = fopen(beside ? output->beside : path, "w");
     return output->file ? MU_EXIT_DONE : output_fault(path);
+}
+
+/* Puts what was written where it belongs.  @return whether it is there */
+static bool output_settle(const struct output *output)
+{
+    return output->beside[0] == '\0' || rename(output->beside, output->path) == 0;
 }
 
 /* Ends the file; unless it is good, it is as if it had never been. */
@@ -54,11 +69,13 @@ static int output_close(struct output *output, int code)
     }
     bool written = fflush(output->file) == 0 && !ferror(output->file);
     written = fclose(output->file) == 0 && written;
-    if (code == MU_EXIT_DONE && written && rename(output->beside, output->path) == 0) {
+    if (code == MU_EXIT_DONE && written && output_settle(output)) {
         return code;
     }
     int failed = code == MU_EXIT_DONE ? output_fault(output->path) : code;
-    unlink(output->beside);
+    if (output->beside[0] != '\0') {
+        unlink(output->beside);
+    }
     return failed;
 }
 
@@ -132,8 +149,7 @@ static void check_tell(void *self, const struct mu_fault *fault, bool mistake)
     struct check *check = self;
     *(mistake ? &check->mistakes : &check->warnings) += 1;
     if (!check->options->json) {
-        printf("%s:%d:%d: %s%s\n", fault->file, fault->line, fault->column,
-               mistake ? "" : "warning: ", fault->text);
+        mu_fault_print_to(stdout, fault, mistake ? "" : "warning: ");
         return;
     }
     struct mu_json j;

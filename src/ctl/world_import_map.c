@@ -108,8 +108,9 @@ static mu_result map_read(struct map *m)
     MU_TRY(map_read_optional(m, "free_thresh", 1, &m->free));
     if (!(m->free <= m->occupied)) {
         int node = yaml_tree_child(m->tree, m->root, "free_thresh");
-        return yaml_tree_fault(m->tree, node, m->fault,
-                               "expected 'free_thresh' not above 'occupied_thresh'");
+        return yaml_tree_fault(m->tree, node ? node : m->root, m->fault,
+                               "expected 'free_thresh' (%g) not above 'occupied_thresh' (%g)",
+                               m->free, m->occupied);
     }
     return map_check_mode(m);
 }

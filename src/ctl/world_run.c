@@ -7,6 +7,7 @@
 #include "core/json.h"
 #include "core/text.h"
 #include "ctl/runs.h"
+#include "muster/agent.h"
 #include "muster/limits.h"
 #include "wire.h"
 
@@ -19,6 +20,7 @@
 
 static const uint64_t SIMULATOR_PATIENCE_NS = 2500000000;
 static const int64_t ROUND_NS = 20000000;
+static const uint64_t LAST_ANSWER_NS = 500000000;
 
 struct request {
     const char *program; /* "muster world place" */
@@ -107,7 +109,11 @@ static bool sensor_read(struct request *r)
     static const struct {
         const char *word;
         uint32_t senses;
-    } sensors[] = {{"sonar", 1}, {"laser", 2}, {"camera", 4}, {"fiducials", 8}, {"all", 15}};
+    } sensors[] = {{"sonar", MU_SENSE_SONAR},
+                   {"laser", MU_SENSE_LASER},
+                   {"camera", MU_SENSE_CAMERA},
+                   {"fiducials", MU_SENSE_FIDUCIALS},
+                   {"all", MU_SENSES}};
     for (size_t i = 0; i < sizeof sensors / sizeof sensors[0]; i++) {
         r->command.senses |= strcmp(r->words[1], sensors[i].word) == 0 ? sensors[i].senses : 0;
     }
@@ -254,6 +260,20 @@ static int answer_tell(const struct line *l, const struct request *r)
     return exits[l->result];
 }
 
+/* The answer may come a little behind the end of its run. */
+static void answer_await(struct line *l, const struct request *r)
+{
+    uint64_t until_ns = mu_clock_ns() + (uint64_t)(r->set->wait_s * 1e9);
+    while (!l->answered && mu_clock_ns() < until_ns) {
+        bool was_over = l->over;
+        bus_wait(&l->bus, 1, ROUND_NS);
+        answers_take(l, &r->command);
+        status_take(l);
+        uint64_t last_ns = mu_clock_ns() + LAST_ANSWER_NS;
+        until_ns = l->over && !was_over && last_ns < until_ns ? last_ns : until_ns;
+    }
+}
+
 static int order_send(struct line *l, struct request *r)
 {
     static char source[] = "operator";
@@ -263,12 +283,7 @@ static int order_send(struct line *l, struct request *r)
     if (bus_write(&l->commands, &r->command) != MU_OK) {
         return MU_EXIT_DDS;
     }
-    uint64_t until_ns = mu_clock_ns() + (uint64_t)(r->set->wait_s * 1e9);
-    while (!l->answered && !l->over && mu_clock_ns() < until_ns) {
-        bus_wait(&l->bus, 1, ROUND_NS);
-        answers_take(l, &r->command);
-        status_take(l);
-    }
+    answer_await(l, r);
     if (l->answered) {
         return answer_tell(l, r);
     }

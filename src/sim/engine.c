@@ -9,6 +9,9 @@
 
 #define ENGINE_SUBSTEP_NS 20000000ull
 
+/* Pairs of neighbours, for each part: a box in a heap has six or so, and each counts for two. */
+enum { ENGINE_PAIRS = 8 };
+
 /* splitmix64's last stage: neighbouring steps get seeds that have nothing in common. */
 static uint64_t engine_mix(uint64_t x)
 {
@@ -39,11 +42,14 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     e->objects = mu_startup_array(e->object_count, sizeof *e->objects);
     e->percepts = mu_startup_array(e->robot_count, sizeof *e->percepts);
     e->outlines = mu_startup_array(e->part_count, sizeof *e->outlines);
+    e->pairs_max = ENGINE_PAIRS * e->part_count;
+    e->pairs = mu_startup_array(e->pairs_max, sizeof *e->pairs);
     e->parts = mu_startup_array(e->part_count, sizeof *e->parts);
     e->shapes = mu_startup_array(world->shape_count, sizeof *e->shapes);
     e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
     e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
     e->near.moving = mu_startup_array(e->part_count, sizeof *e->near.moving);
+    engine_start_neighbours(e);
 }
 
 static void engine_build_fence(struct engine *e)
@@ -150,7 +156,7 @@ static void engine_run_grippers(struct engine *e)
         moved = engine_run_gripper(e, i) || moved;
     }
     if (moved) {
-        grid_update(&e->grid);
+        e->grid_is_old = true;
     }
 }
 
@@ -164,10 +170,11 @@ static void engine_substep(struct engine *e)
     e->substeps++;
     ode_world_step(e->dt_s, engine_mix(e->seed ^ engine_mix(e->substeps)));
     engine_settle(e);
+    engine_draw_apart(e);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_note(e, i);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     engine_run_grippers(e);
 }
 
@@ -188,6 +195,14 @@ void engine_step(struct engine *e)
     engine_feel_grippers(e);
 }
 
+void engine_fresh_grid(struct engine *e)
+{
+    if (e->grid_is_old) {
+        grid_update(&e->grid);
+        e->grid_is_old = false;
+    }
+}
+
 /* --- what comes out --------------------------------------------------------------------------- */
 
 static void engine_place_senses(struct engine *e, size_t robot)
@@ -201,6 +216,7 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_place_senses(e, i);
     }
+    engine_fresh_grid(e);
     senses_read_all(e->senses, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_feel(e, i, &e->percepts[i]);
@@ -213,6 +229,7 @@ void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
     engine_place_senses(e, robot);
+    engine_fresh_grid(e);
     senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
     engine_feel(e, robot, out);
     senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);

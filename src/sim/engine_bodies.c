@@ -24,7 +24,9 @@ static double engine_thinnest(const struct engine *e)
 {
     double thinnest = INFINITY;
     for (size_t i = 0; i < e->world->shape_count; i++) {
-        thinnest = fmin(thinnest, fmin(e->shapes[i].half_x, e->shapes[i].half_y));
+        if (e->world->shapes[i].look.stops) {
+            thinnest = fmin(thinnest, fmin(e->shapes[i].half_x, e->shapes[i].half_y));
+        }
     }
     for (size_t k = 0; k < e->object_count; k++) {
         struct solid solid = solid_of_shape(&e->world->objects[k].shape);
@@ -194,7 +196,7 @@ static void engine_settle_object(struct engine *e, size_t object)
 {
     size_t body = e->robot_count + object;
     struct engine_body *b = &e->bodies[body];
-    if (b->asleep || e->objects[object].bearer != ENGINE_NO_BEARER) {
+    if (b->asleep || engine_is_held(e, body)) {
         return;
     }
     engine_follow(e, body);
@@ -262,11 +264,6 @@ void engine_load_forces(struct engine *e)
 
 /* --- what they touch -------------------------------------------------------------------------- */
 
-static bool engine_body_sleeps(const struct engine *e, int32_t body)
-{
-    return body == ODE_WORLD_STANDS || e->bodies[body].asleep;
-}
-
 /* What moves wakes what it touches, and keeps it awake. */
 static void engine_wake(struct engine *e, int32_t body, int32_t by)
 {
@@ -317,43 +314,58 @@ static void engine_plug(struct engine *e, const struct engine_part *part, double
     }
 }
 
-static void engine_touch(struct engine *e, const struct engine_part *a, const struct engine_part *b,
-                         const struct narrow_contact *contact)
+static void engine_touch(struct engine *e, const struct engine_pair *pair)
 {
-    if (contact->count == 0) {
+    const struct engine_part *a = &e->parts[pair->part];
+    const struct engine_part *b = pair->stands ? &e->stands[pair->other] : &e->parts[pair->other];
+    const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
+    if (!engine_is_near(e, pair->part, other)) {
+        return;
+    }
+    bool stop = a->look->stops && b->look->stops;
+    struct narrow_contact contact;
+    if (stop) {
+        engine_note_near(e, pair);
+    }
+    narrow_collide(&e->outlines[pair->part], other, &contact);
+    if (contact.count == 0) {
         return;
     }
     engine_plug(e, a, b->look->give_w);
     engine_plug(e, b, a->look->give_w);
-    if (!a->look->stops || !b->look->stops) {
+    if (!stop) {
         return;
     }
-    ode_world_touch((size_t)a->body, b->body, contact);
-    engine_bump(e, a, contact);
-    engine_bump(e, b, contact);
+    ode_world_touch((size_t)a->body, b->body, &contact);
+    engine_bump(e, a, &contact);
+    engine_bump(e, b, &contact);
     engine_wake(e, a->body, b->body);
     engine_wake(e, b->body, a->body);
 }
 
-/* The order of the contacts is part of the result: by part, then as grid_near lists them. */
-static void engine_collide_part(struct engine *e, size_t i)
+static bool engine_may_meet(const struct engine *e, const struct engine_pair *pair)
 {
-    struct narrow_contact contact;
-    const struct engine_part *own = &e->parts[i];
-    bool sleeps = engine_body_sleeps(e, own->body);
+    int32_t own = e->parts[pair->part].body;
+    if (pair->stands) {
+        return !e->bodies[own].asleep;
+    }
+    int32_t other = e->parts[pair->other].body;
+    return other != own && !e->outlines[pair->other].away &&
+           !(e->bodies[own].asleep && e->bodies[other].asleep);
+}
+
+/* The order of the contacts is part of the result: by part, then as the neighbours are listed. */
+static void engine_collide_part(struct engine *e, uint32_t i)
+{
+    bool sleeps = e->bodies[e->parts[i].body].asleep;
     if (e->outlines[i].away || (sleeps && i >= e->awake_end)) {
         return;
     }
-    grid_near(&e->grid, (uint32_t)i, &e->near);
-    for (size_t k = 0; !sleeps && k < e->near.still_count; k++) {
-        narrow_collide(&e->outlines[i], &e->shapes[e->near.still[k]], &contact);
-        engine_touch(e, own, &e->stands[e->near.still[k]], &contact);
-    }
-    for (size_t k = 0; k < e->near.moving_count; k++) {
-        const struct engine_part *other = &e->parts[e->near.moving[k]];
-        if (other->body != own->body && !(sleeps && engine_body_sleeps(e, other->body))) {
-            narrow_collide(&e->outlines[i], &e->outlines[e->near.moving[k]], &contact);
-            engine_touch(e, own, other, &contact);
+    size_t count;
+    const struct engine_pair *pairs = engine_neighbours_of(e, i, &count);
+    for (size_t k = 0; k < count; k++) {
+        if (engine_may_meet(e, &pairs[k])) {
+            engine_touch(e, &pairs[k]);
         }
     }
 }
@@ -361,6 +373,7 @@ static void engine_collide_part(struct engine *e, size_t i)
 void engine_collide(struct engine *e)
 {
     e->awake_end = 0;
+    e->pair_count = 0;
     for (size_t k = 0; k < e->object_count; k++) {
         struct engine_body *b = &e->bodies[e->robot_count + k];
         b->touched = false;
@@ -369,7 +382,8 @@ void engine_collide(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].charge_w = 0;
     }
-    for (size_t i = 0; i < e->part_count; i++) {
+    engine_list_neighbours(e);
+    for (uint32_t i = 0; i < e->part_count; i++) {
         engine_collide_part(e, i);
     }
 }
@@ -388,6 +402,7 @@ static bool engine_is_in(const struct solid *a, const struct solid *b, double to
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m)
 {
+    engine_fresh_grid(e);
     grid_around(&e->grid, solid, &e->near);
     for (size_t k = 0; k < e->near.still_count; k++) {
         uint32_t still = e->near.still[k];

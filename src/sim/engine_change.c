@@ -46,7 +46,7 @@ static struct world_pose engine_start_pose(const struct engine *e, size_t body)
 /* After a change: what is near what, and what the grippers feel. */
 static void engine_look_again(struct engine *e)
 {
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     engine_feel_grippers(e);
 }
 
@@ -87,14 +87,9 @@ static mu_result engine_check_place(struct engine *e, size_t body, struct world_
     return MU_OK;
 }
 
-static bool engine_is_borne(const struct engine *e, size_t body)
-{
-    return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
-}
-
 static mu_result engine_check_free(struct engine *e, size_t body, const char **reason)
 {
-    if (engine_is_borne(e, body)) {
+    if (engine_is_held(e, body)) {
         int32_t bearer = e->objects[body - e->robot_count].bearer;
         return engine_refuse(e, reason, "%s is held by %s", e->bodies[body].name,
                              e->bodies[bearer].name);
@@ -148,14 +143,19 @@ mu_result engine_push(struct engine *e, size_t body, const struct engine_force *
 mu_result engine_reset(struct engine *e, size_t body, const char **reason)
 {
     MU_ASSERT(body < e->body_count);
-    if (body < e->robot_count) {
-        engine_let_go(e, body);
-    } else if (engine_is_borne(e, body)) {
-        engine_let_go(e, (size_t)e->objects[body - e->robot_count].bearer);
+    bool is_robot = body < e->robot_count;
+    int32_t bearer = is_robot ? (int32_t)body : e->objects[body - e->robot_count].bearer;
+    int32_t held = bearer == ENGINE_NO_BEARER ? GRIPPER_NOTHING : e->robots[bearer].gripper.holds;
+    if (held != GRIPPER_NOTHING) {
+        engine_let_go(e, (size_t)bearer);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
     mu_result placed = engine_place(e, body, engine_start_pose(e, body), reason);
-    if (placed == MU_OK && body < e->robot_count) {
+    if (placed != MU_OK && held != GRIPPER_NOTHING) {
+        engine_take_back(e, (size_t)bearer, (size_t)held);
+        engine_look_again(e);
+    }
+    if (placed == MU_OK && is_robot) {
         engine_start_devices(e, body);
         engine_follow(e, body);
         engine_look_again(e);

@@ -14,6 +14,7 @@
 #include "sim/drive.h"
 #include "sim/engine.h"
 #include "sim/fence.h"
+#include "sim/frame.h"
 #include "sim/gps.h"
 #include "sim/grid.h"
 #include "sim/gripper.h"
@@ -34,6 +35,7 @@ struct engine_body {
     struct engine_force push;      /* from outside */
     uint32_t push_substeps;        /* for so long */
     bool asleep;                   /* an object at rest that nothing pushes */
+    bool shifted;                  /* it was moved apart from another one */
     bool touched;                  /* something that moves touches it in this substep */
     bool fault;                    /* it was put back in this step */
     uint64_t faults;               /* since the start */
@@ -65,6 +67,32 @@ struct engine_part {
     const struct world_look *look;
 };
 
+/* Two pieces of matter that may touch: a part, and another one or a shape that stands. */
+struct engine_pair {
+    uint32_t part, other;
+    bool stands;
+};
+
+/* Where a part was. */
+struct engine_mark {
+    struct frame place;
+    bool away;
+};
+
+/*
+ * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
+ * moved half of it.
+ */
+struct engine_neighbours {
+    struct engine_pair *pairs; /* by part; what stands comes first, and all by their numbers */
+    uint32_t *start;           /* of each part's pairs; one more than there are parts */
+    size_t pairs_max;
+    uint32_t listed;           /* the parts before this one have their pairs there */
+    struct engine_mark *marks; /* where the parts were then */
+    struct engine_pair *found; /* of one part; room for all */
+    bool is_new;               /* nothing was listed yet */
+};
+
 struct engine {
     const struct world *world;
     uint64_t seed, steps, substeps; /* since the start */
@@ -78,14 +106,23 @@ struct engine {
     struct engine_part *parts;
     struct solid *shapes; /* what stands */
     struct engine_part *stands;
+    struct engine_pair *pairs; /* that are near each other in this substep */
+    size_t pair_count, pairs_max;
     size_t awake_end; /* no object from this part on is awake */
     struct fence fence;
     struct grid grid;
+    bool grid_is_old; /* something has moved since it was built */
+    struct engine_neighbours neighbours;
     struct grid_near near;
     struct senses *senses;
     struct engine_percept *percepts; /* of engine_sense_all */
     char reason[160];                /* of the last refusal */
 };
+
+/* engine.c: */
+
+/** Lays the grid anew if something has moved: before each look at it. */
+void engine_fresh_grid(struct engine *e);
 
 /* engine_bodies.c: */
 
@@ -122,6 +159,33 @@ struct gripper_frame engine_frame(const struct engine *e, size_t body);
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m);
 
+/* engine_near.c: */
+
+/** Takes memory for the lists. */
+void engine_start_neighbours(struct engine *e);
+
+/** Lists the neighbours anew where somebody has moved too far since. */
+void engine_list_neighbours(struct engine *e);
+
+/**
+ * Finds what is near a part now, or may be: all pairs that engine_is_near, and some more.
+ *
+ * @param count  out: how many; they serve until the next call
+ */
+const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count);
+
+/** @return whether a part is so near another solid that they may touch, or be deep in one another
+ *          after a substep */
+bool engine_is_near(const struct engine *e, size_t part, const struct solid *other);
+
+/* engine_apart.c: */
+
+/** Notes a pair that may be deep after the step; beyond pairs_max it is the solver's alone. */
+void engine_note_near(struct engine *e, const struct engine_pair *pair);
+
+/** Moves the pairs that were noted apart, after the solver's step. */
+void engine_draw_apart(struct engine *e);
+
 /* engine_grip.c: */
 
 /** Moves a robot's gripper for one substep.  @return whether anything moved */
@@ -132,6 +196,12 @@ void engine_carry(struct engine *e, size_t robot);
 
 /** Lets go what a robot holds, where it is. */
 void engine_let_go(struct engine *e, size_t robot);
+
+/** Takes again what a robot has just let go; neither has moved since. */
+void engine_take_back(struct engine *e, size_t robot, size_t object);
+
+/** @return whether a body is a thing that a robot holds */
+bool engine_is_held(const struct engine *e, size_t body);
 
 /** Takes over, from a snapshot, what a robot's gripper holds. */
 void engine_resume_grip(struct engine *e, size_t robot);

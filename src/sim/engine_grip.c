@@ -130,6 +130,17 @@ void engine_let_go(struct engine *e, size_t robot)
     engine_weigh(e, robot);
 }
 
+void engine_take_back(struct engine *e, size_t robot, size_t object)
+{
+    engine_bind(e, robot, object);
+    engine_carry(e, robot);
+}
+
+bool engine_is_held(const struct engine *e, size_t body)
+{
+    return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
+}
+
 /* Whether what is held up can be let down here. */
 static bool engine_has_room(struct engine *e, size_t robot)
 {
@@ -173,6 +184,7 @@ static bool engine_is_takeable(const struct engine *e, size_t robot, uint32_t pa
 static bool engine_find_prey(struct engine *e, size_t robot, double closed, size_t *object)
 {
     size_t first = engine_object_part(e, 0);
+    engine_fresh_grid(e);
     grid_around(&e->grid, &e->outlines[e->robots[robot].paddles], &e->near);
     for (size_t k = 0; k < e->near.moving_count; k++) {
         uint32_t part = e->near.moving[k];

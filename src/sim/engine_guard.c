@@ -25,11 +25,6 @@ static void engine_put_back(struct engine *e, size_t body)
     engine_put(e, body, pose);
 }
 
-static bool engine_is_held(const struct engine *e, size_t body)
-{
-    return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
-}
-
 void engine_guard(struct engine *e)
 {
     bool moved = false;
@@ -46,6 +41,6 @@ void engine_guard(struct engine *e)
         }
     }
     if (moved) {
-        grid_update(&e->grid);
+        e->grid_is_old = true;
     }
 }

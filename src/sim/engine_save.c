@@ -285,7 +285,8 @@ static void engine_rebuild(struct engine *e)
         engine_resume_grip(e, i);
         engine_follow(e, i);
     }
-    grid_update(&e->grid);
+    e->grid_is_old = true;
+    senses_forget(e->senses);
     engine_feel_grippers(e);
 }
 

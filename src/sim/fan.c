@@ -63,10 +63,25 @@ const struct fan_kernel *fan_kernel(void)
     return chosen;
 }
 
+static size_t fan_room(size_t count)
+{
+    return (count + FAN_PAD - 1u) & ~(size_t)(FAN_PAD - 1);
+}
+
+void fan_rays_init(struct fan_rays *rays, size_t count)
+{
+    double **numbers[] = {&rays->from_x, &rays->from_y, &rays->along_x, &rays->along_y,
+                          &rays->range_m};
+    *rays = (struct fan_rays){0};
+    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+        *numbers[k] = mu_startup_array(fan_room(count), sizeof **numbers[k]);
+    }
+}
+
 void fan_table_init(struct fan_table *table, double first_rad, double step_rad, uint32_t count)
 {
     MU_ASSERT(count > 0 && step_rad > 0);
-    size_t room = (count + FAN_PAD - 1u) & ~(size_t)(FAN_PAD - 1);
+    size_t room = fan_room(count);
     *table = (struct fan_table){.first_rad = first_rad, .step_rad = step_rad, .count = count};
     table->along_x = mu_startup_array(room, sizeof *table->along_x);
     table->along_y = mu_startup_array(room, sizeof *table->along_y);

@@ -32,8 +32,17 @@ struct fan_eye {
     uint32_t returns; /* of enum solid_returns */
 };
 
+/* Rays from anywhere to anywhere, in the world; unit vectors. */
+struct fan_rays {
+    size_t count;
+    double *from_x, *from_y, *along_x, *along_y; /* room for count, rounded up to FAN_PAD; */
+    double *range_m;                             /* what is beyond count is some ray too */
+    uint32_t returns;                            /* of enum solid_returns */
+};
+
 struct fan_kernel {
     const char *name;
+    size_t crowd; /* among more solids, to cast rays one by one through a grid is faster */
     /** Lists which of the solids begin..end-1 come within the circle.  @return how many */
     size_t (*near)(const struct gather_solids *solids, size_t begin, size_t end,
                    const struct gather_circle *circle, uint32_t *found);
@@ -45,7 +54,17 @@ struct fan_kernel {
      */
     void (*sweep)(const struct fan_table *table, const struct fan_eye *eye,
                   const struct gather_solids *solids, double *range_m, int64_t *hit);
+    /**
+     * Casts rays at some solids, as solid_ray does it, to the same bits.
+     *
+     * @param some  the numbers of so many solids
+     */
+    void (*cast)(const struct fan_rays *rays, const struct gather_solids *solids,
+                 const uint32_t *some, size_t count);
 };
+
+/** Takes memory for so many rays. */
+void fan_rays_init(struct fan_rays *rays, size_t count);
 
 /**
  * Takes memory and computes a table.

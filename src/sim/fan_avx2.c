@@ -8,5 +8,6 @@
 #define FAN_KERNEL fan_avx2
 #define FAN_SWEEP  fan_avx2_sweep
 #define FAN_NEAR   fan_avx2_near
+#define FAN_CAST   fan_avx2_cast
 #include "sim/fan_kernel.h"
 #endif

@@ -8,5 +8,6 @@
 #define FAN_KERNEL fan_avx512
 #define FAN_SWEEP  fan_avx512_sweep
 #define FAN_NEAR   fan_avx512_near
+#define FAN_CAST   fan_avx512_cast
 #include "sim/fan_kernel.h"
 #endif

@@ -75,6 +75,10 @@ static inline vector root(vector v)
 {
     return (vector)_mm512_sqrt_pd((__m512d)v);
 }
+static inline bool any_within(vector v, double limit)
+{
+    return _mm512_cmp_pd_mask((__m512d)v, _mm512_set1_pd(limit), _CMP_LE_OQ) != 0;
+}
 #elif FAN_WIDTH == 4 && defined(__AVX2__)
 static inline vector choose(mask m, vector yes, vector no)
 {
@@ -91,6 +95,11 @@ static inline vector most(vector a, vector b)
 static inline vector root(vector v)
 {
     return (vector)_mm256_sqrt_pd((__m256d)v);
+}
+static inline bool any_within(vector v, double limit)
+{
+    __m256d is = _mm256_cmp_pd((__m256d)v, _mm256_set1_pd(limit), _CMP_LE_OQ);
+    return _mm256_movemask_pd(is) != 0;
 }
 #else
 static inline vector choose(mask m, vector yes, vector no)
@@ -111,6 +120,14 @@ static inline vector root(vector v)
         v[k] = sqrt(v[k]);
     }
     return v;
+}
+static inline bool any_within(vector v, double limit)
+{
+    int64_t any = 0;
+    for (int k = 0; k < FAN_WIDTH; k++) {
+        any |= v[k] <= limit;
+    }
+    return any != 0;
 }
 #endif
 
@@ -454,4 +471,77 @@ static size_t FAN_NEAR(const struct gather_solids *solids, size_t begin, size_t 
     return count;
 }
 
-const struct fan_kernel FAN_KERNEL = {.name = FAN_NAME, .near = FAN_NEAR, .sweep = FAN_SWEEP};
+/* Rays, so many at a time. */
+struct rays {
+    vector from_x, from_y, along_x, along_y, best;
+};
+
+/* The same steps as solid_ray_disc. */
+static inline vector cast_disc(const struct rays *r, vector fx, vector fy, double radius)
+{
+    vector b = fx * r->along_x + fy * r->along_y;
+    vector beside = fx * r->along_y - fy * r->along_x;
+    vector c = fx * fx + fy * fy - radius * radius;
+    vector d = radius * radius - beside * beside;
+    mask misses = ((c > 0) & (b > 0)) | (d < 0);
+    vector t = -b - root(most(d, all(0)));
+    t = choose(t < 0, all(0), t);
+    return choose(~misses & (t < r->best), t, r->best);
+}
+
+/* The same steps as solid_ray_box. */
+static inline vector cast_box(const struct rays *r, vector fx, vector fy, const double turn[2],
+                              const double half[2])
+{
+    vector lx = turn[0] * fx + turn[1] * fy;
+    vector ly = turn[0] * fy - turn[1] * fx;
+    vector per_x = 1.0 / (turn[0] * r->along_x + turn[1] * r->along_y);
+    vector per_y = 1.0 / (turn[0] * r->along_y - turn[1] * r->along_x);
+    vector x0 = (-half[0] - lx) * per_x;
+    vector x1 = (half[0] - lx) * per_x;
+    vector y0 = (-half[1] - ly) * per_y;
+    vector y1 = (half[1] - ly) * per_y;
+    vector t_in = most(least(x0, x1), least(y0, y1));
+    vector t_out = least(most(x0, x1), most(y0, y1));
+    t_in = choose(t_in < 0, all(0), t_in);
+    return choose(t_in <= least(t_out, r->best), t_in, r->best);
+}
+
+/* Whether any ray passes through the circle around a solid before it meets something. */
+static inline bool some_may_meet(const struct rays *r, vector fx, vector fy, double reach)
+{
+    vector back = fx * r->along_x + fy * r->along_y;
+    vector beside = fx * r->along_y - fy * r->along_x;
+    return any_within(most(most(vabs(beside), back), -back - r->best), reach);
+}
+
+static void FAN_CAST(const struct fan_rays *rays, const struct gather_solids *solids,
+                     const uint32_t *some, size_t count)
+{
+    for (size_t n = 0; n < count; n++) {
+        size_t at = some[n];
+        if (!(solids->returns[at] & rays->returns)) {
+            continue;
+        }
+        double half[2] = {solids->half_x[at], solids->half_y[at]};
+        double turn[2] = {solids->c[at], solids->s[at]};
+        double reach = solids->reach[at] * (1 + 1e-9) + 1e-9; /* rounding must leave no gap */
+        for (size_t k = 0; k < rays->count; k += FAN_WIDTH) {
+            struct rays r = {load(rays->from_x + k), load(rays->from_y + k),
+                             load(rays->along_x + k), load(rays->along_y + k),
+                             load(rays->range_m + k)};
+            vector fx = r.from_x - solids->x[at];
+            vector fy = r.from_y - solids->y[at];
+            if (some_may_meet(&r, fx, fy, reach)) {
+                store(rays->range_m + k, solids->disc[at] ? cast_disc(&r, fx, fy, half[0])
+                                                          : cast_box(&r, fx, fy, turn, half));
+            }
+        }
+    }
+}
+
+const struct fan_kernel FAN_KERNEL = {.name = FAN_NAME,
+                                      .crowd = 64 + 16 * FAN_WIDTH,
+                                      .near = FAN_NEAR,
+                                      .sweep = FAN_SWEEP,
+                                      .cast = FAN_CAST};

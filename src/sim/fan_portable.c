@@ -5,4 +5,5 @@
 #define FAN_KERNEL fan_portable
 #define FAN_SWEEP  fan_portable_sweep
 #define FAN_NEAR   fan_portable_near
+#define FAN_CAST   fan_portable_cast
 #include "sim/fan_kernel.h"

@@ -8,5 +8,6 @@
 #define FAN_KERNEL fan_sse2
 #define FAN_SWEEP  fan_sse2_sweep
 #define FAN_NEAR   fan_sse2_near
+#define FAN_CAST   fan_sse2_cast
 #include "sim/fan_kernel.h"
 #endif

@@ -24,6 +24,11 @@ static struct fence_span fence_span(const struct solid *solid, bool of_y)
     return (struct fence_span){middle - extent[of_y], middle + extent[of_y]};
 }
 
+static bool fence_stops(const struct solid *solid)
+{
+    return (solid->returns & SOLID_STOPS) != 0;
+}
+
 static bool fence_stands_at(const struct solid *solid, const struct fence *box, int side)
 {
     struct fence_span across = fence_span(solid, side >= 2);
@@ -46,7 +51,7 @@ static bool fence_covers(const struct solid *still, size_t count, const struct f
         double far = end;
         for (size_t k = 0; k < count; k++) {
             struct fence_span along = fence_span(&still[k], side < 2);
-            if (along.lo <= end + gap_m && along.hi > far &&
+            if (fence_stops(&still[k]) && along.lo <= end + gap_m && along.hi > far &&
                 fence_stands_at(&still[k], box, side)) {
                 far = along.hi;
             }
@@ -59,8 +64,12 @@ static bool fence_covers(const struct solid *still, size_t count, const struct f
 
 void fence_measure(struct fence *fence, const struct solid *still, size_t count, double gap_m)
 {
-    struct fence box = {INFINITY, INFINITY, -INFINITY, -INFINITY, count > 0};
+    struct fence box = {INFINITY, INFINITY, -INFINITY, -INFINITY, false};
     for (size_t k = 0; k < count; k++) {
+        if (!fence_stops(&still[k])) {
+            continue;
+        }
+        box.closed = true;
         struct fence_span x = fence_span(&still[k], false);
         struct fence_span y = fence_span(&still[k], true);
         box.min_x = fmin(box.min_x, x.lo);

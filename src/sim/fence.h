@@ -14,8 +14,8 @@ struct fence {
 };
 
 /**
- * Measures it: the box around what stands if that closes each side but for gaps of gap_m, else
- * so far out that only what was flung gets there.
+ * Measures it: the box around what stands and stops bodies, if that closes each side but for gaps
+ * of gap_m, else so far out that only what was flung gets there.
  */
 void fence_measure(struct fence *fence, const struct solid *still, size_t count, double gap_m);
 

@@ -16,6 +16,12 @@ double fiducials_reach(const struct fiducials *finder)
                                    : 0;
 }
 
+/* A mark on the floor may be there for finders alone: no ray meets it, and it hides nothing. */
+static bool fiducials_is_mark(const struct solid *bearer)
+{
+    return bearer->returns == 0 && !bearer->away;
+}
+
 /* @return whether nothing stands before the bearer */
 static bool fiducials_free(const struct fiducials_scene *scene, const struct frame *eye,
                            const struct solid *bearer, double range)
@@ -25,7 +31,8 @@ static bool fiducials_free(const struct fiducials_scene *scene, const struct fra
     const struct solid *hit;
     struct grid_eye sees = {scene->self, SOLID_ALL};
     (void)grid_find(scene->grid, sees, from, along, range, &hit);
-    return hit == bearer || (hit && hit->owner != SOLID_NOBODY && hit->owner == bearer->owner);
+    return hit ? hit == bearer || (hit->owner != SOLID_NOBODY && hit->owner == bearer->owner)
+               : fiducials_is_mark(bearer);
 }
 
 /* @return whether it is seen */

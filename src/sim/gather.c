@@ -10,11 +10,14 @@
 #define GATHER_TILE_M \
     4.0 /* of the smallest tier, measured best of 2 to 4; each next one is four times as large */
 
+/* Rows of tiles that a circle may lie on for gather_cast, in both layers. */
+enum { GATHER_SPANS = 64 };
+
 static void gather_solids_init(struct gather_solids *solids, size_t max)
 {
     size_t room = max + GATHER_PAD;
-    double **numbers[] = {&solids->x, &solids->y,      &solids->c,
-                          &solids->s, &solids->half_x, &solids->half_y};
+    double **numbers[] = {&solids->x,      &solids->y,      &solids->c,    &solids->s,
+                          &solids->half_x, &solids->half_y, &solids->reach};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
         *numbers[k] = mu_startup_array(room, sizeof **numbers[k]);
     }
@@ -32,6 +35,7 @@ static void gather_put(struct gather_solids *to, size_t at, const struct solid *
     to->s[at] = solid->s;
     to->half_x[at] = solid->half_x;
     to->half_y[at] = solid->half_y;
+    to->reach[at] = solid->reach;
     to->disc[at] = solid->kind == WORLD_DISC ? -1 : 0;
     to->returns[at] = solid->away ? 0 : solid->returns;
     to->id[at] = (int64_t)id;
@@ -158,10 +162,17 @@ static void gather_copy(struct gather_solids *to, const struct gather_solids *fr
     to->s[at] = from->s[k];
     to->half_x[at] = from->half_x[k];
     to->half_y[at] = from->half_y[k];
+    to->reach[at] = from->reach[k];
     to->disc[at] = from->disc[k];
     to->returns[at] = from->returns[k];
     to->id[at] = from->id[k];
 }
+
+/* Neighbours in one layer, some of which may come within a circle. */
+struct gather_span {
+    const struct gather_solids *solids;
+    uint32_t begin, end;
+};
 
 /* One collection on its way. */
 struct gather_search {
@@ -169,23 +180,42 @@ struct gather_search {
     const struct fan_kernel *kernel;
     const struct gather_circle *circle;
     int32_t self;
-    struct gather_list *list;
+    void (*take)(struct gather_search *search, const struct gather_span *span);
+    struct gather_list *list;   /* gather_near */
+    struct gather_span *spans;  /* gather_cast */
+    size_t span_count, between; /* as many solids lie in the spans */
 };
 
-static void gather_span(const struct gather_search *search, const struct gather_layer *layer,
-                        size_t first_tile, size_t last_tile)
+/* Lists who of a span comes within the circle.  @return how many */
+static size_t gather_sift(const struct gather_search *search, const struct gather_span *span,
+                          uint32_t *found)
 {
-    uint32_t begin = layer->start[first_tile];
-    uint32_t end = layer->start[last_tile + 1];
-    if (begin == end) {
-        return;
-    }
-    struct gather_list *list = search->list;
-    size_t count = search->kernel->near(&layer->solids, begin, end, search->circle, list->found);
+    const struct gather_solids *solids = span->solids;
+    size_t count = search->kernel->near(solids, span->begin, span->end, search->circle, found);
+    size_t others = 0;
     for (size_t k = 0; k < count; k++) {
-        if (layer->solids.owner[list->found[k]] != search->self) {
-            gather_copy(&list->solids, &layer->solids, list->found[k]);
-        }
+        found[others] = found[k];
+        others += solids->owner[found[k]] != search->self;
+    }
+    return others;
+}
+
+static void gather_take(struct gather_search *search, const struct gather_span *span)
+{
+    struct gather_list *list = search->list;
+    size_t count = gather_sift(search, span, list->found);
+    for (size_t k = 0; k < count; k++) {
+        gather_copy(&list->solids, span->solids, list->found[k]);
+    }
+}
+
+static inline void gather_tiles(struct gather_search *search, const struct gather_layer *layer,
+                                size_t first_tile, size_t last_tile)
+{
+    struct gather_span span = {&layer->solids, layer->start[first_tile],
+                               layer->start[last_tile + 1]};
+    if (span.begin != span.end) {
+        search->take(search, &span);
     }
 }
 
@@ -201,7 +231,7 @@ static double gather_row_apart(const struct gather *g, const struct gather_tier 
     return apart > 0 ? apart : 0;
 }
 
-static void gather_row(const struct gather_search *search, const struct gather_tier *tier, int row,
+static void gather_row(struct gather_search *search, const struct gather_tier *tier, int row,
                        double reach)
 {
     const struct gather *g = search->gather;
@@ -212,15 +242,14 @@ static void gather_row(const struct gather_search *search, const struct gather_t
     int left = gather_clamp((x - half) * tier->per_m, tier->nx);
     int right = gather_clamp((x + half) * tier->per_m, tier->nx);
     size_t first = tier->first + (size_t)row * (size_t)tier->nx;
-    gather_span(search, &g->still, first + (size_t)left, first + (size_t)right);
-    gather_span(search, &g->moving, first + (size_t)left, first + (size_t)right);
+    gather_tiles(search, &g->still, first + (size_t)left, first + (size_t)right);
+    gather_tiles(search, &g->moving, first + (size_t)left, first + (size_t)right);
 }
 
-void gather_near(const struct gather *g, const struct gather_circle *circle, int32_t self,
-                 struct gather_list *list)
+static void gather_search(struct gather_search *search)
 {
-    struct gather_search search = {g, fan_kernel(), circle, self, list};
-    list->solids.count = 0;
+    const struct gather *g = search->gather;
+    const struct gather_circle *circle = search->circle;
     for (size_t k = 0; k < GATHER_TIERS; k++) {
         const struct gather_tier *tier = &g->tiers[k];
         if (tier->used) {
@@ -231,10 +260,54 @@ void gather_near(const struct gather *g, const struct gather_circle *circle, int
             int row = gather_clamp((y - reach) * tier->per_m, tier->ny);
             int row_last = gather_clamp((y + reach) * tier->per_m, tier->ny);
             for (; row <= row_last; row++) {
-                gather_row(&search, tier, row, reach);
+                gather_row(search, tier, row, reach);
             }
         }
     }
+}
+
+void gather_near(const struct gather *g, const struct gather_circle *circle, int32_t self,
+                 struct gather_list *list)
+{
+    struct gather_search search = {.gather = g,
+                                   .kernel = fan_kernel(),
+                                   .circle = circle,
+                                   .self = self,
+                                   .take = gather_take,
+                                   .list = list};
+    list->solids.count = 0;
+    gather_search(&search);
+}
+
+static void gather_note(struct gather_search *search, const struct gather_span *span)
+{
+    search->between += span->end - span->begin;
+    if (search->span_count < GATHER_SPANS) {
+        search->spans[search->span_count++] = *span;
+    } else {
+        search->between = SIZE_MAX / 2; /* too much */
+    }
+}
+
+bool gather_cast(const struct gather *g, const struct gather_circle *circle, int32_t self,
+                 const struct fan_rays *rays, uint32_t *found)
+{
+    struct gather_span spans[GATHER_SPANS];
+    struct gather_search search = {.gather = g,
+                                   .kernel = fan_kernel(),
+                                   .circle = circle,
+                                   .self = self,
+                                   .take = gather_note,
+                                   .spans = spans};
+    gather_search(&search);
+    if (search.between > search.kernel->crowd) {
+        return false;
+    }
+    for (size_t k = 0; k < search.span_count; k++) {
+        size_t count = gather_sift(&search, &spans[k], found);
+        search.kernel->cast(rays, spans[k].solids, found, count);
+    }
+    return true;
 }
 
 const struct solid *gather_solid(const struct gather *g, int64_t id)

@@ -25,8 +25,8 @@ enum {
 /* Solids as arrays, all of the same length. */
 struct gather_solids {
     size_t count;
-    double *x, *y, *c, *s, *half_x, *half_y; /* as in struct solid */
-    int64_t *disc;                           /* -1: a disc; 0: a box */
+    double *x, *y, *c, *s, *half_x, *half_y, *reach; /* as in struct solid */
+    int64_t *disc;                                   /* -1: a disc; 0: a box */
     int64_t *returns;
     int64_t *id; /* what stands by its index, then what moves */
     int32_t *owner;
@@ -62,6 +62,8 @@ struct gather_list {
     uint32_t *found; /* of one row of tiles */
 };
 
+struct fan_rays; /* fan.h */
+
 struct gather_circle {
     double x, y, reach_m;
 };
@@ -84,6 +86,16 @@ void gather_update(struct gather *g);
  */
 void gather_near(const struct gather *g, const struct gather_circle *circle, int32_t self,
                  struct gather_list *list);
+
+/**
+ * Casts rays at every solid that comes within the circle.
+ *
+ * @param self   what has this owner is left out
+ * @param found  scratch, with room for all that stands or moves and GATHER_PAD more
+ * @return false: so much is near that to cast each ray by itself is faster; nothing was cast
+ */
+bool gather_cast(const struct gather *g, const struct gather_circle *circle, int32_t self,
+                 const struct fan_rays *rays, uint32_t *found);
 
 /** @return the solid of an id in a list */
 const struct solid *gather_solid(const struct gather *g, int64_t id);

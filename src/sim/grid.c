@@ -11,16 +11,20 @@
 #define GRID_MARGIN_M 1.0  /* around the world */
 #define GRID_SLACK    1e-7 /* cells count as a little larger: rounding must leave no gap */
 
+/* The cells of the upright box around something. */
+struct grid_span {
+    int x0, x1, y0, y1;
+    bool inside; /* wholly on the grid; else the nearest cells */
+};
+
 static int grid_clamp(double cell, int count)
 {
     return !(cell >= 0) ? 0 : cell >= count ? count - 1 : (int)cell; /* a NaN too finds a cell */
 }
 
-static struct grid_span grid_span(const struct grid *grid, const struct solid *solid)
+static struct grid_span grid_span_at(const struct grid *grid, const struct solid *solid, double ex,
+                                     double ey)
 {
-    double ex;
-    double ey;
-    solid_extent(solid, &ex, &ey);
     double x0 = (solid->x - ex - grid->x0) * grid->per_m - GRID_SLACK;
     double x1 = (solid->x + ex - grid->x0) * grid->per_m + GRID_SLACK;
     double y0 = (solid->y - ey - grid->y0) * grid->per_m - GRID_SLACK;
@@ -30,6 +34,14 @@ static struct grid_span grid_span(const struct grid *grid, const struct solid *s
                               .y0 = grid_clamp(y0, grid->ny),
                               .y1 = grid_clamp(y1, grid->ny),
                               .inside = x0 >= 0 && y0 >= 0 && x1 < grid->nx && y1 < grid->ny};
+}
+
+static struct grid_span grid_span(const struct grid *grid, const struct solid *solid)
+{
+    double ex;
+    double ey;
+    solid_extent(solid, &ex, &ey);
+    return grid_span_at(grid, solid, ex, ey);
 }
 
 /* Whether a solid may reach into a cell; never no when it does. */
@@ -53,11 +65,10 @@ static bool grid_touches(const struct grid *grid, const struct solid *solid, int
 static uint32_t grid_part(const struct grid *grid, struct grid_layer *layer, uint32_t solid,
                           uint32_t count)
 {
-    struct grid_span span = grid_span(grid, &layer->solids[solid]);
-    layer->spans[solid] = span;
     if (layer->solids[solid].away) {
         return count;
     }
+    struct grid_span span = grid_span(grid, &layer->solids[solid]);
     if (!span.inside) {
         layer->outside[layer->outside_count++] = solid;
         return count;
@@ -146,7 +157,6 @@ static void grid_layer_init(struct grid *grid, struct grid_layer *layer, const s
     layer->entries_max = (uint32_t)entries;
     layer->parts = mu_startup_array(entries, sizeof *layer->parts);
     layer->outside = mu_startup_array(count, sizeof *layer->outside);
-    layer->spans = mu_startup_array(count, sizeof *layer->spans);
     layer->seen = mu_startup_array(count, sizeof *layer->seen);
     grid_build(grid, layer);
 }
@@ -323,14 +333,6 @@ static void grid_meet_all(struct grid *grid, struct grid_span span, uint32_t lea
             grid_meet_cell(grid, least, j * grid->nx + i, near);
         }
     }
-    if (!span.inside) { /* it lies in no cell: whoever is on the grid may touch it */
-        for (uint32_t k = least; k < moving->count; k++) {
-            if (!moving->solids[k].away) {
-                near->moving_count = grid_meet(grid, moving, k, near->moving, near->moving_count);
-            }
-        }
-        return;
-    }
     for (uint32_t k = 0; k < moving->outside_count; k++) {
         if (moving->outside[k] >= least) {
             near->moving_count =
@@ -339,9 +341,10 @@ static void grid_meet_all(struct grid *grid, struct grid_span span, uint32_t lea
     }
 }
 
-void grid_near(struct grid *grid, uint32_t index, struct grid_near *near)
+void grid_near(struct grid *grid, uint32_t index, double reach_m, struct grid_near *near)
 {
-    grid_meet_all(grid, grid->moving.spans[index], index + 1, near);
+    const struct solid *solid = &grid->moving.solids[index];
+    grid_meet_all(grid, grid_span_at(grid, solid, reach_m, reach_m), index + 1, near);
 }
 
 void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near)

@@ -16,12 +16,6 @@
 
 enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* no solid has this owner */
 
-/* The cells of the upright box around a solid. */
-struct grid_span {
-    int x0, x1, y0, y1;
-    bool inside; /* wholly on the grid; else the nearest cells */
-};
-
 /* A solid in a cell. */
 struct grid_part {
     uint32_t cell, solid;
@@ -36,8 +30,7 @@ struct grid_layer {
     struct grid_part *parts; /* while it is built: one for each entry */
     uint32_t *outside;       /* solids that do not lie wholly on the grid */
     uint32_t outside_count;
-    struct grid_span *spans; /* of each solid, when the layer was built */
-    uint64_t *seen;          /* for each solid, the number of the query that met it last */
+    uint64_t *seen; /* for each solid, the number of the query that met it last */
 };
 
 struct grid {
@@ -79,18 +72,19 @@ double grid_find(const struct grid *grid, struct grid_eye eye, const double from
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m);
 
-/**
- * Lists what may touch a moving solid where grid_update has found it, each once, in a fixed order:
- * what stands into still, and the moving ones with a higher number into moving.  Both have room for
- * all.
- */
+/* What is near something: what stands, and what moves.  Both have room for all. */
 struct grid_near {
     uint32_t *still, *moving;
     size_t still_count, moving_count;
 };
-void grid_near(struct grid *grid, uint32_t index, struct grid_near *near);
 
-/** As grid_near, for any solid: it need not be on the grid, and all moving ones count. */
+/**
+ * Lists at least what comes within reach_m of the middle of a moving solid, each once, in a fixed
+ * order; of the moving ones those with a higher number.
+ */
+void grid_near(struct grid *grid, uint32_t index, double reach_m, struct grid_near *near);
+
+/** Likewise what may touch any solid: it need not be on the grid, and all moving ones count. */
 void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near);
 
 #endif

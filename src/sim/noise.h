@@ -19,11 +19,11 @@ static inline bool noise_is_exact(const struct world_noise *noise)
     return noise->constant_m <= 0 && noise->per_m <= 0;
 }
 
-/** Brings a range inside the limits. */
+/** Brings a range inside the limits; a zero loses its sign. */
 static inline double noise_clip(const struct noise_limits *limits, double range_m)
 {
     range_m = range_m > limits->max_m ? limits->max_m : range_m;
-    return range_m < limits->min_m ? limits->min_m : range_m;
+    return range_m > limits->min_m ? range_m : limits->min_m;
 }
 
 /**

@@ -14,8 +14,9 @@
 /* Measured: 1 mm of steady penetration, no explosions in a crowd of 1000. */
 static const struct {
     double friction, soft_erp, soft_cfm, correcting_m_s, layer_m;
-    int iterations;
-} ode_world_tuning = {0.5, 0.2, 1e-5, 1.0, 0.001, 20};
+    double deep_m;
+    size_t rounds_min, rounds_max, deep_per_round;
+} ode_world_tuning = {0.5, 0.2, 1e-5, 1.0, 0.001, 0.003, 20, 100, 8};
 
 struct ode_body {
     dBodyID id;
@@ -27,6 +28,7 @@ static struct {
     dJointGroupID contacts;
     struct ode_body *bodies;
     size_t count, max;
+    size_t deep; /* contacts of the next step that are deeper than they should be */
 } ode_world;
 
 static void ode_world_log(enum mu_log_level level, const char *event, int number,
@@ -60,7 +62,6 @@ void ode_world_open(size_t bodies_max)
     ode_world.world = dWorldCreate();
     ode_world.contacts = dJointGroupCreate(0);
     dWorldSetGravity(ode_world.world, 0, 0, 0);
-    dWorldSetQuickStepNumIterations(ode_world.world, ode_world_tuning.iterations);
     dWorldSetContactMaxCorrectingVel(ode_world.world, ode_world_tuning.correcting_m_s);
     dWorldSetContactSurfaceLayer(ode_world.world, ode_world_tuning.layer_m);
     if (bodies_max > ode_world.max) { /* a later world uses the same memory if it can */
@@ -68,6 +69,7 @@ void ode_world_open(size_t bodies_max)
         ode_world.max = bodies_max;
     }
     ode_world.count = 0;
+    ode_world.deep = 0;
 }
 
 void ode_world_close(void)
@@ -160,6 +162,11 @@ void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE])
     dBodySetTorque(id, 0, 0, 0);
 }
 
+void ode_world_shift(size_t body, double x, double y)
+{
+    dBodySetPosition(ode_world.bodies[body].id, x, y, 0);
+}
+
 void ode_world_set_velocity(size_t body, double vx, double vy, double turn)
 {
     dBodyID id = ode_world.bodies[body].id;
@@ -227,6 +234,7 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
     dBodyID first = ode_world.bodies[a].id;
     dBodyID second = b == ODE_WORLD_STANDS ? NULL : ode_world.bodies[b].id;
     for (size_t i = 0; i < contact->count; i++) {
+        ode_world.deep += contact->points[i].depth > ode_world_tuning.deep_m;
         /* One direction of friction: the other one would be vertical. */
         dContact c = {
             .surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM | dContactMu2 |
@@ -244,10 +252,20 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
     }
 }
 
+/* A push goes on by about one body in a round: where many are pressed together, it takes more. */
+static int ode_world_rounds(void)
+{
+    size_t rounds = ode_world_tuning.rounds_min + ode_world.deep / ode_world_tuning.deep_per_round;
+    size_t most = ode_world_tuning.rounds_max;
+    return (int)(rounds > most ? most : rounds);
+}
+
 void ode_world_step(double dt_s, uint64_t seed)
 {
     /* QuickStep shuffles with one generator for the whole process: its state is set, not kept. */
     dRandSetSeed((unsigned long)(seed & 0xffffffffu));
+    dWorldSetQuickStepNumIterations(ode_world.world, ode_world_rounds());
     dWorldQuickStep(ode_world.world, dt_s);
     dJointGroupEmpty(ode_world.contacts);
+    ode_world.deep = 0;
 }

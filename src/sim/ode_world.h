@@ -46,6 +46,9 @@ void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE]);
 /** Puts a body at a place, at rest. */
 void ode_world_put(size_t body, double x, double y, double heading_rad);
 
+/** Moves a body to a place; it goes on as it went. */
+void ode_world_shift(size_t body, double x, double y);
+
 /** Gives a body a velocity, in the world's frame. */
 void ode_world_set_velocity(size_t body, double vx, double vy, double turn);
 

@@ -21,6 +21,9 @@ enum {
 /* Those that work on what gather_near collects. */
 #define SENSES_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
 
+/* Those, and who looks through the same tiles. */
+#define SENSES_GATHERED (SENSES_NEAR | (1u << WORLD_SONAR))
+
 /* The sensors of robots that have the same. */
 struct senses_kind {
     const struct world_robot *model;
@@ -60,6 +63,7 @@ struct senses_memory {
 /* What one thread works with. */
 struct senses_worker {
     struct gather_list list;
+    struct fan_rays rays;
     double *range_m;
     int64_t *hit;
 };
@@ -152,8 +156,14 @@ static void senses_memory_share(struct senses *s)
         next.ranges_m = r->laser_m + r->kind->laser.table.count;
         next.blobs += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
         next.fiducials += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+    }
+}
+
+void senses_forget(struct senses *s)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
         for (size_t k = 0; k < WORLD_SENSORS; k++) {
-            r->record->read_ns[k] = SENSES_NEVER;
+            s->robots[i].record->read_ns[k] = SENSES_NEVER;
         }
     }
 }
@@ -161,8 +171,10 @@ static void senses_memory_share(struct senses *s)
 static void senses_workers_init(struct senses *s)
 {
     size_t beams = 0;
+    size_t rays = 0;
     for (size_t k = 0; k < s->kind_count; k++) {
         const struct senses_kind *kind = &s->kinds[k];
+        rays = kind->sonars.ray_count > rays ? kind->sonars.ray_count : rays;
         beams = kind->laser.table.count > beams ? kind->laser.table.count : beams;
         beams = kind->camera.table.count > beams ? kind->camera.table.count : beams;
     }
@@ -170,6 +182,7 @@ static void senses_workers_init(struct senses *s)
     s->workers = mu_startup_array(threads, sizeof *s->workers);
     for (size_t k = 0; k < threads; k++) {
         gather_list_init(&s->workers[k].list, &s->gather);
+        fan_rays_init(&s->workers[k].rays, rays);
         s->workers[k].range_m = mu_startup_array(beams + FAN_PAD, sizeof(double));
         s->workers[k].hit = mu_startup_array(beams + FAN_PAD, sizeof(int64_t));
     }
@@ -187,6 +200,7 @@ struct senses *senses_open(const struct senses_scene *scene)
     }
     senses_memory_take(&s->memory);
     senses_memory_share(s);
+    senses_forget(s);
     const struct grid_layer *still = &scene->grid->still;
     const struct grid_layer *moving = &scene->grid->moving;
     gather_init(&s->gather, still->solids, still->count, moving->solids, moving->count);
@@ -235,11 +249,15 @@ static uint64_t senses_key(const struct senses *s, size_t robot, enum draw_use u
     return draw_key(s->scene.seed, robot, use, s->step);
 }
 
-static void senses_read_sonars(const struct senses *s, size_t i)
+static void senses_read_sonars(const struct senses *s, size_t i, struct senses_worker *worker)
 {
     const struct senses_robot *r = &s->robots[i];
     struct sonar_place place = {r->frame, (int32_t)i, senses_key(s, i, DRAW_SONAR)};
-    sonar_read(&r->kind->sonars, s->scene.grid, &place, r->sonar_m);
+    const struct sonar_ring *ring = &r->kind->sonars;
+    if (ring->mirrors ||
+        !sonar_read_near(ring, &s->gather, &place, &worker->rays, worker->list.found, r->sonar_m)) {
+        sonar_read(ring, s->scene.grid, &place, r->sonar_m);
+    }
 }
 
 static void senses_read_laser(const struct senses *s, size_t i, const struct senses_worker *worker)
@@ -287,7 +305,7 @@ static void senses_read_robot(const struct senses *s, size_t i, uint32_t wanted,
         gather_near(&s->gather, &circle, (int32_t)i, &worker->list);
     }
     if (due & (1u << WORLD_SONAR)) {
-        senses_read_sonars(s, i);
+        senses_read_sonars(s, i, worker);
     }
     if (due & (1u << WORLD_LASER)) {
         senses_read_laser(s, i, worker);
@@ -310,20 +328,20 @@ static void senses_read_piece(void *context, size_t worker, size_t piece)
     }
 }
 
-static bool senses_any_near(const struct senses *s, const uint32_t wanted[])
+static bool senses_any_gathered(const struct senses *s, const uint32_t wanted[])
 {
     uint32_t any = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         any |= wanted[i] & s->robots[i].kind->has;
     }
-    return any & SENSES_NEAR;
+    return any & SENSES_GATHERED;
 }
 
 void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
 {
     s->wanted = wanted;
     s->step = step;
-    if (senses_any_near(s, wanted)) {
+    if (senses_any_gathered(s, wanted)) {
         gather_update(&s->gather);
     }
     size_t pieces = (s->robot_count + SENSES_PIECE - 1) / SENSES_PIECE;
@@ -333,7 +351,7 @@ void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
 void senses_read(struct senses *s, size_t robot, uint32_t wanted, uint64_t step)
 {
     s->step = step;
-    if (wanted & s->robots[robot].kind->has & SENSES_NEAR) {
+    if (wanted & s->robots[robot].kind->has & SENSES_GATHERED) {
         gather_update(&s->gather);
     }
     senses_read_robot(s, robot, wanted, &s->workers[0]);
@@ -358,53 +376,5 @@ void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct e
     if (told & (1u << WORLD_FIDUCIALS)) {
         out->fiducials = r->fiducials;
         out->fiducial_count = r->record->fiducial_count;
-    }
-}
-
-/* --- snapshots -------------------------------------------------------------------------------- */
-
-/* The parts of the memory, as bytes.  A table, so that none is forgotten on the way back. */
-enum { SENSES_PARTS = 4 };
-
-struct senses_part {
-    void *at;
-    size_t count;
-};
-
-static void senses_parts(const struct senses *s, struct senses_part parts[SENSES_PARTS])
-{
-    const struct senses_memory *m = &s->memory;
-    parts[0] = (struct senses_part){m->records, m->record_count * sizeof *m->records};
-    parts[1] = (struct senses_part){m->ranges_m, m->range_count * sizeof *m->ranges_m};
-    parts[2] = (struct senses_part){m->blobs, m->blob_count * sizeof *m->blobs};
-    parts[3] = (struct senses_part){m->fiducials, m->fiducial_count * sizeof *m->fiducials};
-}
-
-size_t senses_bytes(const struct senses *s)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    return parts[0].count + parts[1].count + parts[2].count + parts[3].count;
-}
-
-void senses_save(const struct senses *s, void *to)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    char *next = to;
-    for (size_t k = 0; k < SENSES_PARTS; k++) {
-        memcpy(next, parts[k].at, parts[k].count);
-        next += parts[k].count;
-    }
-}
-
-void senses_load(struct senses *s, const void *from)
-{
-    struct senses_part parts[SENSES_PARTS];
-    senses_parts(s, parts);
-    const char *next = from;
-    for (size_t k = 0; k < SENSES_PARTS; k++) {
-        memcpy(parts[k].at, next, parts[k].count);
-        next += parts[k].count;
     }
 }

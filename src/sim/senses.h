@@ -40,14 +40,8 @@ void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step);
 /** senses_read_all for one robot. */
 void senses_read(struct senses *s, size_t robot, uint32_t wanted, uint64_t step);
 
-/** @return how many bytes senses_save writes: always the same for one world */
-size_t senses_bytes(const struct senses *s);
-
-/** Copies all readings, and when each was read: what a snapshot needs. */
-void senses_save(const struct senses *s, void *to);
-
-/** Takes up what senses_save has written, in the same world. */
-void senses_load(struct senses *s, const void *from);
+/** Forgets all readings: each sensor is read anew when it is wanted next. */
+void senses_forget(struct senses *s);
 
 /** Fills in the readings that are wanted; the others are empty. */
 void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct engine_percept *out);

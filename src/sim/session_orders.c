@@ -108,9 +108,12 @@ static struct outcome order_save(struct session *s, const muster_RunCommand *c, 
     (void)body;
     engine_save(s->engine, s->snapshot);
     size_t size = engine_save_size(s->engine);
-    return snapshot_write(c->file, s->snapshot, size) == MU_OK
-               ? outcome_of(muster_ORDER_DONE, "")
-               : outcome_of(muster_ORDER_NOT_WRITTEN, strerror(errno));
+    struct outcome o = {.result = muster_ORDER_DONE};
+    if (snapshot_write(c->file, s->snapshot, size) != MU_OK) {
+        o.result = muster_ORDER_NOT_WRITTEN;
+        snprintf(o.reason, sizeof o.reason, "%s: %.200s", strerror(errno), c->file);
+    }
+    return o;
 }
 
 static const struct {

@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "sim/session.h"
 
+#include <math.h>
 #include <string.h>
 
 static const int64_t WAIT_NS = 50000000;
@@ -13,6 +14,9 @@ static const int64_t RETRY_NS = 1000000;
 /* In free running a controller that has not answered for this long, or for three steps if they are
  * longer, has let go of its robot. */
 static const uint64_t DEADMAN_NS = 300000000;
+
+/* No step is due later than in thirty years, however slow the pace is. */
+static const double PACE_MAX_NS = 1e18;
 
 /* --- senses out ------------------------------------------------------------------------------- */
 
@@ -48,22 +52,18 @@ static void percepts_read(struct session *s)
     }
 }
 
-/* @param wanted  the sensors whose readings go out, 1 << enum world_sensor */
-static void readings_fill(muster_Percept *to, const struct engine_percept *from, uint32_t wanted)
+/* What is not wanted is empty in the engine's percept. */
+static void readings_fill(muster_Percept *to, const struct engine_percept *from)
 {
-    bool sonar = wanted & 1u << WORLD_SONAR;
-    bool laser = wanted & 1u << WORLD_LASER;
-    bool camera = wanted & 1u << WORLD_CAMERA;
-    bool finder = wanted & 1u << WORLD_FIDUCIALS;
     /* Nobody writes through these. */
     to->sonar_m._buffer = (float *)(uintptr_t)from->sonar_m;
-    to->sonar_m._length = to->sonar_m._maximum = sonar ? (uint32_t)from->sonar_count : 0;
+    to->sonar_m._length = to->sonar_m._maximum = (uint32_t)from->sonar_count;
     to->laser_m._buffer = (float *)(uintptr_t)from->laser_m;
-    to->laser_m._length = to->laser_m._maximum = laser ? (uint32_t)from->laser_count : 0;
+    to->laser_m._length = to->laser_m._maximum = (uint32_t)from->laser_count;
     to->blobs._buffer = (muster_Blob *)(uintptr_t)from->blobs;
-    to->blobs._length = to->blobs._maximum = camera ? (uint32_t)from->blob_count : 0;
+    to->blobs._length = to->blobs._maximum = (uint32_t)from->blob_count;
     to->fiducials._buffer = (muster_Fiducial *)(uintptr_t)from->fiducials;
-    to->fiducials._length = to->fiducials._maximum = finder ? (uint32_t)from->fiducial_count : 0;
+    to->fiducials._length = to->fiducials._maximum = (uint32_t)from->fiducial_count;
 }
 
 static void body_fill(muster_Percept *to, const struct engine_percept *from)
@@ -112,7 +112,7 @@ static void senses_send(struct session *s, bool last)
         for (size_t r = 0; r < s->robot_count; r++) {
             if (s->robots[r].process == (int32_t)i) {
                 body_fill(&s->percepts[next], &s->robots[r].percept);
-                readings_fill(&s->percepts[next++], &s->robots[r].percept, s->wanted[r]);
+                readings_fill(&s->percepts[next++], &s->robots[r].percept);
             }
         }
         struct session_process *p = &s->processes[i];
@@ -302,7 +302,7 @@ static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
         s->paced_anew = false;
         double due_ns =
             (double)(s->step - s->pace_step) * (double)s->options.step_ns / s->options.rate;
-        wait_until(s, s->pace_wall_ns + (uint64_t)due_ns, signal_came);
+        wait_until(s, s->pace_wall_ns + (uint64_t)fmin(due_ns, PACE_MAX_NS), signal_came);
     } while (s->paced_anew && s->options.rate > 0.0);
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
@@ -383,6 +383,7 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     for (uint32_t i = 0; i < s->process_count; i++) {
         (void)bus_drain(&s->processes[i].sense, 200000000);
     }
+    (void)bus_drain(&s->answers, 200000000);
     (void)bus_drain(&s->status, 500000000);
     return ran;
 }

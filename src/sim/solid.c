@@ -33,6 +33,8 @@ struct solid solid_of_shape(const struct world_shape *shape)
     struct solid solid = shape->kind == WORLD_DISC
                              ? solid_disc(shape->pose.x_m, shape->pose.y_m, shape->radius_m)
                              : solid_box(shape->pose, shape->half_x_m, shape->half_y_m);
+    solid.c = cos(shape->pose.heading_rad); /* a disc, too, may bear a number that has a heading */
+    solid.s = sin(shape->pose.heading_rad);
     solid_look(&solid, &shape->look);
     return solid;
 }

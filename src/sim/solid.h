@@ -47,6 +47,22 @@ void solid_extent(const struct solid *solid, double *x_m, double *y_m);
 /** Writes the unit vector that stands on the solid's surface where a ray has hit it, outwards. */
 void solid_normal(const struct solid *solid, const double at[2], double normal[2]);
 
+/** @return whether a circle about (x, y) may reach the solid; never no when it does */
+static inline bool solid_is_within(const struct solid *solid, double x, double y, double reach_m)
+{
+    double dx = x - solid->x;
+    double dy = y - solid->y;
+    double reach = solid->reach + reach_m;
+    if (!(dx * dx + dy * dy <= reach * reach)) {
+        return false;
+    }
+    double bx = fabs(solid->c * dx + solid->s * dy) - solid->half_x;
+    double by = fabs(solid->c * dy - solid->s * dx) - solid->half_y;
+    bx = bx > 0 ? bx : 0;
+    by = by > 0 ? by : 0;
+    return bx * bx + by * by <= reach_m * reach_m;
+}
+
 static inline double solid_ray_disc(const struct solid *solid, const double from[2],
                                     const double along[2], double best)
 {

@@ -6,6 +6,7 @@
 #ifndef MUSTER_SIM_SONAR_H
 #define MUSTER_SIM_SONAR_H
 
+#include "sim/fan.h"
 #include "sim/frame.h"
 #include "sim/grid.h"
 #include "sim/noise.h"
@@ -26,6 +27,9 @@ struct sonar_ring {
     size_t count;
     struct sonar *sonars;
     struct sonar_ray *rays; /* of all of them */
+    uint32_t ray_count;
+    double reach_m; /* from the robot's middle */
+    bool mirrors;   /* what one hears depends on the surface that it meets */
 };
 
 /* Whose ring it is, now. */
@@ -38,8 +42,18 @@ struct sonar_place {
 /** Takes memory. */
 void sonar_init(struct sonar_ring *ring, const struct world_robot *robot);
 
-/** Reads all sonars. */
+/** Reads all sonars, ray by ray. */
 void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
                 const struct sonar_place *place, float range_m[]);
+
+/**
+ * Reads all sonars of a ring without mirrors, all rays at once: to the same bits.
+ *
+ * @param rays, found  scratch: room for the ring's rays, and as gather_cast has it
+ * @return false: too much is near, and nothing was read
+ */
+bool sonar_read_near(const struct sonar_ring *ring, const struct gather *gather,
+                     const struct sonar_place *place, struct fan_rays *rays, uint32_t *found,
+                     float range_m[]);
 
 #endif

@@ -12,6 +12,8 @@
 static const double body_bounds[8] = {-1, 1, -1, 1, -1, 1, -90, 90};
 static const double body_mass_kg = 10;
 
+#define BODY_BOUND 1e5 /* of speeds and accelerations; the physics has closer ones */
+
 /* Stage writes [x x y y z z heading heading], each min and max, angles in degrees. */
 static mu_result body_read_bounds(struct builder *b, const struct worldfile_entity *entity,
                                   const char *key, double v[8])
@@ -19,10 +21,12 @@ static mu_result body_read_bounds(struct builder *b, const struct worldfile_enti
     memcpy(v, body_bounds, sizeof body_bounds);
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, v, 8, 8, "llllllaa"}));
     for (size_t i = 0; i < 8; i += 2) {
-        if (!(v[i] <= 0 && v[i + 1] >= 0)) {
+        if (!(v[i] <= 0 && v[i + 1] >= 0 && v[i] >= -BODY_BOUND && v[i + 1] <= BODY_BOUND)) {
             struct worldfile_place at = builder_place(entity, key);
-            return builder_fault(b, &at, "expected '%s' with each min <= 0 <= max, found %g and %g",
-                                 key, v[i], v[i + 1]);
+            return builder_fault(b, &at,
+                                 "expected '%s' with each min <= 0 <= max, up to %g, found %g and "
+                                 "%g",
+                                 key, BODY_BOUND, v[i], v[i + 1]);
         }
     }
     return MU_OK;
@@ -44,13 +48,8 @@ static mu_result body_read_limits(struct builder *b, const struct worldfile_enti
         return builder_fault(b, &at, "expected accelerations above 0: the robot could not move");
     }
     robot->mass_kg = body_mass_kg;
-    MU_TRY(
-        builder_numbers(b, entity, (struct builder_numbers){"mass", &robot->mass_kg, 1, 1, NULL}));
-    if (!(robot->mass_kg > 0 && robot->mass_kg <= 1e6)) {
-        struct worldfile_place at = builder_place(entity, "mass");
-        return builder_fault(b, &at, "expected a mass above 0 and up to 1e6 kg, found %g",
-                             robot->mass_kg);
-    }
+    MU_TRY(builder_number(b, entity, (struct builder_numbers){"mass", &robot->mass_kg, 1, 1, NULL},
+                          1e-3, 1e6));
     return MU_OK;
 }
 
@@ -110,6 +109,10 @@ mu_result body_read_start(struct builder *b, const struct worldfile_entity *enti
     }
     MU_TRY(builder_numbers(b, entity,
                            (struct builder_numbers){"localization_origin", v, 2, 4, "llla"}));
+    if (fabs(v[0]) > BUILDER_POSE_MAX_M || fabs(v[1]) > BUILDER_POSE_MAX_M) {
+        struct worldfile_place at = builder_place(entity, "localization_origin");
+        return builder_fault(b, &at, "expected a place within %g m", BUILDER_POSE_MAX_M);
+    }
     struct world_pose origin = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
     odometry->start = world_pose_from(origin, robot->pose);
     odometry->true_start = v[0] == 0 && v[1] == 0 && v[3] == 0;
@@ -193,6 +196,7 @@ static mu_result body_read_outline(struct builder *b, const struct worldfile_ent
 {
     double size_m[2];
     MU_TRY(builder_size(b, entity, size_m));
+    MU_TRY(builder_check_body(b, entity, size_m[0], size_m[1]));
     robot->length_m = size_m[0];
     robot->width_m = size_m[1];
     double origin[4] = {0, 0, 0, 0};

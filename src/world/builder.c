@@ -202,6 +202,10 @@ mu_result builder_numbers(struct builder *b, const struct worldfile_entity *enti
         char unit = wanted.units && i < strlen(wanted.units) ? wanted.units[i] : ' ';
         double in = unit == 'l' ? b->unit_length_m : unit == 'a' ? b->unit_angle_deg : 1;
         wanted.to[i] = p->values[i].number * in;
+        if (!isfinite(wanted.to[i])) {
+            return builder_fault(b, &p->at, "expected a smaller number for '%s', found %g",
+                                 wanted.key, p->values[i].number);
+        }
     }
     return MU_OK;
 }
@@ -287,6 +291,18 @@ mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
         size_m[i] = v[i];
     }
     return MU_OK;
+}
+
+mu_result builder_check_body(struct builder *b, const struct worldfile_entity *entity,
+                             double length_m, double width_m)
+{
+    if (fmin(length_m, width_m) >= BUILDER_BODY_MIN_M &&
+        fmax(length_m, width_m) <= BUILDER_BODY_MAX_M) {
+        return MU_OK;
+    }
+    struct worldfile_place at = builder_place(entity, "size");
+    return builder_fault(b, &at, "expected a body of %g to %g m, found %g x %g", BUILDER_BODY_MIN_M,
+                         BUILDER_BODY_MAX_M, length_m, width_m);
 }
 
 mu_result builder_children(const struct worldfile_entity *entity,

@@ -19,6 +19,10 @@ enum {
 
 #define BUILDER_POSE_MAX_M 1e5 /* farther out, a millimetre gets lost in a raster */
 
+/* What moves must not be so small or large that its inertia leaves the numbers. */
+#define BUILDER_BODY_MIN_M 1e-3
+#define BUILDER_BODY_MAX_M 1e3
+
 /* What a property belongs to: a bit each. */
 enum builder_kind {
     BUILDER_WORLD = 1,
@@ -135,6 +139,10 @@ MU_MUST_USE mu_result builder_pose(struct builder *b, const struct worldfile_ent
 /** Reads Stage's size [x y z]; refuses what is not above 0. */
 MU_MUST_USE mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
                                    double size_m[2]);
+
+/** Checks the sides of what moves. */
+MU_MUST_USE mu_result builder_check_body(struct builder *b, const struct worldfile_entity *entity,
+                                         double length_m, double width_m);
 
 /** @return where a property stands, else where the model stands */
 struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key);

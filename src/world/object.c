@@ -74,7 +74,11 @@ static mu_result object_read(struct builder *b, const struct worldfile_entity *e
         builder_warn(b, &entity->at, entity->type,
                      "can be moved: models in it are left out, it is one piece");
     }
-    return object_read_shape(b, entity, pose, &object->shape);
+    struct world_shape *shape = &object->shape;
+    MU_TRY(object_read_shape(b, entity, pose, shape));
+    return shape->kind == WORLD_DISC
+               ? builder_check_body(b, entity, 2 * shape->radius_m, 2 * shape->radius_m)
+               : builder_check_body(b, entity, 2 * shape->half_x_m, 2 * shape->half_y_m);
 }
 
 mu_result object_build(struct builder *b, const struct worldfile_entity *entity,

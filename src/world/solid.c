@@ -289,6 +289,18 @@ static void solid_mark_fiducial(struct world *world, size_t first, const struct 
     }
 }
 
+/* What charges robots never runs dry here. */
+static void solid_warn_store(struct builder *b, const struct worldfile_entity *entity)
+{
+    static const char *const keys[] = {"joules", "kjoules"};
+    for (size_t i = 0; i < 2; i++) {
+        const struct worldfile_property *p = worldfile_property(entity, keys[i]);
+        if (p && p->value_count == 1 && p->values[0].number >= 0) {
+            builder_warn(b, &p->at, keys[i], "of what charges others has no end");
+        }
+    }
+}
+
 mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
                       struct world_pose pose)
 {
@@ -310,6 +322,9 @@ mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
     }
     struct world_pose middle = {origin[0], origin[1], remainder(origin[3], 360) * M_PI / 180};
     reader.pose = world_pose_in(pose, middle);
+    if (look->give_w > 0) {
+        solid_warn_store(b, entity);
+    }
     size_t first = b->world->shape_count;
     MU_TRY(solid_place_all(&reader, boundary));
     if (look->fiducial) {

@@ -270,7 +270,7 @@ static void do_expect(struct bench *b, const char *text)
 
 static void show_act(struct bench *b, const struct mind_act *act)
 {
-    static const char *const ends[] = {"idle", "sense-again", "budget", "stopped"};
+    static const char *const ends[] = {"idle", "sense-again", "budget", "stopped", "break"};
     char line[LINE_MAX_BYTES];
     struct mu_text t;
     mu_text_init(&t, line, sizeof line);
@@ -514,8 +514,12 @@ static void do_line(struct bench *b, const char *text)
     if (r != MU_OK) {
         out_line(b, "refused");
     }
-    if (mind_wants_to_run(b->mind)) {
-        out_line(b, "wants to run");
+    static const char *const wishes[] = {NULL, "wants to run", "wants to step", "wants to suspend"};
+    uint32_t rules;
+    enum mind_wish wish = mind_wish(b->mind, &rules);
+    if (wish != MIND_WISH_NOTHING) {
+        out_line(b, wishes[wish]);
+        mind_go_on(b->mind);
     }
 }
 

@@ -110,6 +110,17 @@
 ; senses:
 ; expect: senses sonar laser camera fiducials
 ;
+; A query in a construct is a look, too.
+; line: (undefrule *)
+; line: (deffunction far () (any-factp ((?f blob)) TRUE))
+; step:
+; line: (far)
+; expect: TRUE
+; line: (undeffunction far)
+; step:
+; facts: blob
+; expect: For a total of 0 facts.
+;
 ; What every body has, or has not.
 ; line: (bumpers)
 ; expect: ()

@@ -96,6 +96,21 @@
 ; expect: TRUE
 ; expect: wants to run
 ; line: (run 10)
-; expect: [MUSTER1] Function run expected no number: use `muster step NAME N` to fire N rules
+; expect: TRUE
+; expect: wants to step
+; line: (resume)
+; expect: TRUE
+; expect: wants to run
+; line: (continue)
+; expect: TRUE
+; expect: wants to run
+; line: (step)
+; expect: TRUE
+; expect: wants to step
+; line: (suspend)
+; expect: TRUE
+; expect: wants to suspend
+; line: (step 0)
+; expect: [MUSTER1] Function step expected a number of rules, from 1 on
 ; expect: FALSE
 ; expect: refused

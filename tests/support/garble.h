@@ -55,4 +55,42 @@ static inline size_t garble(struct mu_random *r, char *to, size_t size, const ch
     return len;
 }
 
+/* Where a number begins, from a place on; the length when none does. */
+static inline size_t garble_find_number(const char *text, size_t len, size_t from)
+{
+    for (size_t i = from > 0 ? from : 1; i < len; i++) {
+        if (strchr("-.0123456789", text[i]) && strchr(" [", text[i - 1])) {
+            return i;
+        }
+    }
+    return len;
+}
+
+/**
+ * Copies a sample with one number replaced by another one, of those that formulas like least.
+ *
+ * @param to  16 bytes more than the sample has
+ * @return the length of what came out, without its zero
+ */
+static inline size_t garble_number(struct mu_random *r, char *to, const char *sample, size_t len)
+{
+    static const char *const numbers[] = {
+        "0",   "-1",  "1e-9", "1e-300", "0.001", "0.05", "0.5",   "3",
+        "100", "360", "1024", "65536",  "99999", "1e9",  "1e308", "-1e308",
+    };
+    size_t at = (size_t)mu_random_between(r, 0, (int64_t)len - 1);
+    at = garble_find_number(sample, len, at);
+    size_t end = at;
+    while (end < len && strchr("-+.0123456789e", sample[end])) {
+        end++;
+    }
+    const char *number = at < len ? numbers[mu_random_between(r, 0, 15)] : "";
+    memcpy(to, sample, at);
+    memcpy(to + at, number, strlen(number));
+    memcpy(to + at + strlen(number), sample + end, len - end);
+    len = at + strlen(number) + len - end;
+    to[len] = '\0';
+    return len;
+}
+
 #endif

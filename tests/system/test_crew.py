@@ -58,6 +58,22 @@ def test_no_room_for_all():
         check("no free place for robot 'w_" in done.stderr, done.stderr)
 
 
+def test_more_names_than_fit_into_a_mail():
+    names = [f"a_robot_with_a_long_name_{i}" for i in range(50)]
+    with folder() as out:
+        found = []
+        for targets in ("robots", f"[{', '.join(names)}]"):
+            path = crowd(out, 2, robots=50)
+            text = path.read_text().replace("name: w,", "name: a_robot_with_a_long_name,")
+            path.write_text(text[:text.index("observer")] +
+                            f"observer:\n  - {{at: 0, do: {targets}, line: (wander)}}\n")
+            done, summary = experiment_run(out / "run", "--duration", "1", file=path)
+            check(summary, f"no summary: {done.stderr}")
+            found.append({r["name"]: r["mail_sent"] for r in summary["robots"]})
+        check(min(found[0].values()) > 5, f"a robot that did nothing: {found[0]}")
+        check_equal(found[1], found[0], "what the named robots did")
+
+
 def test_a_crew_lives_until_the_last_is_gone():
     with Processes() as processes:
         domain = new_domain()

@@ -85,7 +85,9 @@ def test_check_goes_on_behind_a_mistake_of_grammar():
         path.write_text("model ( \n model ( size [1 1]\n")
         code, lines = check_lines(path)
         check_equal(len([m for m in lines if m["kind"] == "mistake"]), 1, "mistakes")
-        check_equal(muster("world", "check", where / "nowhere.world").returncode, 3, "no file")
+        none = muster("world", "check", where / "nowhere.world")
+        check_equal(none.returncode, 3, "no file")
+        check(none.stdout.startswith(f"{where}/nowhere.world: cannot read"), none.stdout)
         check_equal(muster("world", "check").returncode, 2, "no file named")
         check_equal(muster("world", "chek", path).returncode, 2, "no such word")
 
@@ -104,6 +106,25 @@ def test_draw_is_a_picture():
         check_equal(sorted(p.name for p in where.iterdir()), ["arena.svg"], "files")
         check_equal(muster("world", "draw", ARENA, "--out", where / "no/a.svg").returncode, 9,
                     "no such folder")
+
+
+def test_what_is_no_file_stays_what_it_is():
+    """A file that is written takes the place of a file, but not that of a device or a link."""
+    with folder() as where:
+        full = where / "full"
+        full.symlink_to("/dev/full")
+        done = muster("world", "draw", ARENA, "--out", full)
+        check_equal(done.returncode, 9, "a full device")
+        check("No space left" in done.stderr, done.stderr)
+        check(full.is_symlink(), "the link is still one")
+        link = where / "link.svg"
+        link.symlink_to("picture.svg")
+        for _ in range(2):
+            check_equal(muster("world", "draw", ARENA, "--out", link).returncode, 0, "a link")
+        check(link.is_symlink(), "the link is still one")
+        check((where / "picture.svg").read_text().startswith("<svg"), "what it leads to")
+        check_equal(sorted(p.name for p in where.iterdir()), ["full", "link.svg", "picture.svg"],
+                    "files")
 
 
 MAP = """\
@@ -158,6 +179,7 @@ def test_import_says_what_is_wrong_with_a_map():
                                ("[1.0, 2.0, 0]", "[1.0]", "expected 'origin'"),
                                ("negate: 0", "mode: raw", "4:7: expected a mode"),
                                ("free_thresh: 0.196", "free_thresh: 0.9", "6:14: expected"),
+                               ("0.65\nfree_thresh: 0.196", "0.1", "1:1: expected 'free_thresh'"),
                                ("image", ": [", ":")]:
             map_write(where)
             path = where / "map.yaml"
@@ -262,6 +284,26 @@ robots:
 observer:
   - {{at: 0, do: {robot}, line: "(run)"}}
 """
+
+
+def picture(path):
+    """What a world looks like, without its name."""
+    done = muster("world", "draw", path)
+    check_equal(done.returncode, 0, done.stderr)
+    return done.stdout.split("</title>", 1)[1]
+
+
+def test_import_changes_nothing_that_can_be_seen():
+    corpus = ROOT / "tests" / "corpus" / "world"
+    worlds = [w for w in sorted(corpus.glob("*.world")) if w.name != "mistakes.world"]
+    worlds += sorted((ROOT / "worlds").glob("*.world"))
+    check(len(worlds) >= 6, worlds)
+    with folder() as where:
+        for world in worlds:
+            out = where / world.name
+            done = muster("world", "import", world, "--out", out)
+            check_equal(done.returncode, 0, done.stderr)
+            check(picture(out) == picture(world), f"{world.name} looks different")
 
 
 def world_drive(path, seconds):

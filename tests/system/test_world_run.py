@@ -108,6 +108,16 @@ def test_pace_and_a_sensor_that_nobody_reads_leave_the_hash():
         check_equal(len(hashes), 1, f"{hashes}")
 
 
+def test_the_slowest_and_the_fastest_pace():
+    """The run ends at once behind the second order, and has answered it all the same."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "5")
+        slow = done_at(domain, "pace", "1e-300")
+        check(slow <= done_at(domain, "pace", "1e300") <= slow + 1, "it stands meanwhile")
+        check_equal(run.wait(60), 0, "the run ends well")
+
+
 def test_without_a_simulator_nobody_answers():
     done = world(new_domain(), "reset")
     check_equal((done.returncode, done.stdout), (4, ""), done.stderr)

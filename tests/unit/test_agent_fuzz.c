@@ -364,7 +364,7 @@ static const char *entry(void *self, enum mind_list list, const char *of, size_t
     return of && index == 0 ? "red" : NULL;
 }
 
-static void mind_begin(struct fuzz *f)
+static void fuzz_open(struct fuzz *f)
 {
     struct mu_fault fault;
     if (f->minds > 0) {
@@ -465,7 +465,7 @@ static void answers(struct fuzz *f)
     }
     f->broken += gone;
     if (gone || ++f->lines_of_mind >= LINES_A_MIND) {
-        mind_begin(f);
+        fuzz_open(f);
     }
 }
 
@@ -480,7 +480,7 @@ static void fuzz_begin(struct fuzz *f, const char *name)
     uint64_t seed = setting("MUSTER_SEED", 61);
     printf("seed %llu ", (unsigned long long)seed);
     mu_random_seed(&f->random, seed, name);
-    mind_begin(f);
+    fuzz_open(f);
 }
 
 static void test_lines(void)
@@ -537,7 +537,7 @@ static void test_files(void)
         step_do(f);
         answers(f);
         if (i % 100 == 99) {
-            mind_begin(f); /* what was loaded stays, and adds up */
+            fuzz_open(f); /* what was loaded stays, and adds up */
         }
     }
     CU_ASSERT(loaded > 0 && loaded < rounds);

@@ -54,6 +54,20 @@ static void test_without_a_file(void)
     CU_ASSERT_FALSE(trust_allows_some(&t, &red));
 }
 
+static void test_consoles_are_the_operator(void)
+{
+    CU_ASSERT_EQUAL(policy("allow operator direct all\n"
+                           "deny operator direct green\n"
+                           "deny operator-7 direct blue"),
+                    MU_OK);
+    CU_ASSERT_TRUE(allows("operator-12", muster_KIND_SPECIAL, "blue", muster_KIND_ROBOT));
+    CU_ASSERT_FALSE(allows("operator-7", muster_KIND_SPECIAL, "blue", muster_KIND_ROBOT));
+    CU_ASSERT_FALSE(allows("operator-12", muster_KIND_SPECIAL, "green", muster_KIND_ROBOT));
+    CU_ASSERT_FALSE(allows("operator-12", muster_KIND_AGENT, "blue", muster_KIND_ROBOT));
+    CU_ASSERT_FALSE(allows("operator-x", muster_KIND_SPECIAL, "blue", muster_KIND_ROBOT));
+    CU_ASSERT_FALSE(allows("operator-", muster_KIND_SPECIAL, "blue", muster_KIND_ROBOT));
+}
+
 static void test_the_last_line_that_fits_decides(void)
 {
     CU_ASSERT_EQUAL(policy("allow red direct all\n"
@@ -347,6 +361,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"without a file", test_without_a_file},
+        {"consoles are the operator", test_consoles_are_the_operator},
         {"the last line that fits decides", test_the_last_line_that_fits_decides},
         {"groups and roles are asked for", test_groups_and_roles_are_asked_for},
         {"mistakes are named", test_mistakes_are_named},

@@ -23,11 +23,13 @@ static struct mu_fault fault;
 static struct report_result result;
 
 /* A room of 4 m x 2 m of floor: 32 cells; the box around its walls is larger. */
+#define STANDS .look = {.stops = true, .echoes = true}
+
 static struct world_shape walls[] = {
-    {.kind = WORLD_BOX, .pose = {2, -0.05, 0}, .half_x_m = 2.1, .half_y_m = 0.05},
-    {.kind = WORLD_BOX, .pose = {2, 2.05, 0}, .half_x_m = 2.1, .half_y_m = 0.05},
-    {.kind = WORLD_BOX, .pose = {-0.05, 1, 0}, .half_x_m = 0.05, .half_y_m = 1.1},
-    {.kind = WORLD_BOX, .pose = {4.05, 1, 0}, .half_x_m = 0.05, .half_y_m = 1.1},
+    {STANDS, .kind = WORLD_BOX, .pose = {2, -0.05, 0}, .half_x_m = 2.1, .half_y_m = 0.05},
+    {STANDS, .kind = WORLD_BOX, .pose = {2, 2.05, 0}, .half_x_m = 2.1, .half_y_m = 0.05},
+    {STANDS, .kind = WORLD_BOX, .pose = {-0.05, 1, 0}, .half_x_m = 0.05, .half_y_m = 1.1},
+    {STANDS, .kind = WORLD_BOX, .pose = {4.05, 1, 0}, .half_x_m = 0.05, .half_y_m = 1.1},
 };
 static struct world world = {.file = "room.world",
                              .min_x_m = 0,
@@ -195,6 +197,9 @@ static void test_things_at_the_end(void)
     CU_ASSERT(result.judged[3] && !result.met[3]); /* there is no such thing */
     CU_ASSERT_FALSE(result.all_met);
     CU_ASSERT(file_has("summary.json", "\"name\": \"puck_b\",\n      \"x_m\": 1,"));
+    wanted[0].from_s = wanted[3].from_s = 3; /* the duration */
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(!result.judged[0] && !result.judged[3] && result.all_met);
     input.objects_count = 0;
     experiment.expect = expectations;
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -322,19 +327,22 @@ static void test_explored_floor_ends_at_walls(void)
     /* A wall in the middle: what lies behind it is no floor. */
     static struct world_shape split[5];
     memcpy(split, walls, sizeof walls);
-    split[4] = (struct world_shape){
-        .kind = WORLD_BOX, .pose = {1, 2, M_PI / 2}, .half_x_m = 2, .half_y_m = 0.01};
+    split[4] = (struct world_shape){STANDS, .kind = WORLD_BOX, .pose = {1, 2, M_PI / 2},
+                                    .half_x_m = 2, .half_y_m = 0.01};
     world.shapes = split;
     world.shape_count = 5;
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.25,0.25,0,0,0,0\n"), MU_OK);
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 8, 1e-12);
     /* A cell that is mostly wall is none, unless a robot was in what is left of it. */
-    split[4] = (struct world_shape){
-        .kind = WORLD_BOX, .pose = {0.175, 0.25, 0}, .half_x_m = 0.175, .half_y_m = 0.25};
+    split[4] = (struct world_shape){STANDS, .kind = WORLD_BOX, .pose = {0.175, 0.25, 0},
+                                    .half_x_m = 0.175, .half_y_m = 0.25};
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.75,0.25,0,0,0,0\n"), MU_OK);
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 31, 1e-12);
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.45,0.25,0,0,0,0\n"), MU_OK);
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 1.0 / 32, 1e-12);
+    split[4].look = (struct world_look){.shows = true}; /* a mark on the floor is no wall */
+    CU_ASSERT_EQUAL_FATAL(write_report(HEADER "1,red,0.25,0.25,0,0,0,0\n"), MU_OK);
+    CU_ASSERT(result.explored_fraction < 0.1);
     world.shapes = walls;
     world.shape_count = 4;
 }

@@ -358,6 +358,24 @@ static void test_out_in_the_open(void)
     engine_close(e);
 }
 
+static void test_a_mark_on_the_floor_slows_nobody(void)
+{
+    clear();
+    add_wall(5, 0, 0.1, 4);
+    add_wall(0, 0, 0.0005, 4); /* a line on the floor */
+    shapes[1].look = (struct world_look){.shows = true};
+    struct world_robot *r = add_robot(-1, 0, 0);
+    r->length_m = r->width_m = 0.02;
+    r->forward_max_m_s = 1;
+    r->forward_accel_m_s2 = 5;
+    struct engine *e = start(1);
+    drive(e, 0, 1, 0);
+    struct engine_percept p = run(e, 0, 20);
+    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 1, 1e-6);
+    CU_ASSERT(p.pose.x_m > 0.5);
+    engine_close(e);
+}
+
 static void test_all_are_sensed_as_one_is(void)
 {
     clear();
@@ -401,6 +419,7 @@ int main(void)
         {"sonar geometry", test_sonar_geometry},
         {"the same bits again, and flat", test_the_same_bits_again_and_flat},
         {"out in the open", test_out_in_the_open},
+        {"a mark on the floor slows nobody", test_a_mark_on_the_floor_slows_nobody},
         {"all are sensed as one is", test_all_are_sensed_as_one_is},
         CU_TEST_INFO_NULL,
     };

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STILL = 160, MOVING = 60, BEAMS = 361, SCENES = 40 };
+enum { STILL = 160, MOVING = 60, BEAMS = 361, SCENES = 40, RAYS = 27 };
 
 static struct solid still[STILL];
 static struct solid moving[MOVING];
@@ -196,6 +196,92 @@ static void test_every_vector_unit_gives_the_same_bits(void)
     }
 }
 
+/* --- rays from anywhere ----------------------------------------------------------------------- */
+
+static void any_rays(struct fan_rays *rays, const struct scene *scene)
+{
+    rays->count = (size_t)mu_random_between(&dice, 1, RAYS);
+    rays->returns = scene->eye.returns;
+    for (size_t k = 0; k < RAYS + FAN_PAD; k++) {
+        double turn = mu_random_unit(&dice) < 0.2 ? M_PI / 2 : between(-M_PI, M_PI);
+        rays->from_x[k] = scene->eye.x + between(-0.3, 0.3);
+        rays->from_y[k] = scene->eye.y + between(-0.3, 0.3);
+        rays->along_x[k] = cos(turn);
+        rays->along_y[k] = sin(turn);
+        rays->range_m[k] = between(0, scene->eye.range_m);
+    }
+}
+
+/* The range of one ray, by a look at everything. */
+static double range_alone(const struct fan_rays *rays, size_t k, int32_t self, double best)
+{
+    const double from[2] = {rays->from_x[k], rays->from_y[k]};
+    const double along[2] = {rays->along_x[k], rays->along_y[k]};
+    for (int i = 0; i < STILL + MOVING; i++) {
+        const struct solid *solid = i < STILL ? &still[i] : &moving[i - STILL];
+        if ((solid->returns & rays->returns) && solid->owner != self) {
+            best = solid_ray(solid, from, along, best);
+        }
+    }
+    return best;
+}
+
+/* @return how many rays differ from those that go alone; counts what was cast and what was met */
+static size_t rays_wrong(struct fan_rays *rays, size_t *cast, size_t *hit)
+{
+    static double limit_m[RAYS];
+    struct scene scene = any_scene(10);
+    size_t wrong = 0;
+    any_rays(rays, &scene);
+    memcpy(limit_m, rays->range_m, sizeof limit_m);
+    struct gather_circle circle = {scene.eye.x, scene.eye.y, scene.eye.range_m + 0.5};
+    if (!gather_cast(&gather, &circle, scene.self, rays, list.found)) {
+        return memcmp(limit_m, rays->range_m, sizeof limit_m) != 0;
+    }
+    for (size_t k = 0; k < rays->count; k++) {
+        double alone = range_alone(rays, k, scene.self, limit_m[k]);
+        wrong += rays->range_m[k] != alone; /* to the last bit */
+        *hit += alone < limit_m[k];
+    }
+    *cast += rays->count;
+    return wrong;
+}
+
+static void test_rays_at_once_equal_rays_alone(void)
+{
+    struct fan_rays rays;
+    fan_rays_init(&rays, RAYS + FAN_PAD);
+    for (size_t n = 0; fan_name(n); n++) {
+        size_t wrong = 0;
+        size_t cast = 0;
+        size_t hit = 0;
+        CU_ASSERT_TRUE_FATAL(fan_choose(fan_name(n)));
+        for (int round = 0; round < 400; round++) {
+            scatter_moving(round % 4 == 3 ? 20 : 9);
+            wrong += rays_wrong(&rays, &cast, &hit);
+        }
+        CU_ASSERT_EQUAL(wrong, 0);
+        CU_ASSERT(cast > 800 && hit > 200);
+    }
+}
+
+static void test_too_much_that_is_near_is_refused(void)
+{
+    struct fan_rays rays;
+    fan_rays_init(&rays, 1);
+    rays.count = 1;
+    rays.range_m[0] = 100;
+    rays.along_x[0] = 1;
+    CU_ASSERT_TRUE_FATAL(fan_choose("portable"));
+    CU_ASSERT(fan_kernel()->crowd < STILL + MOVING);
+    struct gather_circle circle = {0, 0, 0.1};
+    CU_ASSERT_TRUE(gather_cast(&gather, &circle, GRID_NOBODY, &rays, list.found));
+    circle.reach_m = 100;
+    rays.range_m[0] = 100;
+    CU_ASSERT_FALSE(gather_cast(&gather, &circle, GRID_NOBODY, &rays, list.found));
+    CU_ASSERT_EQUAL(rays.range_m[0], 100);
+}
+
 static void test_unknown_vector_units_are_refused(void)
 {
     const char *before = fan_kernel()->name;
@@ -277,6 +363,8 @@ int main(void)
     CU_TestInfo tests[] = {
         {"fans equal single rays", test_fans_equal_single_rays},
         {"every vector unit gives the same bits", test_every_vector_unit_gives_the_same_bits},
+        {"rays at once equal rays alone", test_rays_at_once_equal_rays_alone},
+        {"too much that is near is refused", test_too_much_that_is_near_is_refused},
         {"unknown vector units are refused", test_unknown_vector_units_are_refused},
         {"collections are complete and say each once",
          test_collections_are_complete_and_say_each_once},

@@ -109,7 +109,7 @@ static void test_neighbours_are_complete(void)
         for (uint32_t i = 0; i < MOVING; i++) {
             unsigned met_still[STILL] = {0};
             unsigned met_moving[MOVING] = {0};
-            grid_near(&grid, i, &near);
+            grid_near(&grid, i, moving[i].reach, &near);
             for (size_t k = 0; k < near.still_count; k++) {
                 twice += met_still[near.still[k]]++;
             }

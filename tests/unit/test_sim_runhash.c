@@ -266,6 +266,47 @@ static void test_mails_from_outside(void)
     CU_ASSERT_NOT_EQUAL(memcmp(two, swapped, RUNHASH_BYTES), 0);
 }
 
+/* The hash of a run of one order. */
+static void order_hash(const muster_RunCommand *order, char text[RUNHASH_TEXT])
+{
+    struct runhash *run = runhash_open();
+    runhash_order(run, order);
+    runhash_end(run, text);
+}
+
+static void test_an_order_is_what_it_does(void)
+{
+    muster_RunCommand base = {.source = words("a"), .name = words("red"), .file = words("")};
+    muster_RunCommand changed[14];
+    char texts[14][RUNHASH_TEXT], same[RUNHASH_TEXT];
+    for (size_t i = 0; i < 14; i++) {
+        changed[i] = base;
+    }
+    changed[1].order = muster_RUN_PLACE;
+    changed[2].name = words("blue");
+    double *const numbers[] = {&changed[3].x_m,         &changed[4].y_m,
+                               &changed[5].heading_rad, &changed[6].force_x_n,
+                               &changed[7].force_y_n,   &changed[8].torque_nm,
+                               &changed[9].time_s};
+    for (size_t i = 0; i < 7; i++) {
+        *numbers[i] = 0.5;
+    }
+    changed[10].keeps_heading = true;
+    changed[11].senses = 2;
+    changed[12].on = true;
+    changed[13].x_m = -0.0;
+    for (size_t i = 0; i < 14; i++) {
+        order_hash(&changed[i], texts[i]);
+        for (size_t k = 0; k < i; k++) {
+            CU_ASSERT_STRING_NOT_EQUAL(texts[k], texts[i]);
+        }
+    }
+    base.source = words("b"); /* who said it, and as which of its orders, changes nothing */
+    base.seq = 7;
+    order_hash(&base, same);
+    CU_ASSERT_STRING_EQUAL(same, texts[0]);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -275,6 +316,7 @@ int main(void)
         {"the order of a run matters", test_the_order_of_a_run_matters},
         {"when an act is digested does not matter", test_when_an_act_is_digested_does_not_matter},
         {"mails from outside", test_mails_from_outside},
+        {"an order is what it does", test_an_order_is_what_it_does},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"sim/runhash", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};

@@ -121,7 +121,7 @@ static void test_it_goes_on_as_if_nothing_had_been(void)
 static void test_at_any_step(void)
 {
     const char *reason;
-    bool held;
+    bool held = false;
     for (unsigned at = 3; at < 300; at += 27) {
         struct engine *e = start_crowd(2);
         (void)live(e, 0, at, &held);
@@ -158,7 +158,7 @@ static void check_refused(struct engine *e, size_t size, mu_result want)
 
 static void test_what_is_broken_changes_nothing(void)
 {
-    bool held;
+    bool held = false;
     struct engine *e = start_crowd(1);
     size_t size = engine_save_size(e);
     (void)live(e, 0, 20, &held);
@@ -182,7 +182,7 @@ static void test_poison_is_refused(void)
 {
     static const double poison[] = {(double)NAN, (double)INFINITY, 1e300};
     const char *reason;
-    bool held;
+    bool held = false;
     struct engine *e = start_crowd(1);
     size_t size = engine_save_size(e);
     (void)live(e, 0, 20, &held);
@@ -203,6 +203,30 @@ static void test_poison_is_refused(void)
     for (size_t b = 0; b < engine_body_count(e); b++) {
         CU_ASSERT(fabs(engine_pose(e, b).x_m) < 3);
     }
+    engine_close(e);
+}
+
+/* What the sensors read is not part of it: who goes on looks anew, in whatever process. */
+static void test_sensors_look_anew(void)
+{
+    const char *reason;
+    physics_clear();
+    physics_wall(5, 0, 0.1, 4);
+    struct world_robot *r = physics_robot(0, 0, 0);
+    r->laser = (struct world_laser){.range_max_m = 8, .fov_rad = 1, .samples = 3};
+    r->period_ns[WORLD_LASER] = 10000000000;
+    struct engine *e = physics_start(1);
+    CU_ASSERT_DOUBLE_EQUAL((double)physics_run(e, 0, 1).laser_m[1], 4.9, 1e-6);
+    physics_drive(e, 0, 0.5, 0);
+    struct engine_percept p = physics_run(e, 0, 20);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.laser_m[1], 4.9, 1e-6); /* it stands */
+    CU_ASSERT(p.pose.x_m > 0.5);
+    size_t size = engine_save_size(e);
+    CU_ASSERT_FATAL(size <= ROOM);
+    engine_save(e, bytes);
+    CU_ASSERT_EQUAL(engine_restore(e, bytes, size, &reason), MU_OK);
+    p = physics_run(e, 0, 0);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.laser_m[1], 4.9 - p.pose.x_m, 1e-6);
     engine_close(e);
 }
 
@@ -228,6 +252,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"it goes on as if nothing had been", test_it_goes_on_as_if_nothing_had_been},
         {"at any step", test_at_any_step},
+        {"sensors look anew", test_sensors_look_anew},
         {"what is broken changes nothing", test_what_is_broken_changes_nothing},
         {"poison is refused", test_poison_is_refused},
         {"another world is refused", test_another_world_is_refused},

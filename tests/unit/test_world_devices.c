@@ -291,6 +291,8 @@ static void test_mistakes(void)
         {"gps_noise [-1]", "0 or more"},
         {"lasr ( )", "did you mean 'laser'"},
         {"fiducial_return 1e12", "fiducial_return"},
+        {"velocity_bounds [0 1e9 0 0 0 0 0 0]", "up to 100000"},
+        {"localization_origin [1e9 0 0 0]", "within 100000 m"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char text[256];
@@ -300,6 +302,8 @@ static void test_mistakes(void)
         CU_ASSERT_EQUAL(fault.line, 2);
     }
     CU_ASSERT_PTR_NULL(load("unit_length inch"));
+    CU_ASSERT_PTR_NULL(load("unit_angle radians model ( pose [0 0 0 1e308] )"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "a smaller number"));
     CU_ASSERT_PTR_NULL(load("seed -1"));
     CU_ASSERT_PTR_NULL(load("model ( name \"a\" movable 1 ) model ( name \"a\" movable 1 )"));
     CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "another name"));

@@ -211,7 +211,7 @@ static void test_mistakes_are_refused_with_their_place(void)
         {"position ( name \"3x\" )", 1, "found '3x'"},
         {"position ( name \"all\" )", 1, "reserved"},
         {"position ( name 3 )", 1, "expected a text for 'name'"},
-        {"position ( mass 0 )", 1, "mass above 0"},
+        {"position ( mass 0 )", 1, "'mass' of 0.001 to 1e+06"},
         {"position ( velocity_bounds [1 2 0 0 0 0 0 0] )", 1, "min <= 0 <= max"},
         {"position ( velocity_bounds [-1 1] )", 1, "expected 8 numbers"},
         {"position ( acceleration_bounds [0 0 0 0 0 0 0 0] )", 1, "could not move"},

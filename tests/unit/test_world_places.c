@@ -152,7 +152,7 @@ static void test_worlds_of_no_size(void)
         "# nothing\n",
         "position ( )",
         "model ( size [1e-9 1e-9] )",
-        "model ( movable 1 size [1e-9 1e-9] )",
+        "model ( movable 1 size [1e-3 1e-3] )",
         "window ( size [0 0] )",
         "model ( size [1e-9 1e-9] boundary 1 )",
     };
@@ -163,6 +163,10 @@ static void test_worlds_of_no_size(void)
         CU_ASSERT(isfinite(w->min_x_m) && isfinite(w->max_y_m) && w->min_x_m <= w->max_x_m);
     }
     CU_ASSERT_PTR_NULL(load("model ( size [0 0 0] )"));
+    CU_ASSERT_PTR_NULL(load("model ( movable 1 size [1e-4 1] )"));
+    CU_ASSERT_PTR_NULL(load("position ( size [1 1e-4] )"));
+    CU_ASSERT_PTR_NULL(load("position ( size [1 1001] )"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "a body of 0.001 to 1000 m"));
     CU_ASSERT_PTR_NULL(load("distribute ( model a ) define a position ( )"));
 }
 

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Consoles that look at a robot: long answers in pieces, and what its rules print and what is
+ * watched, for as many pieces as a console says that it has room for.
+ *
+ * docs/console.md has the whole of it.  Nothing here waits: what a console has no room for is
+ * counted, and the next piece that it gets says how many lines it has missed.
+ */
+#include "agent/robot.h"
+#include "core/log.h"
+#include "core/pieces.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct console *console_find(struct robot *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->console_count; i++) {
+        if (strcmp(r->consoles[i].name, name) == 0) {
+            return &r->consoles[i];
+        }
+    }
+    return NULL;
+}
+
+static void console_leave(struct robot *r, const char *name)
+{
+    struct console *c = console_find(r, name);
+    if (c) {
+        size_t behind = (size_t)(&r->consoles[--r->console_count] - c);
+        memmove(c, c + 1, behind * sizeof *c);
+    }
+}
+
+/* --- what they see ---------------------------------------------------------------------------- */
+
+static uint32_t lines_count(const char *text)
+{
+    uint32_t lines = 0;
+    for (; *text; text++) {
+        lines += *text == '\n' || text[1] == '\0';
+    }
+    return lines;
+}
+
+/* Sends a console one piece.  @return whether it has room for it */
+static bool trace_send(struct robot *r, struct console *c, const char *piece)
+{
+    char lost[MU_FIELD_MAX + 1];
+    snprintf(lost, sizeof lost, "lost %llu", (unsigned long long)c->lost);
+    struct mu_mail mail = {.dst = c->name,
+                           .performative = "trace",
+                           .language = "text",
+                           .ontology = lost,
+                           .content = piece};
+    if (c->credit == 0 || mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        return false;
+    }
+    c->credit--;
+    c->lost = 0;
+    return true;
+}
+
+/* Everything that its consoles have not been told of yet. */
+static void trace_flush(struct robot *r)
+{
+    struct crew *crew = r->crew;
+    char *piece = crew->answer; /* nobody answers just now */
+    for (uint32_t i = 0; i < r->console_count; i++) {
+        struct console *c = &r->consoles[i];
+        const char *at = crew->trace.at;
+        while (mu_pieces_next(&at, piece, ROBOT_ANSWER_MAX)) {
+            c->lost += trace_send(r, c, piece) ? 0 : lines_count(piece);
+        }
+        c->lost += crew->trace_cut;
+    }
+    mu_text_clear(&crew->trace);
+    crew->trace_cut = 0;
+    crew->traced = NULL;
+}
+
+void robot_console_flush(struct robot *r)
+{
+    if (r->crew->traced == r) {
+        trace_flush(r);
+    }
+}
+
+bool robot_console_print(struct robot *r, const char *text)
+{
+    struct crew *crew = r->crew;
+    if (r->console_count == 0) {
+        return false;
+    }
+    if (crew->traced && crew->traced != r) {
+        trace_flush(crew->traced);
+    }
+    crew->traced = r;
+    if (crew->trace.len + strlen(text) < crew->trace.size) {
+        mu_text_add(&crew->trace, text);
+    } else {
+        crew->trace_cut += strchr(text, '\n') != NULL;
+    }
+    return true;
+}
+
+/* --- what they ask ---------------------------------------------------------------------------- */
+
+/* Sends the crew's listing in pieces, each of which says which of how many it is. */
+static void listing_send(struct robot *r, const struct mu_mail *asked, bool done)
+{
+    struct crew *crew = r->crew;
+    char of[MU_FIELD_MAX + 1];
+    uint32_t count = mu_pieces_count(crew->listing.at, ROBOT_ANSWER_MAX);
+    const char *at = crew->listing.at;
+    mu_result sent = MU_OK;
+    for (uint32_t i = 1; i <= count && sent == MU_OK; i++) {
+        (void)mu_pieces_next(&at, crew->answer, ROBOT_ANSWER_MAX);
+        snprintf(of, sizeof of, "piece %u %u", i, count);
+        sent = mu_agent_send(r->agent,
+                             &(struct mu_mail){.dst = asked->src,
+                                               .performative = done ? "inform" : "failure",
+                                               .language = "text",
+                                               .ontology = of,
+                                               .in_reply_to = asked->reply_with,
+                                               .content = crew->answer},
+                             NULL);
+    }
+    if (sent != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s why=%s", asked->src, mu_result_text(sent));
+    }
+}
+
+static const char listing_cut[] = "\n[the answer is longer than 256 KiB: the rest is left out]\n";
+
+bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
+                          mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out))
+{
+    struct mu_text *listing = &r->crew->listing;
+    robot_console_flush(r); /* what happened before comes before */
+    mu_text_clear(listing);
+    bool done = ask(r->mind, asked->content, listing) == MU_OK;
+    if (listing->cut) {
+        listing->len -= sizeof listing_cut;
+        listing->at[listing->len] = '\0';
+        mu_text_add(listing, listing_cut);
+    }
+    listing_send(r, asked, done);
+    return done;
+}
+
+static mu_result words_list(struct mind *m, const char *line, struct mu_text *out)
+{
+    (void)line;
+    mind_words(m, out);
+    return MU_OK;
+}
+
+void robot_console_words(struct robot *r, const struct mu_mail *asked)
+{
+    (void)robot_console_answer(r, asked, words_list);
+}
+
+/* The oldest gives way, which may be one that was killed; it is told. */
+static void console_push_out(struct robot *r)
+{
+    struct mu_mail mail = {.dst = r->consoles[0].name,
+                           .performative = "trace",
+                           .language = "text",
+                           .content = "[other consoles have come: this one sees no more of what is "
+                                      "watched]\n"};
+    if (mu_agent_send(r->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail.dst);
+    }
+    r->console_count--;
+    memmove(r->consoles, r->consoles + 1, r->console_count * sizeof r->consoles[0]);
+}
+
+/* @return the one of that name, there already or new, and the youngest then */
+static struct console *console_enter(struct robot *r, const char *name)
+{
+    console_leave(r, name);
+    if (r->console_count == ROBOT_CONSOLES_MAX) {
+        console_push_out(r);
+    }
+    struct console *c = &r->consoles[r->console_count++];
+    *c = (struct console){.credit = 0};
+    mu_text_copy(c->name, sizeof c->name, name);
+    return c;
+}
+
+/* "attach N", "more N": room for N more pieces; "detach". */
+void robot_console_directive(struct robot *r, const struct mu_mail *mail)
+{
+    const char *count = strchr(mail->content, ' ');
+    size_t len = count ? (size_t)(count - mail->content) : strlen(mail->content);
+    bool attaches = len == 6 && strncmp(mail->content, "attach", len) == 0;
+    if (len == 6 && strncmp(mail->content, "detach", len) == 0) {
+        console_leave(r, mail->src);
+        return;
+    }
+    struct console *c = attaches ? console_enter(r, mail->src) : console_find(r, mail->src);
+    unsigned long more = count ? strtoul(count, NULL, 10) : 0;
+    if (c) {
+        unsigned long credit = c->credit + (more < ROBOT_CREDIT_MAX ? more : 0);
+        c->credit = credit < ROBOT_CREDIT_MAX ? (uint32_t)credit : ROBOT_CREDIT_MAX;
+    }
+    if (mail->reply_with[0] && mu_agent_reply(r->agent, mail, "inform", mail->content) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}

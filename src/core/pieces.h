@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file pieces.h
+ * A long text in pieces that mails can carry: each ends with a line where it can, and never inside
+ * a character of UTF-8.
+ */
+#ifndef MUSTER_CORE_PIECES_H
+#define MUSTER_CORE_PIECES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * Copies the next piece and moves on.
+ *
+ * @param at    where the rest of the text begins; moved behind the piece
+ * @param size  bytes of piece with its zero; at least 8
+ * @return whether there was anything left
+ */
+bool mu_pieces_next(const char **at, char *piece, size_t size);
+
+/** @return how many pieces a text has; 1 for an empty one */
+uint32_t mu_pieces_count(const char *text, size_t size);
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file console_link.h
+ * A console's side of the mail between it and the agent that it is for: lines that wait for their
+ * answers, the answers' pieces, what is watched, the words that are completed.
+ *
+ * Knows no terminal: what is to be seen goes to show.  docs/console.md has the directives.
+ */
+#ifndef MUSTER_CTL_CONSOLE_LINK_H
+#define MUSTER_CTL_CONSOLE_LINK_H
+
+#include "ctl/operator.h"
+
+enum {
+    CONSOLE_PENDING_MAX = 64,       /* lines that wait for their answers */
+    CONSOLE_CREDIT = 64,            /* pieces of what is watched that may be under way */
+    CONSOLE_WORDS_MAX = 128 * 1024, /* bytes of the words that are completed */
+    CONSOLE_FORM_SHOWN = 48         /* bytes of a line that are shown with its failure */
+};
+
+enum console_kind {
+    CONSOLE_ANSWER,  /* what a line printed */
+    CONSOLE_FAILURE, /* the same of a line that failed */
+    CONSOLE_TRACE,   /* what rules print, and what is watched */
+    CONSOLE_NOTE     /* what the console says itself; a whole line */
+};
+
+struct console_pending {
+    uint64_t seq;    /* of the mail */
+    uint64_t number; /* of the line */
+    unsigned piece;  /* of the answer, that came last */
+};
+
+struct console_link {
+    struct operator op;
+    struct operator_hooks hooks;
+    const char *agent; /* whom it is for */
+    /* Lines that wait, oldest first. */
+    struct console_pending pending[CONSOLE_PENDING_MAX];
+    size_t pending_count;
+    uint64_t lines;    /* sent so far */
+    unsigned failures; /* lines that failed */
+    int code;          /* exit code of the last line that was not delivered, or MU_EXIT_DONE */
+    uint64_t heard_ns; /* when something came for a line last */
+    bool attached;
+    unsigned used;      /* pieces that came since room was given for more */
+    uint32_t agent_pid; /* of the life that it is attached to */
+    char words[CONSOLE_WORDS_MAX];
+    size_t words_len;
+    uint64_t words_asked; /* number of the question, or 0: none is under way */
+    bool words_stale;     /* a line may have changed them */
+    void *self;           /* of show */
+    void (*show)(void *self, enum console_kind kind, const char *text);
+};
+
+/**
+ * Joins as a further operator, and looks for the agent.
+ *
+ * @return MU_EXIT_DONE; MU_EXIT_NO_AGENT: there is none of that name, or it is absent; others as
+ *         operator_join; explained
+ */
+int console_link_open(struct console_link *l, struct operator_options *options, const char *agent);
+
+/** Says goodbye and leaves. */
+void console_link_close(struct console_link *l);
+
+/** Asks for what rules print and what is watched. */
+void console_link_attach(struct console_link *l);
+
+/** Sends a line.  @return MU_OK; MU_FULL: as many as it can wait for are under way */
+MU_MUST_USE mu_result console_link_line(struct console_link *l, const char *line);
+
+/** Asks for the words anew. */
+void console_link_ask_words(struct console_link *l);
+
+/** Handles what is there, or waits for it.  @return MU_OK, or MU_DONE: the bus is gone */
+mu_result console_link_spin(struct console_link *l, int64_t timeout_ns);
+
+/** Gives up the lines that wait. */
+void console_link_forget(struct console_link *l);
+
+/** @return the agent's state as the white pages have it */
+enum mu_state console_link_state(const struct console_link *l);
+
+#endif
