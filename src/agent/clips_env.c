@@ -69,6 +69,9 @@ static int env_route_query(void *env, const char *name)
     (void)env;
     static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT, WDISPLAY,
                                          WDIALOG,  WERROR,  WWARNING, WTRACE};
+    if (name[0] != 's' && name[0] != 't' && name[0] != 'w') { /* asked at each byte of a file */
+        return FALSE;
+    }
     for (size_t i = 0; i < sizeof routes / sizeof routes[0]; i++) {
         if (strcmp(name, routes[i]) == 0) {
             return TRUE;
