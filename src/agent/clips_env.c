@@ -284,11 +284,10 @@ static void env_clear(struct mind *m)
     const struct mind before = {.scratch = m->scratch,
                                 .text = m->text,
                                 .form = m->form,
-                                .places = m->places,
                                 .messages = m->messages,
-                                .parked = m->parked};
+                                .parked = m->parked,
+                                .places = m->places};
     *m = before;
-    clips_place_clear(m);
 }
 
 static mu_result env_take_options(struct mind *m, const struct mind_options *options,

@@ -34,8 +34,9 @@
     X("laser", 'u', clips_sense_laser, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
-      "from, counted from 0 at the right; `()` if the body has no laser, or no call of laser was " \
-      "there before this step: a body reads only what rules look at") \
+      "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
+      "the body has no laser, or no call of laser was there before this step: a body reads only " \
+      "what rules look at") \
     X("camera", 'm', clips_sense_camera, "01k", \
       "(camera [color])", \
       "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \

@@ -26,13 +26,14 @@ static void load_note_error(void *env, const char *file, const char *warning, co
 void clips_load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
+    clips_place_install(m);
 }
 
 void clips_load_reserve(struct mind *m)
 {
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
-    m->form = mu_startup_alloc(CLIPS_FILE_MAX);
     clips_place_reserve(m);
+    m->form = mu_startup_alloc(CLIPS_FILE_MAX);
 }
 
 /* Reads a file onto the stack of texts. */

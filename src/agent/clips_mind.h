@@ -232,7 +232,7 @@ MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, str
 
 /* clips_place.c */
 void clips_place_reserve(struct mind *m);
-void clips_place_clear(struct mind *m);
+void clips_place_install(struct mind *m);
 
 /** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
 void clips_place_note(struct mind *m, const char *form, const char *path, int line);

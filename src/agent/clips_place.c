@@ -24,7 +24,7 @@ void clips_place_reserve(struct mind *m)
     m->places = mu_startup_alloc(sizeof *m->places);
 }
 
-void clips_place_clear(struct mind *m)
+void clips_place_install(struct mind *m)
 {
     m->places->count = 0;
     m->places->file_count = 0;

@@ -20,6 +20,7 @@
 
 static const int64_t ROUND_NS = 20000000;
 static const int ROUND_MS = 100;
+static const uint64_t SILENCE_NS = 3000000000; /* a busy machine may be that busy */
 static const uint64_t WORDS_PATIENCE_NS = 400000000;
 
 enum { INPUT_BYTES = 4096 };
@@ -36,6 +37,7 @@ struct console {
     bool hidden;               /* it stood there, and something was printed over it */
     bool at_margin;            /* what was printed last ended with a line */
     bool over;                 /* the person leaves, or there is nobody to talk to */
+    uint64_t heard_ns;         /* when there was a broker last */
     enum mu_state state;       /* that the prompt shows */
 };
 
@@ -143,8 +145,11 @@ static void round_spin(struct console *c, int64_t timeout_ns)
     if (console_link_spin(&c->link, timeout_ns) != MU_OK) {
         c->over = true;
     }
-    if (!c->over && !mu_process_has_broker(c->link.op.process)) {
-        note(c, "muster console: the broker is gone");
+    c->heard_ns = mu_process_has_broker(c->link.op.process) ? mu_clock_ns() : c->heard_ns;
+    bool is_alone = mu_clock_ns() - c->heard_ns > SILENCE_NS;
+    if (!c->over && (is_alone || c->link.op.refused)) {
+        note(c, is_alone ? "muster console: the broker is gone"
+                         : "muster console: it was away, and another one has its name now");
         c->link.code = MU_EXIT_DDS;
         c->over = true;
     }
@@ -349,6 +354,7 @@ static int console_live(struct console *c, const char *agent)
     if (code != MU_EXIT_DONE) {
         return code;
     }
+    c->heard_ns = mu_clock_ns();
     struct sigaction note_it = {.sa_handler = interrupt_note};
     sigaction(SIGINT, &note_it, NULL);
     c->colors = terminal && term && strcmp(term, "dumb") != 0 && !(plain && plain[0]);

@@ -188,7 +188,9 @@ static void on_mail(void *self, const struct mu_mail *mail)
     unsigned long long number;
     bool ours = strcmp(mail->src, l->agent) == 0;
     if (ours && strcmp(mail->performative, "trace") == 0) {
-        trace_take(l, mail);
+        if (l->attached) { /* else it was for an earlier console of our name */
+            trace_take(l, mail);
+        }
     } else if (ours && sscanf(mail->in_reply_to, "line-%llu", &number) == 1) {
         answer_take(l, mail, number);
     } else if (ours && sscanf(mail->in_reply_to, "words-%llu", &number) == 1) {

@@ -347,6 +347,18 @@ static mu_result check_command(struct experiment_source *s, size_t index)
     return MU_OK;
 }
 
+/* What is judged from a time on must be judged at all, unless the run is cut short. */
+static mu_result check_from(struct experiment_source *s,
+                            const struct experiment_expectation *expect, int node)
+{
+    const struct experiment *e = s->experiment;
+    if (expect->from_s >= e->duration && !check_overridden(s, &e->duration)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
+                                "expected a time before the end of the run, %g s", e->duration);
+    }
+    return MU_OK;
+}
+
 static mu_result check_near(struct experiment_source *s, struct experiment_expectation *expect,
                             int node)
 {
@@ -374,10 +386,7 @@ static mu_result check_near(struct experiment_source *s, struct experiment_expec
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
                                 "expected from: a time from 0, and to: a later one");
     }
-    if (expect->from_s >= e->duration && !check_overridden(s, &e->duration)) {
-        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
-                                "expected a time before the end of the run, %g s", e->duration);
-    }
+    MU_TRY(check_from(s, expect, node));
     if (!(expect->share > 0) || expect->share > 1) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "share"),
                                 "expected a share of more than 0 and at most 1, not %g",
@@ -397,7 +406,15 @@ static mu_result check_objects(struct experiment_source *s,
         return experiment_fault(s, NULL, within ? within : node,
                                 "expected within: a distance of more than 0 m");
     }
-    return MU_OK;
+    int count = yaml_tree_child(s->tree, node, "count");
+    if (count && expect->count == 0) {
+        return experiment_fault(s, NULL, count, "expected a count of 1 or more");
+    }
+    if (!(expect->from_s >= 0)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
+                                "expected from: a time from 0");
+    }
+    return check_from(s, expect, node);
 }
 
 /* @return MU_OK, or what is wrong: a key that belongs to another expectation */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { DRAW_MARGIN = 44, DRAW_NAMED_MAX = 60, DRAW_FIELDS_MAX = 60 };
+enum { DRAW_MARGIN = 44, DRAW_NAMED_MAX = 60, DRAW_FIELDS_MAX = 60, DRAW_BRIGHT = 0xe0 };
 
 #define DRAW_WIDTH_PX  760.0
 #define DRAW_HEIGHT_PX 760.0
@@ -56,6 +56,14 @@ static void draw_shape(const struct draw *d, const struct world_shape *shape, co
     }
 }
 
+/* What is nearly as bright as the ground needs a line around it. */
+static uint32_t draw_edge(uint32_t rgb)
+{
+    uint32_t least = DRAW_BRIGHT;
+    bool bright = (rgb >> 16 & 255) > least && (rgb >> 8 & 255) > least && (rgb & 255) > least;
+    return bright ? 0x999999 : rgb;
+}
+
 /* What stands is filled; through what only lies on the floor the ground shines. */
 static void draw_shapes(const struct draw *d, bool standing)
 {
@@ -66,7 +74,7 @@ static void draw_shapes(const struct draw *d, bool standing)
         if ((look->stops || look->echoes) == standing) {
             snprintf(style, sizeof style,
                      "fill=\"#%06x\" stroke=\"#%06x\" stroke-width=\".4\" opacity=\"%s\"",
-                     look->rgb, look->rgb, standing ? "1" : "0.3");
+                     look->rgb, draw_edge(look->rgb), standing ? "1" : "0.3");
             draw_shape(d, &w->shapes[i], style);
         }
     }
@@ -109,6 +117,10 @@ static void draw_fields(const struct draw *d, const struct world_robot *r)
     fputs("</g>\n<g fill=\"#27ae60\" fill-opacity=\"0.06\">\n", d->file);
     if (r->camera.columns > 0) {
         draw_field(d, r, &r->camera.pose, r->camera.range_m, r->camera.fov_rad);
+    }
+    fputs("</g>\n<g fill=\"#8e44ad\" fill-opacity=\"0.04\">\n", d->file);
+    if (r->finder.range_max_m > 0) {
+        draw_field(d, r, &r->finder.pose, r->finder.range_max_m, r->finder.fov_rad);
     }
     fputs("</g>\n", d->file);
 }

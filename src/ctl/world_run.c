@@ -87,7 +87,7 @@ static bool place_read(struct request *r)
     double *const numbers[] = {&r->command.x_m, &r->command.y_m, &deg};
     bool good = name_read(r) && numbers_read(r, 1, numbers, 3);
     r->command.keeps_heading = r->count < 4;
-    r->command.heading_rad = deg * M_PI / 180;
+    r->command.heading_rad = remainder(deg, 360) * M_PI / 180;
     return good;
 }
 

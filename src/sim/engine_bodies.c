@@ -382,7 +382,7 @@ void engine_collide(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].charge_w = 0;
     }
-    engine_list_neighbours(e);
+    engine_watch_neighbours(e);
     for (uint32_t i = 0; i < e->part_count; i++) {
         engine_collide_part(e, i);
     }

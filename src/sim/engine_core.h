@@ -79,18 +79,24 @@ struct engine_mark {
     bool away;
 };
 
+/* The pairs of a part that may come near it: count of them from first on. */
+struct engine_list {
+    size_t first, count;
+    bool is_there;
+};
+
 /*
  * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
- * moved half of it.
+ * moved half of it since it was marked.
  */
 struct engine_neighbours {
-    struct engine_pair *pairs; /* by part; what stands comes first, and all by their numbers */
-    uint32_t *start;           /* of each part's pairs; one more than there are parts */
-    size_t pairs_max;
-    uint32_t listed;           /* the parts before this one have their pairs there */
-    struct engine_mark *marks; /* where the parts were then */
+    struct engine_pair *pairs; /* of a part, what stands comes first, and all by their numbers */
+    size_t pairs_used, pairs_max;
+    struct engine_list *lists; /* of each part */
+    struct engine_mark *marks; /* where each part was */
+    double margin_m;           /* of what is listed now */
     struct engine_pair *found; /* of one part; room for all */
-    bool is_new;               /* nothing was listed yet */
+    bool is_new;               /* nothing was marked yet */
 };
 
 struct engine {
@@ -164,8 +170,8 @@ const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t 
 /** Takes memory for the lists. */
 void engine_start_neighbours(struct engine *e);
 
-/** Lists the neighbours anew where somebody has moved too far since. */
-void engine_list_neighbours(struct engine *e);
+/** Drops the lists if somebody has moved too far: before each round of engine_neighbours_of. */
+void engine_watch_neighbours(struct engine *e);
 
 /**
  * Finds what is near a part now, or may be: all pairs that engine_is_near, and some more.

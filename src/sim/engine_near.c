@@ -3,9 +3,9 @@
  * Who may come near whom soon.
  *
  * To look through the grid in each substep would cost more than all that touches.  So the pairs are
- * listed once with a margin (Verlet, "Computer experiments on classical fluids", 1967), and again
- * when somebody has moved half of it.  When that is leaves no trace in the result: engine_is_near
- * is asked of each pair, and the order is by numbers.
+ * listed once with a margin (Verlet, "Computer experiments on classical fluids", 1967), each part's
+ * when it is asked for, and dropped when somebody has moved half of it.  When that is leaves no
+ * trace in the result: engine_is_near is asked of each pair, and the order is by numbers.
  */
 #include "muster/memory.h"
 #include "sim/engine_core.h"
@@ -26,7 +26,7 @@ void engine_start_neighbours(struct engine *e)
     struct engine_neighbours *n = &e->neighbours;
     n->pairs_max = ENGINE_NEIGHBOURS * e->part_count;
     n->pairs = mu_startup_array(n->pairs_max, sizeof *n->pairs);
-    n->start = mu_startup_array(e->part_count + 1, sizeof *n->start);
+    n->lists = mu_startup_array(e->part_count, sizeof *n->lists);
     n->marks = mu_startup_array(e->part_count, sizeof *n->marks);
     n->found = mu_startup_array(e->world->shape_count + e->part_count, sizeof *n->found);
     n->is_new = true;
@@ -97,38 +97,45 @@ static bool engine_any_strayed(const struct engine *e)
     return any;
 }
 
-void engine_list_neighbours(struct engine *e)
+void engine_watch_neighbours(struct engine *e)
 {
     struct engine_neighbours *n = &e->neighbours;
+    /* Nobody leaves his mark by more than half a margin; but two that had gone apart before they
+     * are listed come together by two. */
+    n->margin_m = 2 * ENGINE_MARGIN_M;
     if (!engine_any_strayed(e)) {
         return;
     }
-    engine_fresh_grid(e);
     n->is_new = false;
-    n->start[0] = 0;
-    for (n->listed = 0; n->listed < e->part_count; n->listed++) {
-        uint32_t p = n->listed;
-        size_t count = engine_find_near(e, p, ENGINE_MARGIN_M);
-        if (n->start[p] + count > n->pairs_max) { /* these are looked for when they are needed */
-            break;
-        }
-        memcpy(n->pairs + n->start[p], n->found, count * sizeof *n->found);
-        n->start[p + 1] = n->start[p] + (uint32_t)count;
-    }
+    n->margin_m = ENGINE_MARGIN_M;
+    n->pairs_used = 0;
     for (size_t p = 0; p < e->part_count; p++) {
         const struct solid *o = &e->outlines[p];
         n->marks[p] = (struct engine_mark){{o->x, o->y, o->c, o->s}, o->away};
+        n->lists[p].is_there = false;
+    }
+}
+
+/* What was found becomes a part's list, if there is room. */
+static void engine_keep_list(struct engine_neighbours *n, uint32_t part, size_t count)
+{
+    if (count <= n->pairs_max - n->pairs_used) {
+        memcpy(n->pairs + n->pairs_used, n->found, count * sizeof *n->found);
+        n->lists[part] = (struct engine_list){n->pairs_used, count, true};
+        n->pairs_used += count;
     }
 }
 
 const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count)
 {
-    const struct engine_neighbours *n = &e->neighbours;
-    if (part < n->listed) {
-        *count = n->start[part + 1] - n->start[part];
-        return n->pairs + n->start[part];
+    struct engine_neighbours *n = &e->neighbours;
+    const struct engine_list *list = &n->lists[part];
+    if (list->is_there) {
+        *count = list->count;
+        return n->pairs + list->first;
     }
     engine_fresh_grid(e);
-    *count = engine_find_near(e, part, 0);
+    *count = engine_find_near(e, part, n->margin_m);
+    engine_keep_list(n, part, *count);
     return n->found;
 }

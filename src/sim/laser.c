@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/laser.h"
 
+/* A fan as narrow as that is one direction; its steps could be too small for numbers. */
+#define LASER_FOV_MIN_RAD 1e-9
+
 void laser_init(struct laser *laser, const struct world_laser *from)
 {
     *laser = (struct laser){.place = frame_of(from->pose),
                             .range = {from->range_min_m, from->range_max_m},
                             .noise = from->noise};
     double fov = from->fov_rad < 2 * M_PI ? from->fov_rad : 2 * M_PI;
-    if (from->samples > 1 && fov > 0) {
+    if (from->samples > 1 && fov > LASER_FOV_MIN_RAD) {
         fan_table_init(&laser->table, -fov / 2, fov / (from->samples - 1), from->samples);
     } else if (from->samples > 0) { /* all ahead: any step is as good */
-        fan_table_init(&laser->table, 0, 1e-9, from->samples);
+        fan_table_init(&laser->table, 0, LASER_FOV_MIN_RAD, from->samples);
     }
 }
 

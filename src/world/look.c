@@ -166,6 +166,11 @@ static mu_result look_read_returns(struct builder *b, const struct worldfile_ent
                           most));
     MU_TRY(builder_number(
         b, entity, (struct builder_numbers){"give_watts", &look->give_w, 1, 1, NULL}, 0, 1e9));
+    if (fiducial != floor(fiducial)) {
+        struct worldfile_place at = builder_place(entity, "fiducial_return");
+        return builder_fault(b, &at, "expected a whole number for 'fiducial_return', found %g",
+                             fiducial);
+    }
     look->fiducial = (int32_t)fiducial;
     return MU_OK;
 }

@@ -57,6 +57,17 @@ static mu_result object_read_shape(struct builder *b, const struct worldfile_ent
     return look_read(b, entity, &shape->look);
 }
 
+/* Its own children, and those of its definitions. */
+static mu_result object_visit_child(void *context, const struct worldfile_entity *child)
+{
+    struct builder *b = context;
+    if (strcmp(worldfile_kind(child), "block") != 0) {
+        builder_warn(b, &child->at, child->type,
+                     "is left out: what it is in can be moved, and is one piece");
+    }
+    return MU_OK;
+}
+
 static mu_result object_read(struct builder *b, const struct worldfile_entity *entity,
                              struct world_pose pose, struct world_object *object)
 {
@@ -66,14 +77,7 @@ static mu_result object_read(struct builder *b, const struct worldfile_entity *e
                           1e-3, 1e6));
     MU_TRY(builder_number(
         b, entity, (struct builder_numbers){"friction", &object->friction, 1, 1, NULL}, 0, 10));
-    bool alone = true;
-    for (const struct worldfile_entity *child = entity->children; child; child = child->next) {
-        alone = alone && strcmp(worldfile_kind(child), "block") == 0;
-    }
-    if (!alone) {
-        builder_warn(b, &entity->at, entity->type,
-                     "can be moved: models in it are left out, it is one piece");
-    }
+    MU_TRY(builder_children(entity, object_visit_child, b));
     struct world_shape *shape = &object->shape;
     MU_TRY(object_read_shape(b, entity, pose, shape));
     return shape->kind == WORLD_DISC

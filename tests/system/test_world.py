@@ -92,6 +92,18 @@ def test_check_goes_on_behind_a_mistake_of_grammar():
         check_equal(muster("world", "chek", path).returncode, 2, "no such word")
 
 
+def test_check_warns_of_what_is_left_out():
+    """Also when it is a definition's."""
+    with folder() as where:
+        path = where / "a.world"
+        path.write_text("define crate model ( movable 1 size [1 1 1]\n model ( ) )\ncrate ( )\n")
+        code, lines = check_lines(path)
+        check_equal(code, 0, lines)
+        check_equal([m["kind"] for m in lines], ["warning", "world"], "lines")
+        check_equal(lines[0]["line"], 2, "where")
+        check("left out" in lines[0]["text"], lines)
+
+
 def test_draw_is_a_picture():
     with folder() as where:
         out = where / "arena.svg"
@@ -106,6 +118,19 @@ def test_draw_is_a_picture():
         check_equal(sorted(p.name for p in where.iterdir()), ["arena.svg"], "files")
         check_equal(muster("world", "draw", ARENA, "--out", where / "no/a.svg").returncode, 9,
                     "no such folder")
+
+
+def test_draw_shows_what_is_white_and_what_a_finder_sees():
+    with folder() as where:
+        path = where / "a.world"
+        path.write_text('model ( size [4 4 1] boundary 1 )\nmodel ( size [1 1 1] color "white" )\n'
+                        'position ( pose [1 1 0 0] fiducial ( ) )\n')
+        text = muster("world", "draw", path).stdout
+        check('fill="#ffffff" stroke="#999999"' in text, "a line around what is white")
+        plain = path.read_text().replace("fiducial ( )", "")
+        path.write_text(plain)
+        less = muster("world", "draw", path).stdout
+        check_equal(text.count("<path"), less.count("<path") + 1, "a field of view")
 
 
 def test_what_is_no_file_stays_what_it_is():

@@ -67,6 +67,7 @@ def test_orders_that_cannot_be_carried_out_say_why():
                 (("reset", "nobody"), 7, "no robot or object of that name"),
                 (("sensor", "nobody", "sonar", "off"), 7, "no robot or object of that name"),
                 (("place", "red", "1000", "0"), 8, "outside"),
+                (("place", "red", "1e308", "0", "1e308"), 8, "outside"),
                 (("place", "red", "1.0", "3.7"), 8, "overlap"),
                 (("place", "red", "1"), 2, "expected place NAME X Y [DEG]"),
                 (("place", "red", "1", "nan"), 2, "expected a number"),

@@ -60,7 +60,7 @@ static size_t count_missed(struct engine *e, uint32_t part)
 static size_t count_all_missed(struct engine *e)
 {
     size_t missed = 0;
-    engine_list_neighbours(e);
+    engine_watch_neighbours(e);
     for (uint32_t p = 0; p < e->part_count; p++) {
         missed += count_missed(e, p);
     }
@@ -101,14 +101,38 @@ static void test_what_turns_on_the_spot_is_listed(void)
 static void test_lists_are_kept_while_nothing_moves_far(void)
 {
     struct engine *e = start_a_crowd();
-    engine_list_neighbours(e);
+    engine_watch_neighbours(e);
     double was = e->neighbours.marks[0].place.x;
     e->outlines[0].x += 0.05;
-    engine_list_neighbours(e);
+    engine_watch_neighbours(e);
     CU_ASSERT_EQUAL(e->neighbours.marks[0].place.x, was);
     e->outlines[0].x += 0.05;
-    engine_list_neighbours(e);
+    engine_watch_neighbours(e);
     CU_ASSERT_NOT_EQUAL(e->neighbours.marks[0].place.x, was);
+    engine_close(e);
+}
+
+/* Listed when both had gone apart after they were marked; then they come together. */
+static void test_a_list_that_is_asked_for_late(void)
+{
+    physics_clear();
+    physics_object(0, 0, 0.1);
+    physics_object(0.42, 0, 0.1);
+    struct engine *e = physics_start(1);
+    size_t count;
+    engine_watch_neighbours(e);
+    for (int k = 0; k < 2; k++) {
+        double way = k ? -0.136 : 0.068;
+        e->outlines[0].x -= way;
+        e->outlines[1].x += way;
+        e->grid_is_old = true;
+        engine_watch_neighbours(e);
+        CU_ASSERT_EQUAL(e->neighbours.lists[0].is_there, k == 1);
+        (void)engine_neighbours_of(e, 0, &count);
+    }
+    pairs_near = 0;
+    CU_ASSERT_EQUAL(count_missed(e, 0), 0);
+    CU_ASSERT_EQUAL(pairs_near, 1);
     engine_close(e);
 }
 
@@ -129,7 +153,9 @@ static void test_a_heap_that_is_too_dense_for_the_lists(void)
     pairs_near = 0;
     CU_ASSERT_EQUAL(count_all_missed(e), 0);
     CU_ASSERT_EQUAL(pairs_near, HEAP * (HEAP - 1) / 2);
-    CU_ASSERT(e->neighbours.listed > 0 && e->neighbours.listed < HEAP);
+    CU_ASSERT_TRUE(e->neighbours.lists[0].is_there);
+    CU_ASSERT_FALSE(e->neighbours.lists[HEAP / 2].is_there);
+    CU_ASSERT(e->neighbours.pairs_used <= e->neighbours.pairs_max);
     engine_close(e);
 }
 
@@ -139,6 +165,7 @@ int main(void)
         {"all that is near is listed", test_all_that_is_near_is_listed_while_they_move},
         {"what turns on the spot", test_what_turns_on_the_spot_is_listed},
         {"lists are kept for a while", test_lists_are_kept_while_nothing_moves_far},
+        {"a list that is asked for late", test_a_list_that_is_asked_for_late},
         {"a heap too dense for the lists", test_a_heap_that_is_too_dense_for_the_lists},
         CU_TEST_INFO_NULL,
     };

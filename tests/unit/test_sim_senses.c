@@ -24,13 +24,13 @@ static struct scene {
     size_t still_count, moving_count;
     struct grid grid;
     struct senses *senses;
-} scenes[40];
+} scenes[60];
 static struct scene *scene = &scenes[0];
 
 static void clear(void)
 {
     scene++;
-    CU_ASSERT_FATAL(scene < scenes + 40);
+    CU_ASSERT_FATAL(scene < scenes + sizeof scenes / sizeof scenes[0]);
     scene->world.robots = scene->robots;
 }
 
@@ -234,6 +234,20 @@ static void test_noise_has_the_deviation_that_the_world_says(void)
     CU_ASSERT_DOUBLE_EQUAL(mean, 2 * 0.01, 0.002);
     measure(&(struct world_noise){0, 0, 0}, &mean, &deviation);
     CU_ASSERT(deviation < 1e-6);
+}
+
+static void test_a_fan_without_width_looks_ahead(void)
+{
+    static const double fov_deg[] = {0, 1e-320, 1e-300, 1e-12};
+    for (size_t i = 0; i < sizeof fov_deg / sizeof fov_deg[0]; i++) {
+        clear();
+        give_laser(add_robot(0, 0, 0), fov_deg[i], MU_BEAMS_MAX);
+        add_box(3, 0, 0.1, 0.001);
+        struct engine_percept p = look(1u << WORLD_LASER);
+        CU_ASSERT_EQUAL_FATAL(p.laser_count, MU_BEAMS_MAX);
+        near_to((double)p.laser_m[0], 2.9);
+        near_to((double)p.laser_m[MU_BEAMS_MAX - 1], 2.9);
+    }
 }
 
 /* --- camera ----------------------------------------------------------------------------------- */
@@ -624,6 +638,7 @@ int main(void)
         {"a sonar hears the nearest in its cone", test_a_sonar_hears_the_nearest_in_its_cone},
         {"flat incidence loses the echo", test_flat_incidence_loses_the_echo},
         {"a laser scans from right to left", test_a_laser_scans_from_right_to_left},
+        {"a fan without width looks ahead", test_a_fan_without_width_looks_ahead},
         {"ranges stay inside their limits", test_ranges_stay_inside_their_limits},
         {"noise has the deviation that the world says",
          test_noise_has_the_deviation_that_the_world_says},

@@ -291,6 +291,7 @@ static void test_mistakes(void)
         {"gps_noise [-1]", "0 or more"},
         {"lasr ( )", "did you mean 'laser'"},
         {"fiducial_return 1e12", "fiducial_return"},
+        {"fiducial_return 1.5", "a whole number"},
         {"velocity_bounds [0 1e9 0 0 0 0 0 0]", "up to 100000"},
         {"localization_origin [1e9 0 0 0]", "within 100000 m"},
     };
