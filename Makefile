@@ -253,6 +253,10 @@ bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a d
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
+.PHONY: bench-minds
+bench-minds: $(O)/test/clips ## the engine in a robot against the program clips: manners and waltz
+	@BUILD=$(BUILD) bench/minds/run $(ARGS)
+
 # Against other brokers: their packages are asked for here, and needed nowhere else.
 PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)
 LIBS_peer_muster := -lddsc -lm

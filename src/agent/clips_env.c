@@ -69,6 +69,9 @@ static int env_route_query(void *env, const char *name)
     (void)env;
     static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT, WDISPLAY,
                                          WDIALOG,  WERROR,  WWARNING, WTRACE};
+    if (name[0] != 's' && name[0] != 't' && name[0] != 'w') { /* asked at each byte of a file */
+        return FALSE;
+    }
     for (size_t i = 0; i < sizeof routes / sizeof routes[0]; i++) {
         if (strcmp(name, routes[i]) == 0) {
             return TRUE;
@@ -303,7 +306,10 @@ static mu_result env_take_options(struct mind *m, const struct mind_options *opt
         m->options.rules_folder = m->folder;
     }
     if (options->rules_file) {
-        m->options.rules_file = mu_startup_string(options->rules_file);
+        if (!mu_text_copy(m->file, sizeof m->file, options->rules_file)) {
+            return mu_fault_at(fault, "", 0, 0, "the path of the rules is too long");
+        }
+        m->options.rules_file = m->file;
     }
     if (m->options.firings_max == 0) {
         m->options.firings_max = MU_FIRINGS_PER_STEP;
@@ -346,8 +352,10 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
 
 void mind_close(struct mind *m)
 {
-    if (m && m->env && !m->broken) {
+    if (m && m->env && !m->broken) { /* what is broken is not to be touched, not even to free it */
         DestroyEnvironment(m->env);
+    }
+    if (m) {
         m->env = NULL;
     }
 }

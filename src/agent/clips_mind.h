@@ -101,7 +101,7 @@ enum clips_global {
 struct mind {
     void *env;
     struct mind_options options;
-    char name[MU_NAME_MAX + 1], folder[PATH_MAX]; /* that the options point to */
+    char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct mu_random random;
     uint64_t asked; /* questions so far, for reply-with */
 
