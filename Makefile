@@ -53,6 +53,7 @@ USES_broker  := bus core
 USES_sim     := world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
+USES_host    := agent world runtime bus core
 USES_ctl     := world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
@@ -62,16 +63,18 @@ LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
+LIBS_host    := $(LIBS_agent)
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver)
+            muster-resolver muster-host)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
+MAIN_muster-host   := host
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))

@@ -18,6 +18,7 @@ MAY_INCLUDE = {
     "sim": {"core", "world", "bus"},
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
+    "host": {"core", "bus", "runtime", "agent"},
     "ctl": {"core", "world", "bus", "runtime"},
 }
 # Foreign headers, and the only files that may include them.

@@ -2,8 +2,8 @@
 /*
  * The benchmark's scene in our own engine, without network or rules.
  *   engine WORLD SECONDS LASER THREADS
- * prints CPU and wall seconds a simulated second, metres a second driven, and hashes of the bodies
- * and of what was read last.
+ * prints CPU and wall seconds a simulated second, metres a second driven, hashes of the bodies and
+ * of what was read last, and the most memory that it had in kB.
  */
 #include "sim/engine.h"
 #include "muster/memory.h"
@@ -52,6 +52,23 @@ static uint64_t hash_ranges(const float *range_m, size_t count, uint64_t hash)
         hash = hash_fold(hash, bits);
     }
     return hash;
+}
+
+/* The most memory that this program has had, in kB; getrusage would count its parent's. */
+static long memory_kb(void)
+{
+    FILE *f = fopen("/proc/self/status", "r");
+    char line[128];
+    long kb = 0;
+    while (f && fgets(line, sizeof line, f)) {
+        if (sscanf(line, "VmHWM: %ld", &kb) == 1) {
+            break;
+        }
+    }
+    if (f) {
+        fclose(f);
+    }
+    return kb;
 }
 
 struct bench {
@@ -124,9 +141,9 @@ int main(int argc, char **argv)
     wall = seconds(CLOCK_MONOTONIC) - wall;
     cpu = seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
     note_last(&b);
-    printf("%.9g %.9g %.4f %016llx %016llx\n", cpu / (steps * 0.1), wall / (steps * 0.1),
+    printf("%.9g %.9g %.4f %016llx %016llx %ld\n", cpu / (steps * 0.1), wall / (steps * 0.1),
            b.way / steps, (unsigned long long)hash_bodies(b.engine, HASH_START),
-           (unsigned long long)b.seen);
+           (unsigned long long)b.seen, memory_kb());
     engine_close(b.engine);
     return 0;
 }

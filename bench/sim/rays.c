@@ -2,10 +2,10 @@
 /*
  * Beams and rays a second in a scene that moves: no branch predictor knows it by heart.
  *   rays WORLD STEPS
- * prints laser beams a second by the fans, then single rays a second with the geometry of the
- * laser and of the sonars; `none` when MUSTER_FAN names a kernel that this processor lacks.
+ * prints laser beams a second of processor time by the fans, then single rays a second with the
+ * geometry of the laser and of the sonars; `none` when MUSTER_FAN names a kernel that this
+ * processor lacks.
  */
-#include "core/clock.h"
 #include "muster/memory.h"
 #include "sim/engine.h"
 #include "sim/fan.h"
@@ -15,7 +15,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+#include <time.h>
 
 /* A ray in a robot's frame. */
 struct ray {
@@ -102,23 +102,26 @@ static void cast(struct bench *b, const struct ray *rays, size_t count, double r
     }
 }
 
-static double since(uint64_t begin_ns)
+/* Processor time: on a busy machine others' turns are none of a ray's. */
+static double now_s(void)
 {
-    return 1e-9 * (double)(mu_clock_ns() - begin_ns);
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static void measure(struct bench *b)
 {
     drive(b);
-    uint64_t begin_ns = mu_clock_ns();
+    double begin = now_s();
     (void)engine_sense_all(b->engine, b->looking);
-    b->fan_s += since(begin_ns);
-    begin_ns = mu_clock_ns();
+    b->fan_s += now_s() - begin;
+    begin = now_s();
     cast(b, b->laser, WANDER_BEAMS, WANDER_LASER_M);
-    b->laser_s += since(begin_ns);
-    begin_ns = mu_clock_ns();
+    b->laser_s += now_s() - begin;
+    begin = now_s();
     cast(b, b->sonar, WANDER_SONARS, WANDER_SONAR_M);
-    b->sonar_s += since(begin_ns);
+    b->sonar_s += now_s() - begin;
 }
 
 int main(int argc, char **argv)

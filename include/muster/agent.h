@@ -236,6 +236,12 @@ MU_MUST_USE mu_result mu_process_run(mu_process *p);
 /** Ends mu_process_run; may be called from handlers and signal handlers. */
 void mu_process_stop(mu_process *p);
 
+/** Has round called after each round of mu_process_run, at least every 300 ms; NULL: no more. */
+void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self);
+
+/** @return whether the simulator's steps wait for this process */
+bool mu_process_in_lockstep(const mu_process *p);
+
 /** Spins until a broker has answered.  @return MU_OK, MU_DONE, or MU_TIMEOUT after patience_ns */
 MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns);
 
@@ -265,6 +271,31 @@ const char *mu_process_broker(const mu_process *p);
 MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
                                     enum mu_kind kind, uint64_t last_number,
                                     const struct mu_handlers *handlers);
+
+/* How far an agent has come in one process, for its life in another. */
+struct mu_passage {
+    uint64_t last_number; /* that it has taken from its box, */
+    uint64_t broker;      /* at the broker of this incarnation */
+    uint64_t epoch;       /* how often it has set out */
+};
+
+/**
+ * Says that it sets out, or stays after all: a copy of it that another process may have is out of
+ * date, and the broker gives the name to no such copy.
+ */
+void mu_agent_set_out(mu_agent *a);
+
+/** @return how far it has come; final when it is settled */
+struct mu_passage mu_agent_passage(const mu_agent *a);
+
+/** @return whether the broker has answered for all mail it sent, and heard of all that it took */
+bool mu_agent_is_settled(const mu_agent *a);
+
+/**
+ * Leaves the process for another one: as when it is disposed of, but its rules hear nothing, and
+ * what waits for it at the broker waits for its next life.
+ */
+void mu_agent_leave(mu_agent *a);
 
 /** Lets mail to `all` pass this agent by: it spares agents that would only throw it away. */
 void mu_agent_decline_broadcasts(mu_agent *a);

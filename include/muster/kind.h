@@ -55,14 +55,26 @@ struct mu_agent_kind {
  *
  * Layer 1: suspend, resume and dispose are granted, and answered `agree`, where the agent's state
  * allows them and it is not of MU_KIND_SPECIAL; they are refused else.  dispatch, retract and clone
- * are refused: `no-mobility`.  Mail waits for who is suspended, a request to resume, too: the
- * directive does not.  Layer 2: the questions `state`, `groups` and `services` are
- * answered with `inform`: `state running`, `groups north scouts`, `services map`.
+ * are refused: `no-mobility` (a robot with rules grants them).  Mail waits for who is suspended, a
+ * request to resume, too: the directive does not.  Layer 2: the questions `state`, `groups` and
+ * `services` are answered with `inform`: `state running`, `groups north scouts`, `services map`.
  */
 extern const struct mu_agent_kind mu_base_kind;
 
 /** Makes an agent one of a kind; until then it is of mu_base_kind.  Call it before it spins. */
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
+
+/**
+ * Enters an agent that has lived elsewhere, or is a copy of one: as mu_agent_join, in the state
+ * MU_MOVING until it is accepted and its owner sets another.
+ *
+ * @param from   how far it had come; NULL: it has taken no mail
+ * @param event  MU_ON_ARRIVE or MU_ON_CLONE: what happens when it is accepted, instead of
+ *               MU_ON_CREATE
+ */
+MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
+                                      const struct mu_passage *from, enum mu_event event,
+                                      const struct mu_handlers *handlers);
 
 /**
  * In a handler of a kind: asks its parent.

@@ -4,10 +4,11 @@
 
 #include <string.h>
 
-/* CLIPS calls this behind each rule: the one that called (update-sensors) is the step's last. */
+/* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
 static void fire_after_rule(void *env)
 {
-    if (clips_env_mind(env)->sense_again) {
+    const struct mind *m = clips_env_mind(env);
+    if (m->sense_again || m->travel.kind != MIND_STAYS) {
         EnvHalt(env);
     }
 }
@@ -108,7 +109,7 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
             m->act.why = m->stopped;
             return MIND_STOPPED;
         }
-        if (m->sense_again) {
+        if (m->sense_again || m->travel.kind != MIND_STAYS) {
             return MIND_SENSE_AGAIN;
         }
         bool idle = !failed && m->act.firings < budget && !clips_control_breaks(m);

@@ -190,6 +190,17 @@
     X("listing", 'm', clips_social_listing, "00", \
       "(listing)", \
       "the names of all agents") \
+    X("moveTo", 'u', clips_mobility_move, "11k", \
+      "(moveTo host)", \
+      "moves to another platform when this right-hand side is over, which ends the step; TRUE.  " \
+      "When it may not, or cannot, the agent goes on here: `(event refused moveTo north " \
+      "unknown-host)`") \
+    X("clone", 'u', clips_mobility_clone, "12k", \
+      "(clone name [host])", \
+      "likewise makes a copy of this agent with a name of its own, there or here; TRUE") \
+    X("dispose", 'u', clips_mobility_dispose, "00", \
+      "(dispose)", \
+      "likewise ends this agent for good; TRUE") \
     X("failures", 'm', clips_failure_call, "00", \
       "(failures)", \
       "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \

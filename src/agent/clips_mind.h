@@ -143,6 +143,7 @@ struct mind {
     struct mu_text fired;
     const char *rule; /* that fired last */
     bool firing, sense_again;
+    struct mind_travel travel;
 
     /* its own life */
     enum mind_wish wish;

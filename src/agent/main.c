@@ -13,13 +13,8 @@ static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static struct crew *crew_make(const struct settings *set)
 {
     struct crew *c = mu_startup_alloc(sizeof *c);
-    c->set = set;
-    mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
-    mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
-    c->count = settings_robots(set);
-    c->robots = mu_startup_array(c->count, sizeof *c->robots);
+    robot_reserve_crew(c, set, settings_robots(set), "");
     for (uint32_t i = 0; i < c->count; i++) {
-        c->robots[i].crew = c;
         settings_robot(set, i, c->robots[i].name);
     }
     return c;
@@ -48,7 +43,7 @@ static mu_result robots_join(struct crew *c)
                                          .peer = mu_network_peers(&set->network),
                                          .name = set->name,
                                          .broker = set->network.broker,
-                                         .agents = c->count,
+                                         .agents = c->count + 1, /* an envoy */
                                          .with_body = true};
     MU_TRY(mu_process_open(&c->process, &options));
     for (uint32_t i = 0; i < c->count; i++) {
@@ -62,6 +57,11 @@ static mu_result robots_join(struct crew *c)
                 options.domain, options.broker ? options.broker : "NAME", options.domain);
     }
     return found;
+}
+
+static void crew_round(void *self)
+{
+    trip_round(self);
 }
 
 int main(int argc, char **argv)
@@ -82,6 +82,7 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
+    mu_process_each_round(c->process, crew_round, c);
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);
     mu_process_close(c->process);

@@ -139,6 +139,15 @@ struct mind_act {
     const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };
 
+/* Where rules want their agent to go: the first that they say in a step counts. */
+enum mind_travel_kind { MIND_STAYS, MIND_MOVES, MIND_CLONES, MIND_DISPOSES };
+
+struct mind_travel {
+    enum mind_travel_kind kind;
+    char name[MU_NAME_MAX + 1]; /* of the clone */
+    char host[MU_NAME_MAX + 1]; /* "": where it is */
+};
+
 struct mind;
 
 /** Makes an environment with the sandbox, the functions and the shared library in it. */
@@ -280,6 +289,9 @@ void mind_go_on(struct mind *m);
  * construct, r a rule, t a relation, g a global.
  */
 void mind_words(struct mind *m, struct mu_text *out);
+
+/** Takes where rules or a line want it to go; the first that they said since this was asked. */
+struct mind_travel mind_travel(struct mind *m);
 
 /** Prints the table of functions that rules may call, as Markdown, to standard output. */
 void mind_print_functions(void);

@@ -3,9 +3,25 @@
 #include "agent/body.h"
 
 #include "core/fault.h"
+#include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
+
+void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
+                        const char *host)
+{
+    c->set = set;
+    c->host = host;
+    c->count = count;
+    mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
+    mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
+    trip_reserve(&c->trip);
+    c->robots = mu_startup_array(count, sizeof *c->robots);
+    for (uint32_t i = 0; i < count; i++) {
+        c->robots[i].crew = c;
+    }
+}
 
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
 {
@@ -50,19 +66,47 @@ mu_result robot_think(struct robot *r, const char *folder)
     return globals_set(r->mind, &set->globals);
 }
 
+static struct mu_handlers robot_handlers_of(struct robot *r)
+{
+    return (struct mu_handlers){.self = r,
+                                .on_registered = robot_on_registered,
+                                .on_mail = robot_on_mail,
+                                .on_directive = robot_on_directive,
+                                .on_state = robot_on_state,
+                                .on_step = robot_on_step,
+                                .on_act = robot_on_act,
+                                .on_refusal = robot_on_refusal};
+}
+
 mu_result robot_join(struct robot *r)
 {
-    struct mu_handlers handlers = {.self = r,
-                                   .on_registered = robot_on_registered,
-                                   .on_mail = robot_on_mail,
-                                   .on_directive = robot_on_directive,
-                                   .on_state = robot_on_state,
-                                   .on_step = robot_on_step,
-                                   .on_act = robot_on_act,
-                                   .on_refusal = robot_on_refusal};
+    struct mu_handlers handlers = robot_handlers_of(r);
     mu_process *p = r->crew->process;
     MU_TRY(mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers));
     mu_agent_be(r->agent, &robot_kind);
     body_ask(r->agent, r->mind);
     return MU_OK;
+}
+
+mu_result robot_arrive(struct robot *r, const struct mu_passage *from, enum mu_event event)
+{
+    struct mu_handlers handlers = robot_handlers_of(r);
+    MU_TRY(mu_agent_arrive(r->crew->process, &r->agent, r->name, from, event, &handlers));
+    r->arrives = true;
+    r->out = false;
+    mu_agent_be(r->agent, &robot_kind);
+    body_ask(r->agent, r->mind);
+    return MU_OK;
+}
+
+void robot_drop(struct robot *r)
+{
+    if (mu_agent_state(r->agent) != MU_GONE) {
+        mu_agent_leave(r->agent);
+    }
+    robot_print_rest(r);
+    robot_console_flush(r);
+    mind_close(r->mind);
+    r->arrives = false;
+    robot_leave(r);
 }

@@ -12,6 +12,7 @@
 
 #include "agent/mind.h"
 #include "agent/settings.h"
+#include "agent/trip.h"
 #include "muster/muster.h"
 
 enum {
@@ -40,6 +41,11 @@ struct crew {
     struct world *world;   /* that (plan) knows; NULL: none */
     struct router *router; /* over its map; the robots share it */
     bool refused;          /* the broker has refused a name */
+    const char *host;      /* the platform's name; "": the process takes nobody in */
+    struct trip trip;
+    mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
+    /** One that has come has its name, or will not get it; NULL: nobody comes. */
+    void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
     /* Of whoever answers a question; one robot does at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
@@ -58,6 +64,8 @@ struct robot {
     struct mu_percept percept; /* of this step, */
     bool percept_waits;        /* which the mind has not taken yet */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
+    bool arrives;              /* it has not got its name here yet; then it goes on */
+    enum mu_state returns_as;  /* in this state */
     bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
@@ -70,6 +78,10 @@ struct robot {
 
 /* robot.c */
 
+/** Takes the memory of a crew of so many.  @param host  the platform's name; "": none */
+void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
+                        const char *host);
+
 /**
  * Makes its mind: the shared library, its rules, its globals.
  *
@@ -80,6 +92,13 @@ MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
 /** Lets it join its crew's process.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
+
+/** The same for one that comes from elsewhere, or returns.  @return as mu_agent_arrive */
+MU_MUST_USE mu_result robot_arrive(struct robot *r, const struct mu_passage *from,
+                                   enum mu_event event);
+
+/** It is not here any more; its place is free, and a process without a host ends with the last. */
+void robot_drop(struct robot *r);
 
 /* robot_map.c */
 
@@ -130,6 +149,12 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 /** Answers what it knows: all facts, or those of the relation that is named. */
 enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
 
+/** Moves to the host that the content names: `dispatch` sends it there, `retract` calls it back. */
+enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/** Makes a copy of the name, and on the host, that the content says. */
+enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mail);
+
 void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail);
 void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 
@@ -146,6 +171,12 @@ extern const struct mu_agent_kind robot_kind;
 void robot_settle(struct robot *r);
 
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
+/** Takes no part any more; a process without a host ends with the last one. */
+void robot_leave(struct robot *r);
+
+/** Sets out where its rules, or a line, want it to go. */
+void robot_travel(struct robot *r);
+
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
 /** Does what a line or a rule has said of the robot's own life. */
 void robot_do_wish(struct robot *r, mu_agent *a);

@@ -24,10 +24,12 @@ static void pages_enter(const struct robot *r, mu_agent *a)
     }
 }
 
-/* Takes no part any more; the process ends with the last one. */
-static void robot_leave(struct robot *r)
+void robot_leave(struct robot *r)
 {
     r->out = true;
+    if (r->crew->host[0]) {
+        return;
+    }
     for (uint32_t i = 0; i < r->crew->count; i++) {
         if (!r->crew->robots[i].out) {
             return;
@@ -36,9 +38,30 @@ static void robot_leave(struct robot *r)
     mu_process_stop(r->crew->process);
 }
 
+/* Who has come goes on where it was interrupted; who does not get its name is not here. */
+static void arrive(struct robot *r, bool accepted, const char *reason)
+{
+    r->arrives = false;
+    mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
+           "name=%s %s", r->name, reason);
+    if (accepted) {
+        mu_agent_set_state(r->agent, r->returns_as);
+    }
+    if (r->crew->on_arrived) {
+        r->crew->on_arrived(r, accepted, reason);
+    }
+    if (!accepted) {
+        robot_drop(r);
+    }
+}
+
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
+    if (r->arrives) {
+        arrive(r, accepted, reason);
+        return;
+    }
     if (accepted) {
         r->out = false;
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
@@ -98,6 +121,9 @@ static const struct mu_layer_handler robot_handlers[] = {
     {MU_LAYER_QUERY, NULL, robot_take_by_rules},
     {MU_LAYER_SPEECH, NULL, robot_take_by_rules},
     {MU_LAYER_QUERY, "facts", robot_take_facts},
+    {MU_LAYER_SYSTEM, "dispatch", robot_take_dispatch},
+    {MU_LAYER_SYSTEM, "retract", robot_take_dispatch},
+    {MU_LAYER_SYSTEM, "clone", robot_take_clone},
     {0, NULL, NULL},
 };
 const struct mu_agent_kind robot_kind = {.name = "robot",
@@ -128,8 +154,18 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
         mind_go_on(r->mind);
     }
     mu_log(MU_LOG_INFO, "state", "name=%s state=%s", mu_agent_name(a), mu_state_text(state));
-    if (state == MU_GONE) {
+    if (state == MU_GONE && !trip_holds(r)) {
         robot_leave(r);
+    }
+}
+
+void robot_travel(struct robot *r)
+{
+    struct mind_travel travel = mind_travel(r->mind);
+    if (travel.kind == MIND_DISPOSES) {
+        mu_agent_set_state(r->agent, MU_GONE);
+    } else if (travel.kind != MIND_STAYS) {
+        (void)trip_begin(r, &travel, NULL);
     }
 }
 
@@ -149,7 +185,7 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
     robot_console_offer(r); /* what happened to one that does not act */
-    if (mu_agent_state(a) == MU_SUSPENDED) {
+    if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
         return;
     }
     r->percept = *p;
@@ -222,5 +258,6 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
         mu_agent_set_state(a, MU_SUSPENDED);
     }
     robot_do_wish(r, a);
+    robot_travel(r);
     robot_console_offer(r);
 }

@@ -3,8 +3,10 @@
 #include "agent/body.h"
 #include "agent/robot.h"
 #include "core/log.h"
+#include "core/name.h"
 #include "runtime/kind.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,6 +129,64 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     }
     body_ask(a, r->mind);
     robot_do_wish(r, a);
+    robot_travel(r);
+}
+
+/* Whose content is one or two names. */
+static bool names_read(const char *content, char first[MU_NAME_MAX + 1],
+                       char second[MU_NAME_MAX + 1])
+{
+    char words[3][MU_NAME_MAX + 2] = {"", "", ""};
+    int read = sscanf(content, " %32s %32s %32s", words[0], words[1], words[2]);
+    return read >= 1 && read <= 2 && mu_name_valid(words[0]) &&
+           (read == 1 || mu_name_valid(words[1])) &&
+           mu_text_copy(first, MU_NAME_MAX + 1, words[0]) &&
+           mu_text_copy(second, MU_NAME_MAX + 1, words[1]);
+}
+
+/* The answer comes when the trip is over. */
+static void travel_begin(struct robot *r, const struct mind_travel *travel, bool good,
+                         const struct mu_mail *mail)
+{
+    if (good) {
+        (void)trip_begin(r, travel, mail);
+    } else if (mail->reply_with[0] &&
+               mu_agent_reply(r->agent, mail, "failure",
+                              travel->kind == MIND_MOVES ? "expected HOST"
+                                                         : "expected NAME [HOST]") != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
+static void directive_move(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct mind_travel travel = {.kind = MIND_MOVES};
+    char none[MU_NAME_MAX + 1];
+    bool good = names_read(mail->content, travel.host, none) && !none[0];
+    travel_begin(r, &travel, good, mail);
+}
+
+static void directive_clone(struct robot *r, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct mind_travel travel = {.kind = MIND_CLONES};
+    bool good =
+        names_read(mail->content, travel.name, travel.host) && !mu_name_reserved(travel.name);
+    travel_begin(r, &travel, good, mail);
+}
+
+/* The same as requests: a robot grants them, unless its rules have said of layer 1 what they do. */
+enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    directive_move(self, a, mail);
+    return MU_TAKEN;
+}
+
+enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    directive_clone(self, a, mail);
+    return MU_TAKEN;
 }
 
 /* N rules, in as many control steps as that takes. */
@@ -167,10 +227,10 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
     static const struct {
         const char *performative;
         void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
-    } directives[] = {{"do", directive_do},
-                      {"step", directive_step},
-                      {"console", directive_console},
-                      {"words", directive_words}};
+    } directives[] = {{"do", directive_do},           {"step", directive_step},
+                      {"move", directive_move},       {"clone", directive_clone},
+
+                      {"console", directive_console}, {"words", directive_words}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
             robot_settle(self);

@@ -146,11 +146,30 @@ static void claim_end(struct broker *b, uint32_t index)
     places_tidy(&b->places, place);
 }
 
+/* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
+ * another agent of that name. */
+static bool is_out_of_date(const struct presence *copy, const struct presence *now)
+{
+    return copy->epoch > 0 && copy->epoch < now->epoch;
+}
+
+/* Its holder may have moved on from a copy that waits for the name. */
+static void claim_review(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    if (a->claim != MU_NONE && is_out_of_date(&b->claims.pool[a->claim].presence, &a->is)) {
+        places_refuse(&b->places, b->claims.pool[a->claim].process, a->name, "out of date");
+        claim_end(b, a->claim);
+    }
+}
+
 static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                        const struct presence *is)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->claim == MU_NONE) {
+    if (is_out_of_date(is, &a->is)) {
+        places_refuse(&b->places, place, a->name, "out of date");
+    } else if (a->claim == MU_NONE) {
         uint64_t now_ns = b->clock.now_ns;
         uint64_t until_ns = now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
         a->claim = claims_add(&b->claims, &(struct claim){.agent = agent,
@@ -257,6 +276,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
         presence_changed(b);
         tenants_wake(&b->registry, &b->places, agent);
     }
+    claim_review(b, agent);
 }
 
 /* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
@@ -288,6 +308,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .box_bytes = e->box_bytes,
                             .hops = e->hops,
                             .since_wall_ns = e->since_wall_ns,
+                            .epoch = e->epoch,
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
     host_copy(is->host, r->host);

@@ -37,6 +37,7 @@ struct presence {
     uint32_t hops;              /* brokers between here and */
     char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
     uint64_t since_wall_ns;     /* since when it has its name */
+    uint64_t epoch;             /* how often it has set out for another process */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
     char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */

@@ -96,6 +96,38 @@ static const struct verb VERB_STEP = {"step",
                                       "muster step red 1",
                                       true,
                                       false};
+static const struct verb VERB_MOVE = {"move",
+                                      "NAME HOST [OPTION...]",
+                                      "Moves an agent to another platform, with all that it knows "
+                                      "and is about to do.",
+                                      2,
+                                      NULL,
+                                      true,
+                                      "move",
+                                      "muster move red north",
+                                      false,
+                                      false};
+static const struct verb VERB_CLONE = {"clone",
+                                       "NAME NEW [HOST] [OPTION...]",
+                                       "Makes a copy of an agent with a name of its own, on a "
+                                       "platform, or on its own.",
+                                       2,
+                                       NULL,
+                                       true,
+                                       "clone",
+                                       "muster clone red ruby north",
+                                       false,
+                                       false};
+static const struct verb VERB_DISPOSE = {"dispose",
+                                         "TARGETS [OPTION...]",
+                                         "Ends agents for good.",
+                                         1,
+                                         NULL,
+                                         true,
+                                         "dispose",
+                                         "muster dispose red",
+                                         false,
+                                         true};
 static const struct verb VERB_GROUP_SEND = {"group send",
                                             "GROUP WORD... [OPTION...]",
                                             "Sends a mail to all members of a group; who is absent "
@@ -156,6 +188,14 @@ static bool content_make(const struct verb *v, const struct mu_options *o, size_
     return true;
 }
 
+/* Who answers is no agent that anybody knows: it speaks for one on its way. */
+static void answer_show(void *self, const struct mu_mail *mail)
+{
+    (void)self;
+    bool done = strcmp(mail->performative, "inform") == 0;
+    fprintf(done ? stdout : stderr, "%s%s\n", done ? "" : "muster: ", mail->content);
+}
+
 static int verb_send(const struct verb *v, const struct mu_options *o,
                      struct operator_options *options, const struct envelope *envelope)
 {
@@ -169,14 +209,18 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
         (!v->directive && !envelope_fill(envelope, &mail, v->name))) {
         return MU_EXIT_USAGE;
     }
-    bool asks = v == &VERB_DO || options->wait_s > 0.0;
+    bool travels = v == &VERB_MOVE || v == &VERB_CLONE;
+    bool asks = v == &VERB_DO || travels || options->wait_s > 0.0;
     options->takes_no_mail = !asks;
     struct operator op;
     int code = operator_join(&op, options, v->name);
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    double wait_s = options->wait_s > 0.0 ? options->wait_s : 5.0;
+    double wait_s = options->wait_s > 0.0 ? options->wait_s : travels ? 25.0 : 5.0;
+    if (travels && !op.json) {
+        op.on_answer = answer_show;
+    }
     unsigned wanted =
         asks ? receivers_count(op.process, to, mu_agent_name(op.agent), v->directive) : 0;
     code = operator_send(&op, &mail, wanted, wait_s);
@@ -255,6 +299,21 @@ int post_verb_resume(int argc, char **argv)
 int post_verb_step(int argc, char **argv)
 {
     return verb_run(&VERB_STEP, argc, argv);
+}
+
+int post_verb_move(int argc, char **argv)
+{
+    return verb_run(&VERB_MOVE, argc, argv);
+}
+
+int post_verb_clone(int argc, char **argv)
+{
+    return verb_run(&VERB_CLONE, argc, argv);
+}
+
+int post_verb_dispose(int argc, char **argv)
+{
+    return verb_run(&VERB_DISPOSE, argc, argv);
 }
 
 int post_verb_group_send(int argc, char **argv)

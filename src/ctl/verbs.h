@@ -20,12 +20,17 @@ int post_verb_start(int argc, char **argv);
 int post_verb_suspend(int argc, char **argv);
 int post_verb_resume(int argc, char **argv);
 int post_verb_step(int argc, char **argv);
+int post_verb_move(int argc, char **argv);
+int post_verb_clone(int argc, char **argv);
+int post_verb_dispose(int argc, char **argv);
 int post_verb_group_send(int argc, char **argv);
 
 int console_verb(int argc, char **argv);
 
 int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
+
+int launch_verb(int argc, char **argv);
 
 int world_verb(int argc, char **argv);
 

@@ -101,6 +101,44 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     return MU_OK;
 }
 
+mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
+                          const struct mu_passage *from, enum mu_event event,
+                          const struct mu_handlers *handlers)
+{
+    uint64_t last = from ? from->last_number : 0;
+    MU_TRY(mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers));
+    (*out)->broker_incarnation = from ? from->broker : 0; /* another one numbers its box anew */
+    (*out)->epoch = from ? from->epoch : 0;
+    (*out)->state = MU_MOVING;
+    (*out)->part.beginning = event;
+    (*out)->part.begun = true; /* it ran before, or will be started */
+    return MU_OK;
+}
+
+struct mu_passage mu_agent_passage(const mu_agent *a)
+{
+    return (struct mu_passage){
+        .last_number = a->last_number, .broker = a->broker_incarnation, .epoch = a->epoch};
+}
+
+void mu_agent_set_out(mu_agent *a)
+{
+    a->epoch++;
+    roll_mark(a);
+}
+
+bool mu_agent_is_settled(const mu_agent *a)
+{
+    return a->registered && !outbox_has_unsent(&a->outbox) && !outbox_has_unanswered(&a->outbox) &&
+           !a->links[QUEUE_ACK].in && !a->process->out_pending;
+}
+
+void mu_agent_leave(mu_agent *a)
+{
+    a->part.ended = true; /* it lives on: nothing is disposed of */
+    mu_agent_set_state(a, MU_GONE);
+}
+
 struct mu_agent *agent_find(mu_process *p, const char *name)
 {
     uint32_t index = mu_table_find(&p->names, name);

@@ -182,7 +182,7 @@ void kind_follow(struct mu_agent *a)
 {
     if (a->registered && !a->part.created) {
         a->part.created = true;
-        kind_event(a, MU_ON_CREATE);
+        kind_event(a, a->part.beginning);
     }
     if (a->state == MU_STANDBY) {
         a->part.begun = false; /* who is put back is started again */

@@ -15,6 +15,7 @@ struct kind_part {
     const struct mu_agent_kind *hooked; /* whose hook runs; NULL: none */
     enum mu_event event;                /* of that hook */
     bool created, begun, ended;         /* these hooks have been called */
+    enum mu_event beginning;            /* what comes first: MU_ON_CREATE, or how it came here */
 };
 
 /** Hands a mail of a layer to the kind, then to on_mail; answers what nobody takes. */

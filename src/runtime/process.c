@@ -355,8 +355,22 @@ mu_result mu_process_run(mu_process *p)
     mu_result spun = MU_OK;
     while (spun == MU_OK && !p->stopped && !signal_came) {
         spun = mu_process_spin(p, (int64_t)HEARTBEAT_NS);
+        if (p->round && spun == MU_OK) {
+            p->round(p->round_self);
+        }
     }
     return spun < 0 ? spun : MU_OK;
+}
+
+void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
+{
+    p->round = round;
+    p->round_self = self;
+}
+
+bool mu_process_in_lockstep(const mu_process *p)
+{
+    return p->in_lockstep;
 }
 
 void mu_process_stop(mu_process *p)

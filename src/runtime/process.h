@@ -39,7 +39,8 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
-    uint64_t since_wall_ns;        /* since when it has its name */
+    uint64_t since_wall_ns; /* since when it has its name */
+    uint64_t epoch;         /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
@@ -105,6 +106,8 @@ struct mu_process {
     bool leaving;                /* one of the agents is, or all are */
     bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
+    void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
+    void *round_self;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;

@@ -61,6 +61,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .via = nothing,
                           .host = nothing,
                           .since_wall_ns = a->since_wall_ns,
+                          .epoch = a->epoch,
                           .reason = a->reason};
 }
 

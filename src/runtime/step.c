@@ -34,7 +34,8 @@ static bool number_take(struct mu_agent *a, uint64_t number)
 static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
 {
     const muster_Mail *m = &parcel->letter;
-    if (!a || a->gone) {
+    /* What was under way to an agent that has begun to move is for its next life. */
+    if (!a || a->gone || a->state == MU_MOVING) {
         return false;
     }
     queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);

@@ -33,7 +33,7 @@ def run(program, world, threads, fan):
     """@return the hashes of bodies and of percepts; None: this processor has no such kernel"""
     done = subprocess.run([program, world, str(SECONDS), "1", str(threads)], text=True, timeout=300,
                           capture_output=True, env={**os.environ, "MUSTER_FAN": fan})
-    return tuple(done.stdout.split()[3:]) if done.returncode == 0 else None
+    return tuple(done.stdout.split()[3:5]) if done.returncode == 0 else None
 
 
 def main():

@@ -110,6 +110,40 @@ static void test_held_name_is_refused_in_the_end(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
 }
 
+static void register_epoch(const char *process, uint64_t epoch)
+{
+    muster_Registration r = registration("red", process);
+    entry_of(&r)->epoch = epoch;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* An agent that has set out twice has left a copy behind at the first try. */
+static void test_a_copy_that_is_out_of_date_inherits_nothing(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("p1");
+    story_match("p2");
+    (void)story_collect();
+    register_epoch("p-red", 1);
+    register_epoch("p1", 1);
+    EXPECT("");
+    register_epoch("p-red", 2); /* it stays, or tries another way */
+    EXPECT("red: out of date");
+    register_epoch("p1", 1);
+    EXPECT("red: out of date");
+    register_epoch("p2", 2);
+    EXPECT("");
+    story_gone("p-red");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
+    story_gone("p2");
+    story_match("p3");
+    (void)story_collect();
+    register_epoch("p3", 0); /* another agent of that name, when nobody has it */
+    EXPECT("red welcome 0");
+}
+
 static void test_held_name_is_inherited(void)
 {
     story_begin();
@@ -340,6 +374,8 @@ int main(void)
         {"names that are refused", test_names_that_are_refused},
         {"bad registrations are counted", test_bad_registrations_are_counted},
         {"a held name is refused in the end", test_held_name_is_refused_in_the_end},
+        {"a copy that is out of date inherits nothing",
+         test_a_copy_that_is_out_of_date_inherits_nothing},
         {"a held name is inherited", test_held_name_is_inherited},
         {"a claim is given up", test_claim_is_given_up},
         {"a claim ends when its slot bears another name",

@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "agent/trip.h"
+
+#include "agent/robot.h"
+#include "core/clock.h"
+#include "core/log.h"
+#include "muster/memory.h"
+#include "runtime/kind.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* So long the broker may take for what was sent; the host for its word; the pages to show it. */
+static const uint64_t SETTLE_NS = 5000000000;
+static const uint64_t ANSWER_NS = 10000000000;
+static const uint64_t NAME_NS = 5000000000;
+
+void trip_reserve(struct trip *t)
+{
+    mu_text_init(&t->text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
+}
+
+bool trip_holds(const struct robot *r)
+{
+    const struct trip *t = &r->crew->trip;
+    return t->robot == r && t->phase != TRIP_NONE && t->purpose == TRIP_MOVE;
+}
+
+/* --- who speaks ------------------------------------------------------------------------------- */
+
+static void envoy_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    (void)trip_take_answer(self, mail);
+}
+
+/* Who is on its way takes no mail, so that another one speaks for it: the host, where there is one,
+ * else an agent of the process's own.  @return NULL: there is no room for it */
+static mu_agent *envoy(struct crew *c)
+{
+    char name[MU_NAME_MAX + 1];
+    struct mu_handlers handlers = {.self = c, .on_mail = envoy_on_mail};
+    if (c->envoy) {
+        return c->envoy;
+    }
+    snprintf(name, sizeof name, "envoy.%lx.%llx", (unsigned long)getpid() & 0xffffff,
+             (unsigned long long)(mu_clock_wall_ns() / 1000000u) & 0xffffffffff);
+    if (mu_agent_join(c->process, &c->envoy, name, MU_KIND_AGENT, 0, &handlers) != MU_OK) {
+        c->envoy = NULL;
+        return NULL;
+    }
+    mu_agent_decline_broadcasts(c->envoy);
+    return c->envoy;
+}
+
+void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text)
+{
+    mu_agent *speaker = reply_with[0] ? envoy(c) : NULL;
+    struct mu_mail mail = {.dst = to,
+                           .performative = done ? "inform" : "failure",
+                           .in_reply_to = reply_with,
+                           .content = text};
+    if (speaker && mu_agent_send(speaker, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", to);
+    }
+}
+
+/* --- how it ends ------------------------------------------------------------------------------ */
+
+static const char *verb_of(const struct trip *t)
+{
+    return t->purpose == TRIP_MOVE ? "moveTo" : "clone";
+}
+
+static void trip_end(struct crew *c, bool done, const char *text)
+{
+    struct trip *t = &c->trip;
+    t->phase = TRIP_NONE;
+    mu_log(done ? MU_LOG_INFO : MU_LOG_WARNING, done ? "trip-done" : "trip-refused",
+           "name=%s to=%s %s", t->robot->name, t->host, text);
+    trip_tell(c, t->asker, t->reply_with, done, text);
+}
+
+/* Nothing has happened: the agent goes on here, and its rules hear why. */
+static void trip_fail(struct crew *c, const char *reason)
+{
+    struct trip *t = &c->trip;
+    struct robot *r = t->robot;
+    char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
+    snprintf(change, sizeof change, "%s %s", verb_of(t),
+             t->purpose == TRIP_MOVE ? t->host : t->name);
+    snprintf(said, sizeof said, "%s %.63s", r->name, reason);
+    mind_refused(r->mind, change, reason);
+    trip_end(c, false, said);
+    if (t->purpose == TRIP_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
+        mu_agent_set_out(r->agent); /* the host may have a copy yet */
+        mu_agent_set_state(r->agent, t->was);
+    }
+}
+
+/* --- the way ---------------------------------------------------------------------------------- */
+
+static const char *objection(struct robot *r, const struct mind_travel *w, const char *host)
+{
+    struct crew *c = r->crew;
+    const struct mu_member *m = mu_process_lookup(c->process, host);
+    const struct mu_member *taken = mu_process_lookup(c->process, w->name);
+    if (c->trip.phase != TRIP_NONE) {
+        return "busy";
+    }
+    if (mu_process_in_lockstep(c->process)) {
+        return "lock-step";
+    }
+    if (!host[0] || !m || m->kind != MU_KIND_HOST) {
+        return "unknown-host";
+    }
+    if (m->state == MU_GONE) {
+        return "host-absent";
+    }
+    if (w->kind == MIND_MOVES && strcmp(host, c->host) == 0) {
+        return "here-already";
+    }
+    return w->kind == MIND_CLONES && taken && taken->state != MU_GONE ? "name-taken" : NULL;
+}
+
+static void trip_fill(struct robot *r, const struct mind_travel *w, const char *host,
+                      const struct mu_mail *asked)
+{
+    struct trip *t = &r->crew->trip;
+    t->robot = r;
+    t->purpose = w->kind == MIND_CLONES ? TRIP_CLONE : TRIP_MOVE;
+    t->was = mu_agent_state(r->agent);
+    t->sent = t->piece = 0;
+    t->until_ns = mu_clock_ns() + SETTLE_NS;
+    snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
+             (unsigned long long)(mu_clock_wall_ns() / 1000u), (unsigned long long)++t->count);
+    (void)mu_text_copy(t->host, sizeof t->host, host);
+    (void)mu_text_copy(t->name, sizeof t->name, w->name);
+    (void)mu_text_copy(t->asker, sizeof t->asker, asked ? asked->src : "");
+    (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
+}
+
+mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked)
+{
+    struct crew *c = r->crew;
+    const char *host = w->host[0] ? w->host : c->host;
+    const char *wrong = objection(r, w, host);
+    if (wrong) {
+        char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
+        bool moves = w->kind == MIND_MOVES;
+        snprintf(change, sizeof change, "%s %s", moves ? "moveTo" : "clone",
+                 moves ? host : w->name);
+        snprintf(said, sizeof said, "%s %s", r->name, wrong);
+        mind_refused(r->mind, change, wrong);
+        if (asked && asked->reply_with[0] &&
+            mu_agent_reply(r->agent, asked, "failure", said) != MU_OK) {
+            mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+        }
+        return MU_REFUSED;
+    }
+    trip_fill(r, w, host, asked);
+    if (w->kind == MIND_MOVES) {
+        kind_event(r->agent, MU_ON_LEAVE);
+        mu_agent_set_out(r->agent);
+        mu_agent_set_state(r->agent, MU_MOVING);
+    }
+    c->trip.phase = TRIP_SETTLES;
+    return MU_OK;
+}
+
+const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
+                       struct mu_fault *fault)
+{
+    struct mu_text rest;
+    mu_text_clear(out);
+    passport_add(out, p);
+    mu_text_init(&rest, out->at + out->len, out->size - out->len);
+    if (mind_save(r->mind, &rest, fault) != MU_OK) {
+        return fault->text;
+    }
+    out->len += rest.len;
+    return NULL;
+}
+
+/* @return NULL, or why there can be no capsule */
+static const char *capsule_make(struct trip *t, struct mu_fault *fault)
+{
+    struct robot *r = t->robot;
+    bool moves = t->purpose == TRIP_MOVE;
+    struct passport p = {.purpose = t->purpose, .state = t->was, .mails = r->mails};
+    (void)mu_text_copy(p.name, sizeof p.name, moves ? r->name : t->name);
+    t->passage = mu_agent_passage(r->agent);
+    if (moves) {
+        p.passage = t->passage;
+    }
+    return trip_write(r, &p, &t->text, fault);
+}
+
+static void settle(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    struct mu_fault fault;
+    if (t->purpose == TRIP_MOVE && !mu_agent_is_settled(t->robot->agent)) {
+        if (mu_clock_ns() > t->until_ns) {
+            trip_fail(c, "broker-silent");
+        }
+        return;
+    }
+    const char *why = capsule_make(t, &fault);
+    if (why) {
+        trip_fail(c, why);
+        return;
+    }
+    t->phase = TRIP_SENDS;
+    t->until_ns = mu_clock_ns() + ANSWER_NS;
+}
+
+/* As many pieces as the outbox takes. */
+static void pieces_send(struct crew *c)
+{
+    static char content[MU_CONTENT_MAX + 1];
+    struct trip *t = &c->trip;
+    mu_agent *speaker = envoy(c);
+    while (speaker && t->sent < t->text.len) {
+        size_t bytes = passport_piece(content, t->piece, t->text.at, t->text.len, t->sent);
+        struct mu_mail mail = {.dst = t->host,
+                               .layer = MU_LAYER_SYSTEM,
+                               .performative = "arrive",
+                               .language = "capsule",
+                               .reply_with = t->id,
+                               .conversation = t->id,
+                               .content = content};
+        if (mu_agent_send(speaker, &mail, NULL) != MU_OK) {
+            return; /* full: it goes on when the broker has answered */
+        }
+        t->sent += bytes;
+        t->piece++;
+    }
+    if (speaker) {
+        t->phase = TRIP_WAITS;
+    }
+}
+
+/* @return whether the white pages show the agent in the host's process, and no longer on its way */
+static bool is_there(const struct trip *t)
+{
+    const mu_process *p = t->robot->crew->process;
+    const struct mu_member *host = mu_process_lookup(p, t->host);
+    const struct mu_member *m = mu_process_lookup(p, t->robot->name);
+    return host && m && m->state != MU_GONE && m->state != MU_MOVING && m->pid == host->pid &&
+           strcmp(m->host, host->host) == 0;
+}
+
+/* The host has it; the copy here goes. */
+static void hand_over_end(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    char said[2 * MU_NAME_MAX + 16];
+    snprintf(said, sizeof said, "%s at %s", t->robot->name, t->host);
+    trip_end(c, true, said);
+    robot_drop(t->robot);
+}
+
+/* Nobody has it: whoever the broker gives the name now is the agent. */
+static void hand_over_undo(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    t->robot->returns_as = t->was;
+    t->passage.epoch++; /* the host's copy is out of date, if it comes back */
+    if (robot_arrive(t->robot, &t->passage, MU_ON_ARRIVE) != MU_OK) {
+        robot_drop(t->robot);
+    }
+    trip_end(c, false, "the host has gone");
+}
+
+static void hand_over(struct crew *c)
+{
+    if (is_there(&c->trip)) {
+        hand_over_end(c);
+    } else if (mu_clock_ns() > c->trip.until_ns) {
+        hand_over_undo(c);
+    }
+}
+
+static void answer_await(struct crew *c)
+{
+    const struct mu_member *m = mu_process_lookup(c->process, c->trip.host);
+    if (!m || m->state == MU_GONE) {
+        trip_fail(c, "host-absent");
+    } else if (mu_clock_ns() > c->trip.until_ns) {
+        trip_fail(c, "host-silent");
+    }
+}
+
+void trip_round(struct crew *c)
+{
+    switch (c->trip.phase) {
+    case TRIP_NONE: return;
+    case TRIP_SETTLES: settle(c); return;
+    case TRIP_SENDS:
+        pieces_send(c);
+        answer_await(c);
+        return;
+    case TRIP_WAITS: answer_await(c); return;
+    case TRIP_HANDS_OVER: hand_over(c); return;
+    }
+}
+
+/* The host has made its copy and asked for the name: it is let go. */
+static void answer_yes(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    char said[2 * MU_NAME_MAX + 16];
+    if (t->purpose == TRIP_CLONE) {
+        snprintf(said, sizeof said, "%s at %s", t->name, t->host);
+        trip_end(c, true, said);
+        return;
+    }
+    t->phase = TRIP_HANDS_OVER;
+    t->until_ns = mu_clock_ns() + NAME_NS;
+    mu_agent_leave(t->robot->agent);
+}
+
+bool trip_take_answer(struct crew *c, const struct mu_mail *mail)
+{
+    struct trip *t = &c->trip;
+    bool ours = t->phase == TRIP_WAITS && strcmp(mail->in_reply_to, t->id) == 0 &&
+                strcmp(mail->src, t->host) == 0;
+    if (!ours) {
+        return false;
+    }
+    if (strcmp(mail->performative, "agree") == 0) {
+        answer_yes(c);
+    } else {
+        trip_fail(c, mail->content);
+    }
+    return true;
+}

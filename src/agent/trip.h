@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file trip.h
+ * The way of an agent out of its process: docs/mobility.md has the order of events.
+ *
+ * A crew has one trip at a time.  What crosses is a passport, one line, and a capsule behind it, in
+ * pieces that fit a mail.
+ */
+#ifndef MUSTER_AGENT_TRIP_H
+#define MUSTER_AGENT_TRIP_H
+
+#include "agent/mind.h"
+#include "core/text.h"
+#include "muster/muster.h"
+
+enum {
+    TRIP_CAPSULE_MAX = 1 << 20,           /* bytes of passport and capsule */
+    TRIP_PIECE_MAX = MU_CONTENT_MAX - 64, /* bytes of them in one mail */
+    TRIP_FIELDS = 9,                      /* of a passport */
+};
+
+enum trip_purpose { TRIP_MOVE, TRIP_CLONE, TRIP_LAUNCH, TRIP_PURPOSES };
+
+/* What a host must know of an agent beside its mind. */
+struct passport {
+    enum trip_purpose purpose;
+    char name[MU_NAME_MAX + 1]; /* that it is to have */
+    enum mu_state state;        /* that it goes on in */
+    struct mu_passage passage;
+    uint64_t mails; /* that its rules have seen */
+    uint64_t seed;  /* of one that is launched; its rules stand in the place of the capsule */
+};
+
+enum trip_phase {
+    TRIP_NONE,
+    TRIP_SETTLES,   /* what it sent has no answer yet */
+    TRIP_SENDS,     /* pieces go out */
+    TRIP_WAITS,     /* for the host's word */
+    TRIP_HANDS_OVER /* its name is free; the copy here is kept until the host has it */
+};
+
+struct crew;
+struct robot;
+
+struct trip {
+    enum trip_phase phase;
+    enum trip_purpose purpose;
+    struct robot *robot;
+    char host[MU_NAME_MAX + 1], name[MU_NAME_MAX + 1];
+    char id[MU_FIELD_MAX + 1]; /* that the host's answer refers to */
+    char asker[MU_NAME_MAX + 1], reply_with[MU_FIELD_MAX + 1]; /* "": nobody asked */
+    enum mu_state was;
+    struct mu_passage passage;
+    uint64_t until_ns, count;
+    struct mu_text text; /* passport and capsule */
+    size_t sent;
+    uint32_t piece;
+};
+
+/** Takes the memory for trips. */
+void trip_reserve(struct trip *t);
+
+/**
+ * Begins one.
+ *
+ * @param asked  the directive that wants it, which is answered when it is over; NULL: the rules did
+ * @return MU_OK, or MU_REFUSED: that was answered
+ */
+mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked);
+
+/**
+ * Writes down an agent: its passport, and its mind behind it.
+ *
+ * @return NULL, or why that cannot be; fault has it
+ */
+const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
+                       struct mu_fault *fault);
+
+/** Goes on as far as that is possible now. */
+void trip_round(struct crew *c);
+
+/** Takes the answer of a host.  @return whether the mail was one */
+bool trip_take_answer(struct crew *c, const struct mu_mail *mail);
+
+/** Tells whoever asked what became of it; a trip without an asker: nobody. */
+void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text);
+
+/** @return whether this robot is on its way */
+bool trip_holds(const struct robot *r);
+
+/** Adds a passport, one line. */
+void passport_add(struct mu_text *out, const struct passport *p);
+
+/** Reads a passport and moves behind it.  @return false: it is none */
+bool passport_read(const char **text, struct passport *out);
+
+/** Puts the next piece of a text together.  @return bytes of the text in it */
+size_t passport_piece(char content[MU_CONTENT_MAX + 1], uint32_t number, const char *text,
+                      size_t len, size_t at);
+
+#endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster launch: a new agent on a running host, which gets the rules in pieces. */
+#include "core/exits.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "ctl/operator.h"
+#include "ctl/verbs.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { LAUNCH_RULES_MAX = 512 * 1024, LAUNCH_PIECE_MAX = MU_CONTENT_MAX - 64 };
+
+static const double ANSWER_PATIENCE_S = 15.0;
+
+struct launch {
+    struct operator_options options;
+    const char *name, *host, *rules;
+    int64_t seed;
+    bool start;
+};
+
+/* A passport and the rules behind it. */
+static char launch_bytes[LAUNCH_RULES_MAX + 256];
+
+/* @return the exit code; what is wrong is said */
+static int rules_read(const struct launch *l, struct mu_text *out)
+{
+    FILE *f = fopen(l->rules, "rb");
+    if (!f) {
+        fprintf(stderr, "%s: cannot be opened: %s\n", l->rules, strerror(errno));
+        return MU_EXIT_FILE;
+    }
+    size_t room = out->size - out->len - 1;
+    size_t len = fread(out->at + out->len, 1, room, f);
+    bool failed = ferror(f) || len == room;
+    fclose(f);
+    out->at[out->len + len] = '\0';
+    if (failed || strlen(out->at) != out->len + len) {
+        fprintf(stderr, "%s: expected a text of at most %d bytes\n", l->rules, LAUNCH_RULES_MAX);
+        return MU_EXIT_FILE;
+    }
+    out->len += len;
+    return MU_EXIT_DONE;
+}
+
+/* @return bytes of the text in the piece: whole characters */
+static size_t piece_bytes(const struct mu_text *text, size_t at)
+{
+    size_t bytes = text->len - at < LAUNCH_PIECE_MAX ? text->len - at : LAUNCH_PIECE_MAX;
+    while (at + bytes < text->len && ((unsigned char)text->at[at + bytes] & 0xc0) == 0x80 &&
+           bytes > 1) {
+        bytes--;
+    }
+    return bytes;
+}
+
+static int pieces_send(struct operator* op, const struct launch *l, const struct mu_text *text)
+{
+    static char content[MU_CONTENT_MAX + 1];
+    char id[64];
+    int code = MU_EXIT_DONE;
+    size_t at = 0;
+    snprintf(id, sizeof id, "launch-%ld", (long)getpid());
+    for (unsigned piece = 0; at < text->len && code == MU_EXIT_DONE; piece++) {
+        size_t bytes = piece_bytes(text, at);
+        struct mu_text t;
+        mu_text_init(&t, content, sizeof content);
+        mu_text_format(&t, "%u %zu\n", piece, text->len);
+        mu_text_add_bytes(&t, text->at + at, bytes);
+        at += bytes;
+        bool last = at == text->len;
+        op->quiet = !last || l->options.quiet;
+        struct mu_mail mail = {.dst = l->host,
+                               .directive = true,
+                               .performative = "launch",
+                               .conversation = id,
+                               .reply_with = id,
+                               .content = content};
+        code = operator_send(op, &mail, last ? 1 : 0, ANSWER_PATIENCE_S);
+    }
+    return code;
+}
+
+static int launch(struct launch *l)
+{
+    struct mu_text text;
+    mu_text_init(&text, launch_bytes, sizeof launch_bytes);
+    mu_text_format(&text, "passport 1 launch %s %s 0 0 0 0 %lld\n", l->name,
+                   l->start ? "running" : "standby", (long long)l->seed);
+    int code = rules_read(l, &text);
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    struct operator op;
+    code = operator_join(&op, &l->options, "launch");
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    code = pieces_send(&op, l, &text);
+    operator_leave(&op);
+    return code;
+}
+
+static bool words_take(const struct mu_options *o, struct launch *l)
+{
+    if (o->words_count != 2 || !l->rules) {
+        fprintf(stderr, "muster launch: expected NAME HOST --rules FILE, for example: "
+                        "muster launch red north --rules rules/follower.clp\n");
+        return false;
+    }
+    l->name = o->words[0];
+    l->host = o->words[1];
+    for (int i = 0; i < 2; i++) {
+        if (!mu_name_valid(o->words[i]) || mu_name_reserved(o->words[i])) {
+            char shown[MU_TEXT_SHOWN];
+            fprintf(stderr, "muster launch: '%s' cannot be the name of an agent or a host\n",
+                    mu_text_show(shown, o->words[i]));
+            return false;
+        }
+    }
+    return true;
+}
+
+int launch_verb(int argc, char **argv)
+{
+    static struct launch l;
+    static struct mu_options o;
+    struct mu_option table[] = {
+        OPERATOR_OPTIONS(l.options),
+        {.name = "rules",
+         .letter = 'r',
+         .kind = MU_OPTION_STRING,
+         .unit = "FILE",
+         .help = "the agent's behaviour, a CLIPS file; it may extend files of the library",
+         .target = &l.rules},
+        {.name = "seed",
+         .kind = MU_OPTION_INTEGER,
+         .unit = "N",
+         .fallback = "1",
+         .help = "seed of (random), together with the name",
+         .target = &l.seed},
+        {.name = "start",
+         .kind = MU_OPTION_FLAG,
+         .help = "let it run at once, without waiting in standby",
+         .target = &l.start},
+        {.name = "json",
+         .kind = MU_OPTION_FLAG,
+         .help = "the answer as an object",
+         .target = &l.options.json},
+        {.name = "quiet",
+         .letter = 'q',
+         .kind = MU_OPTION_FLAG,
+         .help = "do not say what became of the mail when all is well",
+         .target = &l.options.quiet},
+    };
+    o = (struct mu_options){.program = "muster launch",
+                            .usage = "NAME HOST --rules FILE [OPTION...]",
+                            .about = "Begins a new agent on a running host.",
+                            .table = table,
+                            .count = sizeof table / sizeof table[0]};
+    mu_result parsed = operator_parse(&o, argc, argv, &l.options);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    return words_take(&o, &l) ? launch(&l) : MU_EXIT_USAGE;
+}

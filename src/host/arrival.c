@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Agents that come in pieces: a sender's mail comes in order and once, so the next one is due. */
+#include "core/clock.h"
+#include "core/log.h"
+#include "host/host.h"
+#include "muster/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t PIECE_NS = 5000000000;
+
+void arrivals_reserve(struct host *h)
+{
+    for (size_t i = 0; i < HOST_ARRIVALS; i++) {
+        char *bytes = mu_startup_alloc(TRIP_CAPSULE_MAX);
+        mu_text_init(&h->arrivals[i].text, bytes, TRIP_CAPSULE_MAX);
+    }
+}
+
+static void fill(struct arrival *a, const struct mu_mail *mail)
+{
+    (void)mu_text_copy(a->src, sizeof a->src, mail->src);
+    (void)mu_text_copy(a->id, sizeof a->id, mail->conversation);
+    (void)mu_text_copy(a->reply_with, sizeof a->reply_with, mail->reply_with);
+    a->directive = mail->directive;
+}
+
+/* @return where the pieces of this mail's sender are put together, or NULL */
+static struct arrival *arrival_find(struct host *h, const struct mu_mail *mail)
+{
+    for (size_t i = 0; i < HOST_ARRIVALS; i++) {
+        struct arrival *a = &h->arrivals[i];
+        if (a->used && strcmp(a->src, mail->src) == 0 && strcmp(a->id, mail->conversation) == 0) {
+            return a;
+        }
+    }
+    return NULL;
+}
+
+/* Begins one; an arrival whose pieces have ceased to come gives way. */
+static struct arrival *arrival_begin(struct host *h, const struct mu_mail *mail, size_t total)
+{
+    for (size_t i = 0; i < HOST_ARRIVALS; i++) {
+        struct arrival *a = &h->arrivals[i];
+        if (!a->used || mu_clock_ns() > a->until_ns) {
+            fill(a, mail);
+            a->used = true;
+            a->pieces = 0;
+            a->total = total;
+            mu_text_clear(&a->text);
+            return a;
+        }
+    }
+    return NULL;
+}
+
+static void refuse(struct host *h, const struct mu_mail *mail, const char *why)
+{
+    struct arrival a = {.used = true};
+    fill(&a, mail);
+    mu_log(MU_LOG_WARNING, "arrival-refused", "from=%s: %s", mail->src, why);
+    host_answer(h, &a, "refuse", why);
+}
+
+static void arrival_end(struct host *h, struct arrival *a)
+{
+    char why[MU_FAULT_TEXT_MAX + 1];
+    a->used = false;
+    if (!host_take_in(h, a, why)) {
+        mu_log(MU_LOG_WARNING, "arrival-refused", "from=%s: %s", a->src, why);
+        host_answer(h, a, "refuse", why);
+    }
+}
+
+void arrival_take(struct host *h, const struct mu_mail *mail)
+{
+    unsigned number = 0;
+    size_t total = 0;
+    int head = 0;
+    if (sscanf(mail->content, "%u %zu%n", &number, &total, &head) != 2 ||
+        mail->content[head] != '\n') {
+        refuse(h, mail, "expected a piece of a capsule");
+        return;
+    }
+    if (total > (size_t)h->set->bytes || total >= TRIP_CAPSULE_MAX) {
+        if (number == 0) {
+            refuse(h, mail, "too-large");
+        }
+        return;
+    }
+    struct arrival *a = arrival_find(h, mail);
+    a = a || number > 0 ? a : arrival_begin(h, mail, total);
+    if (!a || a->pieces != number || a->total != total) {
+        if (number == 0) {
+            refuse(h, mail, "busy");
+        }
+        return;
+    }
+    const char *piece = mail->content + head + 1;
+    mu_text_add(&a->text, piece);
+    a->pieces++;
+    a->until_ns = mu_clock_ns() + PIECE_NS;
+    if (a->text.len >= a->total) {
+        arrival_end(h, a);
+    }
+}

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "host/host.h"
+
+#include "core/log.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <fnmatch.h>
+#include <stdio.h>
+#include <string.h>
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+void host_answer(struct host *h, const struct arrival *a, const char *performative,
+                 const char *text)
+{
+    char content[MU_FAULT_TEXT_MAX + 1];
+    struct mu_mail mail = {.dst = a->src,
+                           .performative = performative,
+                           .in_reply_to = a->reply_with,
+                           .conversation = a->id,
+                           .content = content};
+    (void)mu_text_copy(content, sizeof content, text);
+    if (a->reply_with[0] && mu_agent_send(h->agent, &mail, NULL) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", a->src);
+    }
+}
+
+/* Who waits for more than that it is here is told when it has its name. */
+static void on_arrived(struct robot *r, bool accepted, const char *reason)
+{
+    struct host *h = (struct host *)r->crew;
+    struct arrival *a = &h->waiting[r - h->crew.robots];
+    char said[2 * MU_NAME_MAX + 16];
+    if (!a->used) {
+        return;
+    }
+    a->used = false;
+    snprintf(said, sizeof said, "%s at %s", r->name, h->crew.host);
+    host_answer(h, a, accepted ? a->directive ? "inform" : "agree" : "failure",
+                accepted ? said : reason);
+}
+
+/* --- who comes -------------------------------------------------------------------------------- */
+
+static bool name_is_welcome(const struct host *h, const char *name)
+{
+    const struct mu_option_list *take = &h->set->take;
+    bool welcome = take->count == 0;
+    for (size_t i = 0; i < take->count; i++) {
+        welcome = welcome || fnmatch(take->items[i], name, 0) == 0;
+    }
+    return welcome;
+}
+
+static bool name_is_taken(const struct host *h, const char *name)
+{
+    const struct mu_member *m = mu_process_lookup(h->crew.process, name);
+    return m && m->state != MU_GONE;
+}
+
+/* @return a free place, or NULL */
+static struct robot *place_find(struct host *h)
+{
+    for (uint32_t i = 0; i < h->crew.count; i++) {
+        struct robot *r = &h->crew.robots[i];
+        if (r->out && !trip_holds(r)) {
+            return r;
+        }
+    }
+    return NULL;
+}
+
+static const char *objection(struct host *h, const struct arrival *a, const struct passport *p)
+{
+    if (mu_process_in_lockstep(h->crew.process)) {
+        return "lock-step";
+    }
+    if (a->src[0] && (p->purpose == TRIP_LAUNCH) != a->directive) {
+        return "launching is for those who may direct this host";
+    }
+    if (!name_is_welcome(h, p->name)) {
+        return "not-welcome";
+    }
+    if (p->purpose != TRIP_MOVE && name_is_taken(h, p->name)) {
+        return "name-taken";
+    }
+    return NULL;
+}
+
+static mu_result mind_make(struct host *h, struct robot *r, const struct passport *p,
+                           const char *rest, struct mu_fault *fault)
+{
+    bool launch = p->purpose == TRIP_LAUNCH;
+    struct mind_options options = {.name = r->name,
+                                   .seed = p->seed,
+                                   .rules_folder = launch ? h->folder : NULL,
+                                   .firings_max = (uint32_t)h->set->robots.firings_max,
+                                   .ports = robot_ports(r)};
+    mind_close(r->mind); /* of who was here before */
+    MU_TRY(mind_begin(r->mind, &options, fault));
+    return launch ? mind_load_text(r->mind, p->name, rest, fault)
+                  : mind_restore(r->mind, rest, strlen(rest), fault);
+}
+
+static mu_result join(struct robot *r, const struct passport *p)
+{
+    switch (p->purpose) {
+    case TRIP_MOVE: return robot_arrive(r, &p->passage, MU_ON_ARRIVE);
+    case TRIP_CLONE: return robot_arrive(r, NULL, MU_ON_CLONE);
+    case TRIP_LAUNCH: return robot_arrive(r, NULL, MU_ON_CREATE);
+    case TRIP_PURPOSES: break;
+    }
+    return MU_MALFORMED;
+}
+
+/* The place is a new agent's. */
+static void place_take(struct host *h, struct robot *r, const struct passport *p,
+                       const struct arrival *a)
+{
+    struct mind *mind = r->mind;
+    *r = (struct robot){
+        .crew = &h->crew, .mind = mind, .out = true, .mails = p->mails, .returns_as = p->state};
+    (void)mu_text_copy(r->name, sizeof r->name, p->name);
+    struct arrival *waiting = &h->waiting[r - h->crew.robots];
+    *waiting = *a;
+    waiting->text = (struct mu_text){.at = NULL};
+    waiting->used = p->purpose != TRIP_MOVE;
+}
+
+bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
+{
+    struct passport p;
+    struct mu_fault fault;
+    const char *rest = a->text.at;
+    bool read = passport_read(&rest, &p);
+    const char *wrong = read ? objection(h, a, &p) : "expected a passport";
+    struct robot *r = wrong ? NULL : place_find(h);
+    wrong = wrong || r ? wrong : "full";
+    if (wrong) {
+        return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, wrong);
+    }
+    place_take(h, r, &p, a);
+    if (mind_make(h, r, &p, rest, &fault) != MU_OK) {
+        snprintf(why, MU_FAULT_TEXT_MAX + 1, "%.63s:%d: %.400s", fault.file, fault.line,
+                 fault.text);
+        return false;
+    }
+    mu_result joined = join(r, &p);
+    if (joined != MU_OK) {
+        return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, mu_result_text(joined));
+    }
+    if (h->set->checkpoint_s > 0) {
+        (void)checkpoint_write(h, r, p.state); /* before the source lets go */
+    }
+    if (p.purpose == TRIP_MOVE) {
+        host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
+    }
+    return true;
+}
+
+/* --- the host itself -------------------------------------------------------------------------- */
+
+static enum mu_take take_arrival(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    arrival_take(self, mail);
+    return MU_TAKEN;
+}
+
+static const struct mu_layer_handler host_handlers[] = {
+    {MU_LAYER_SYSTEM, "arrive", take_arrival},
+    {0, NULL, NULL},
+};
+static const struct mu_agent_kind host_kind = {.name = "host", .handlers = host_handlers};
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    struct host *h = self;
+    if (accepted) {
+        mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
+        return;
+    }
+    fprintf(stderr, "muster host: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    h->crew.refused = true;
+    mu_process_stop(h->crew.process);
+}
+
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)a;
+    struct host *h = self;
+    (void)trip_take_answer(&h->crew, mail);
+}
+
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    if (strcmp(mail->performative, "launch") == 0) {
+        arrival_take(self, mail);
+    } else if (mail->reply_with[0] &&
+               mu_agent_reply(a, mail, "failure", "a host knows launch alone") != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
+static void on_state(void *self, mu_agent *a, enum mu_state state)
+{
+    (void)a;
+    struct host *h = self;
+    if (state == MU_GONE) {
+        mu_process_stop(h->crew.process);
+    }
+}
+
+struct host *host_make(const struct host_settings *set)
+{
+    struct host *h = mu_startup_alloc(sizeof *h);
+    h->set = set;
+    robot_reserve_crew(&h->crew, &set->robots, (uint32_t)set->agents, set->robots.name);
+    h->waiting = mu_startup_array(h->crew.count, sizeof *h->waiting);
+    h->crew.on_arrived = on_arrived;
+    for (uint32_t i = 0; i < h->crew.count; i++) {
+        h->crew.robots[i].out = true;
+        h->crew.robots[i].mind = mind_reserve();
+    }
+    arrivals_reserve(h);
+    checkpoints_reserve(h);
+    return h;
+}
+
+mu_result host_join(struct host *h)
+{
+    struct mu_handlers handlers = {.self = h,
+                                   .on_registered = on_registered,
+                                   .on_mail = on_mail,
+                                   .on_directive = on_directive,
+                                   .on_state = on_state};
+    MU_TRY(mu_agent_join(h->crew.process, &h->agent, h->crew.host, MU_KIND_HOST, 0, &handlers));
+    mu_agent_be(h->agent, &host_kind);
+    mu_agent_decline_broadcasts(h->agent);
+    h->crew.envoy = h->agent;
+    return MU_OK;
+}

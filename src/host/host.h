@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file host.h
+ * A platform: a crew whose robots come and go.
+ *
+ * host.c has the agents in it, arrival.c what comes in pieces.
+ */
+#ifndef MUSTER_HOST_HOST_H
+#define MUSTER_HOST_HOST_H
+
+#include "agent/robot.h"
+#include "host/host_settings.h"
+
+#include <limits.h>
+
+enum { HOST_ARRIVALS = 4 };
+
+/* An agent that comes in pieces; or has come, and waits for its name. */
+struct arrival {
+    bool used;
+    char src[MU_NAME_MAX + 1], id[MU_FIELD_MAX + 1], reply_with[MU_FIELD_MAX + 1];
+    bool directive;      /* somebody who may direct this host wants it */
+    uint32_t pieces;     /* that are there */
+    size_t total;        /* bytes that there are to be */
+    uint64_t until_ns;   /* the next one must come before */
+    struct mu_text text; /* TRIP_CAPSULE_MAX */
+};
+
+/* The file of an agent. */
+struct saved {
+    char name[MU_NAME_MAX + 1]; /* "": there is none */
+    uint64_t due_ns;            /* when it is to be written next */
+};
+
+struct host {
+    struct crew crew; /* first: a robot's crew is the host */
+    const struct host_settings *set;
+    char folder[PATH_MAX]; /* of the shared rules */
+    mu_agent *agent;
+    struct arrival arrivals[HOST_ARRIVALS];
+    struct arrival *waiting;   /* of each robot, what it came by, until it has its name; agents of
+                                  them, used: somebody is to be told */
+    struct saved *saved;       /* of each robot */
+    struct mu_text checkpoint; /* TRIP_CAPSULE_MAX: what is being written */
+};
+
+/* host.c */
+
+/** Takes the memory of a host. */
+struct host *host_make(const struct host_settings *set);
+
+/** Lets the host join its process.  @return as mu_agent_join */
+MU_MUST_USE mu_result host_join(struct host *h);
+
+/**
+ * Makes an agent of what has come whole, and lets it ask for its name.
+ *
+ * @param why  out: why not, MU_FAULT_TEXT_MAX + 1 bytes
+ * @return whether it is here; it has its name when on_registered says so
+ */
+bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
+
+/** Answers who has sent an agent. */
+void host_answer(struct host *h, const struct arrival *a, const char *performative,
+                 const char *text);
+
+/* checkpoint.c */
+
+/** Takes the memory for checkpoints. */
+void checkpoints_reserve(struct host *h);
+
+/** Writes an agent's file.  @return false: that failed, and was logged */
+bool checkpoint_write(struct host *h, struct robot *r, enum mu_state state);
+
+/** Writes what is due; forgets who is not here any more. */
+void checkpoints_round(struct host *h);
+
+/** Takes in all agents that have a file.  @return how many */
+uint32_t checkpoints_restore(struct host *h);
+
+/* arrival.c */
+
+/** Takes the memory for arrivals. */
+void arrivals_reserve(struct host *h);
+
+/** Takes one piece in; the last one brings the agent. */
+void arrival_take(struct host *h, const struct mu_mail *mail);
+
+#endif

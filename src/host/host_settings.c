@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "host/host_settings.h"
+
+#include "agent/trip.h"
+#include "core/name.h"
+
+#include <stdio.h>
+
+static struct host_settings settings;
+
+static struct mu_option table[] = {
+    MU_JOIN_OPTIONS(settings.robots.network),
+    {.name = "agents",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "16",
+     .help = "room for so many agents",
+     .target = &settings.agents,
+     .min = 1,
+     .max = 256},
+    {.name = "take",
+     .kind = MU_OPTION_LIST,
+     .unit = "PATTERN",
+     .help = "take in agents of such names alone, for example 'w_*'; may stand several times",
+     .target = &settings.take},
+    {.name = "bytes",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1000000",
+     .help = "take in capsules of at most so many bytes",
+     .target = &settings.bytes,
+     .min = 1000,
+     .max = 1000000},
+    {.name = "checkpoint",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "write each agent to the folder every S seconds, and when it arrives; 0: never",
+     .target = &settings.checkpoint_s,
+     .max = 1e6},
+    {.name = "folder",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .help = "where checkpoints are",
+     .target = &settings.folder},
+    {.name = "restore",
+     .kind = MU_OPTION_FLAG,
+     .help = "take in the agents that have a checkpoint there",
+     .target = &settings.restore},
+    {.name = "firings",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "200",
+     .help = "rules that an agent fires in one control step at most",
+     .target = &settings.robots.firings_max,
+     .min = 1,
+     .max = 1000000},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &settings.robots.verbose},
+};
+
+mu_result host_settings_parse(const struct host_settings **out, int argc, char **argv)
+{
+    static struct mu_options options = {
+        .program = "muster host",
+        .usage = "NAME [OPTION...]",
+        .about = "A platform: takes in agents that are launched here, or move here.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    *out = &settings;
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return parsed;
+    }
+    const char *name = options.words_count == 1 ? options.words[0] : "";
+    if (!mu_name_valid(name) || mu_name_reserved(name)) {
+        fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
+        return MU_FAULT_USAGE;
+    }
+    if ((settings.checkpoint_s > 0 || settings.restore) && !settings.folder) {
+        fprintf(stderr, "muster host: --checkpoint and --restore need --folder DIR\n");
+        return MU_FAULT_USAGE;
+    }
+    settings.robots.name = name;
+    return MU_OK;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-host: a platform for agents that are launched, move and are cloned. */
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/paths.h"
+#include "host/host.h"
+
+#include <stdio.h>
+
+static const uint64_t BROKER_PATIENCE_NS = 2500000000;
+
+static mu_result host_connect(struct host *h)
+{
+    const struct mu_network *network = &h->set->robots.network;
+    struct mu_process_options options = {.domain = (int)network->domain,
+                                         .interface = network->interface,
+                                         .peer = mu_network_peers(network),
+                                         .name = h->crew.host,
+                                         .broker = network->broker,
+                                         .agents = h->crew.count + 1, /* itself */
+                                         .with_body = true};
+    MU_TRY(mu_process_open(&h->crew.process, &options));
+    MU_TRY(host_join(h));
+    mu_result found = mu_process_await_broker(h->crew.process, BROKER_PATIENCE_NS);
+    if (found == MU_TIMEOUT) {
+        fprintf(stderr,
+                "muster host: no broker answers in domain %d; start one with: "
+                "muster broker NAME --domain %d\n",
+                options.domain, options.domain);
+    }
+    return found;
+}
+
+static void host_round(void *self)
+{
+    struct host *h = self;
+    trip_round(&h->crew);
+    checkpoints_round(h);
+}
+
+int main(int argc, char **argv)
+{
+    const struct host_settings *set;
+    mu_result parsed = host_settings_parse(&set, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    mu_log_open(set->robots.name, set->robots.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    struct host *h = host_make(set);
+    if (!mu_path_rules(h->folder, sizeof h->folder)) {
+        fprintf(stderr, "muster host: the shared rules are not found; set MUSTER_RULES to the "
+                        "folder that has muster.clp\n");
+        return MU_EXIT_FILE;
+    }
+    mu_result ready = host_connect(h);
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    if (set->restore) {
+        mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));
+    }
+    mu_process_each_round(h->crew.process, host_round, h);
+    mu_memory_seal();
+    mu_result ran = mu_process_run(h->crew.process);
+    mu_process_close(h->crew.process);
+    for (uint32_t i = 0; i < h->crew.count; i++) {
+        robot_print_rest(&h->crew.robots[i]);
+    }
+    return h->crew.refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+}

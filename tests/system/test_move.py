@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Agents that are launched, move, are cloned and disposed of; and what dies on the way."""
+import contextlib
+import signal
+import subprocess
+import time
+
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
+                     new_domain, wait_for)
+
+class Team:
+    """A broker, two hosts, a simulator with the body of red, and red in a process of its own."""
+
+    def __init__(self, processes, out, bodies=("red",)):
+        self.processes, self.out, self.domain = processes, out, new_domain()
+        self.broker = broker_start(processes, self.domain)
+        self.hosts = {name: self.host_start(name) for name in ("north", "south")}
+        robots = [word for name in bodies for word in ("--robots", name)]
+        if bodies:
+            processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", *robots, "--free",
+                            "--domain", self.domain)
+
+    def host_start(self, name, *words):
+        host = self.processes.start(MUSTER, "host", name, "--domain", self.domain, *words)
+        wait_for(lambda: name in members(self.domain), 10, f"the host {name}")
+        return host
+
+    def robot_start(self, name, rules='(extends "follower.clp")'):
+        path = self.out / f"{name}.clp"
+        path.write_text(rules)
+        robot = self.processes.start(MUSTER, "robot", name, "--rules", path, "--domain", self.domain)
+        wait_for(lambda: name in members(self.domain), 10, name)
+        return robot
+
+    def muster(self, *words):
+        return muster(*words, "--domain", self.domain)
+
+    def done(self, *words):
+        done = self.muster(*words)
+        check_equal(done.returncode, 0, f"muster {' '.join(map(str, words))}: {done.stderr}")
+        return done.stdout
+
+    def ask(self, name, line):
+        """What a robot prints, without its name."""
+        return self.done("do", name, line).split(": ", 1)[1].strip()
+
+    def place_of(self, name):
+        """The name of the host in whose process an agent lives; None: no host's."""
+        pages = members(self.domain)
+        if name not in pages or pages[name]["state"] == "absent":
+            return None
+        pids = {pages[host]["pid"]: host for host in self.hosts if host in pages}
+        return pids.get(pages[name]["pid"], "elsewhere")
+
+    def begin(self, *words):
+        """The same, without waiting for its end."""
+        return self.processes.start(MUSTER, *words, "--domain", self.domain, stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True)
+
+
+@contextlib.contextmanager
+def team(**kwargs):
+    with folder() as out, Processes() as processes:
+        yield Team(processes, out, **kwargs)
+
+
+def test_a_robot_moves_with_all_that_it_knows():
+    with team() as t:
+        robot = t.robot_start("red")
+        t.done("start", "red")
+        t.done("do", "red", "(wander)")
+        t.done("do", "red", "(bind ?*mate* green)")
+        t.done("do", "red", '(assert (kept "a b" 0.1))')
+        t.done("group", "join", "scouts", "--as", "red")
+        wait_for(lambda: "(position" in t.ask("red", "(facts)"), 10, "its senses")
+        before = float(t.ask("red", "(nth$ 1 (position))"))
+        for host in ("north", "south", "north"):
+            check_equal(t.done("move", "red", host), f"red at {host}\n", "the answer")
+            check_equal(t.place_of("red"), host, "its platform")
+            check_equal(members(t.domain)["red"]["state"], "running", "its state")
+            check_equal(t.ask("red", "?*mate*"), "green", "a global")
+            check('(kept "a b" 0.1)' in t.ask("red", "(facts)"), "a fact is lost")
+            check("(event on-arrive)" in t.ask("red", "(facts)"), "the event of its arrival")
+        check_equal(robot.wait(10), 0, "the process that it left")
+        check("red" in t.done("group", "members", "scouts").split(), "it is no longer in its group")
+        wait_for(lambda: float(t.ask("red", "(nth$ 1 (position))")) > before + 2, 10, "new senses")
+        x, y = (float(v) for v in t.ask("red", "(subseq$ (position) 2 3)").strip("()").split())
+        wait_for(lambda: t.ask("red", f"(> (distance {x} {y} (nth$ 2 (position))"
+                               " (nth$ 3 (position))) 100)") == "TRUE", 20, "that it drives on")
+
+
+COUNTS = """
+(defglobal ?*last* = 0 ?*wrong* = 0)
+(deffunction take (?from ?n ?i)
+  (if (<> ?i (+ ?*last* 1)) then (bind ?*wrong* (+ ?*wrong* 1)))
+  (bind ?*last* ?i))
+(defrule count (position $?) =>
+  (bind ?mail (getmsg))
+  (while (> (length$ ?mail) 0)
+    (take (expand$ ?mail))
+    (bind ?mail (getmsg))))
+"""
+SENDS = """
+(defglobal ?*n* = 0)
+(defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
+"""
+
+
+def test_mail_on_the_way_arrives_in_order_and_once():
+    with team(bodies=("red", "blue")) as t:
+        t.robot_start("red", COUNTS)
+        t.robot_start("blue", SENDS)
+        t.done("start", "red,blue")
+        wait_for(lambda: int(t.ask("red", "?*last*")) > 3, 10, "the first mail")
+        for host in ("north", "south", "north", "south", "north", "south"):
+            t.done("move", "red", host)
+        sent = int(t.ask("blue", "?*n*"))
+        wait_for(lambda: int(t.ask("red", "?*last*")) > sent, 10, "all mail")
+        check_equal(t.ask("red", "?*wrong*"), "0", "mails out of order")
+
+
+def test_rules_move_clone_and_dispose():
+    with team(bodies=("red", "green")) as t:
+        rules = ("(defrule go (declare (salience -1)) (never) =>)"
+                 "(deffacts f (x 1))")
+        t.robot_start("red", rules)
+        check_equal(t.ask("red", "(moveTo nowhere)"), "TRUE", "the wish")
+        wait_for(lambda: "(event refused moveTo nowhere unknown-host)" in t.ask("red", "(facts)"), 10,
+                 "the refusal")
+        t.ask("red", "(moveTo north)")
+        wait_for(lambda: t.place_of("red") == "north", 10, "its platform")
+        t.ask("red", "(clone green)")
+        wait_for(lambda: t.place_of("green") == "north", 10, "the clone")
+        check_equal(t.ask("green", "?*my-name*"), "green", "the clone's name")
+        wait_for(lambda: "(event on-clone)" in t.ask("green", "(facts)"), 10, "the clone's event")
+        check_equal(t.done("clone", "red", "rosa", "south"), "rosa at south\n", "the answer")
+        check_equal(t.place_of("rosa"), "south", "the second clone")
+        t.done("send", "red", "south", "--layer", 1, "--performative", "dispatch", "--wait", 10)
+        check_equal(t.place_of("red"), "south", "who was asked to go")
+        t.done("send", "red", "north", "--layer", 1, "--performative", "retract", "--wait", 10)
+        check_equal(t.place_of("red"), "north", "who was called back")
+        t.ask("green", "(dispose)")
+        wait_for(lambda: t.place_of("green") is None, 10, "the end of green")
+        t.done("dispose", "rosa")
+        wait_for(lambda: t.place_of("rosa") is None, 10, "the end of rosa")
+        check_equal(t.place_of("red"), "north", "who was copied")
+
+
+def test_launch():
+    with team(bodies=()) as t:
+        path = t.out / "big.clp"
+        path.write_text('(extends "follower.clp")\n' + "".join(
+            f"(defrule r{i} (never {i} \u00e4) => (printout t \"{'x' * 100}\" crlf))\n"
+            for i in range(400)) + '(deffacts f (launched well))\n')
+        for name in ("red", "blue"):
+            check_equal(t.done("launch", name, "north", "--rules", path, "--quiet"),
+                        f"north: {name} at north\n", "the answer")
+        check_equal(members(t.domain)["red"]["state"], "standby", "its state")
+        check("(launched well)" in t.ask("red", "(facts)"), "its facts")
+        again = t.muster("launch", "red", "south", "--rules", path)
+        check_equal((again.returncode, "name-taken" in again.stdout + again.stderr), (8, True),
+                    f"a second red: {again.stdout} {again.stderr}")
+        path.write_text("(defrule broken (a) => (nonsense))")
+        wrong = t.muster("launch", "green", "south", "--rules", path)
+        check(wrong.returncode == 8 and "nonsense" in wrong.stdout + wrong.stderr,
+              f"broken rules: {wrong.stdout} {wrong.stderr}")
+        t.done("move", "red", "south")
+        check_equal(t.place_of("red"), "south", "its platform")
+
+
+def test_a_host_refuses():
+    with team(bodies=()) as t:
+        t.robot_start("red")
+        t.hosts["small"] = t.host_start("small", "--bytes", "2000")
+        t.hosts["choosy"] = t.host_start("choosy", "--take", "w_*", "--take", "blue")
+        t.hosts["tight"] = t.host_start("tight", "--agents", "1")
+        check_equal(t.done("clone", "red", "w_1", "choosy"), "w_1 at choosy\n", "a welcome name")
+        check_equal(t.done("clone", "red", "one", "tight"), "one at tight\n", "a place")
+        for host, why in (("small", "too-large"), ("choosy", "not-welcome"), ("tight", "full"),
+                          ("nowhere", "unknown-host"), ("w_1", "unknown-host")):
+            done = t.muster("move", "red", host)
+            check_equal((done.returncode, why in done.stderr), (8, True), f"{host}: {done.stderr}")
+        done = t.muster("clone", "red", "w_1", "choosy")
+        check_equal((done.returncode, "name-taken" in done.stderr), (8, True), done.stderr)
+        check_equal(members(t.domain)["red"]["state"], "standby", "red after all that")
+        check_equal(t.ask("red", "(my-name)"), "red", "its answer")
+        t.ask("red", "(defclass C (is-a USER) (role concrete))")
+        t.ask("red", "(make-instance c of C)")
+        done = t.muster("move", "red", "north")
+        check_equal((done.returncode, "instances" in done.stderr), (8, True), done.stderr)
+        done = t.muster("move", "red", "north", "--as", "blue")
+        check_equal(done.returncode, 6, f"who may not direct red: {done.stderr}")
+
+
+def test_nobody_moves_in_lock_step():
+    """It is refused with a word, from the command line and to rules, and the run goes on."""
+    with team(bodies=()) as t:
+        t.robot_start("red", "(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))")
+        sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
+                                "--rate", "2", "--duration", "8", "--domain", t.domain)
+        t.done("start", "red")
+        refused = "(event refused moveTo north lock-step)"
+        wait_for(lambda: refused in t.ask("red", "(facts)"), 15, "the refusal to the rules")
+        done = t.muster("move", "red", "north")
+        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
+        check_equal(t.place_of("red"), "elsewhere", "where it is")
+        check_equal(sim.wait(20), 0, "the run")
+
+
+# --- what dies on the way ----------------------------------------------------------------------
+
+
+def living(t, name):
+    """Where an agent answers, and only there."""
+    wait_for(lambda: members(t.domain)[name]["state"] not in ("absent", "moving"), 20,
+             f"{name} lives")
+    check_equal(t.ask(name, "(my-name)"), name, "its answer")
+    return t.place_of(name)
+
+
+def test_the_target_dies_before_its_word():
+    with team(bodies=()) as t:
+        t.robot_start("red")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        t.hosts["north"].kill()
+        out, err = move.communicate(timeout=20)
+        check_equal((move.returncode, "host-absent" in err), (8, True), f"{out} {err}")
+        check_equal(living(t, "red"), "elsewhere", "where it stays")
+        check_equal(members(t.domain)["red"]["state"], "standby", "its state")
+        t.done("move", "red", "south")
+
+
+def test_the_source_dies_before_its_name_is_free():
+    """The host has the capsule whole: it is the agent, when the broker has lost the other."""
+    with team(bodies=()) as t:
+        robot = t.robot_start("red", '(deffacts f (x 1))')
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        move.kill()
+        wait_for(lambda: any(n.startswith("envoy.") for n in members(t.domain)), 10, "its envoy")
+        time.sleep(0.3)  # the pieces are at the broker, and the host is not missed yet
+        robot.kill()
+        t.hosts["north"].send_signal(signal.SIGCONT)
+        check_equal(living(t, "red"), "north", "where it lives")
+        check("(x 1)" in t.ask("red", "(facts)"), "its facts")
+
+
+def test_the_broker_dies_on_the_way():
+    with team(bodies=()) as t:
+        t.robot_start("red")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north", "--wait", 5)
+        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        t.broker.kill()
+        t.broker.wait()
+        t.broker = broker_start(t.processes, t.domain)
+        t.hosts["north"].send_signal(signal.SIGCONT)
+        move.communicate(timeout=40)
+        place = living(t, "red")
+        check(place in ("north", "elsewhere"), f"red at {place}")
+        wait_for(lambda: members(t.domain)["red"]["state"] == "standby", 20, "its state")
+        t.done("move", "red", "south")
+        check_equal(living(t, "red"), "south", "where it goes next")
+
+
+def test_kill_at_any_moment():
+    """After kill -9 of either platform at any moment there is never more than one, and one when the
+    platform that has it lives."""
+    with team(bodies=()) as t:
+        t.done("launch", "red", "north", "--rules", ROOT / "rules/follower.clp")
+        for number, delay_ms in enumerate((0, 10, 20, 40, 80, 15)):
+            source = t.place_of("red")
+            target = "south" if source == "north" else "north"
+            victim = (source, target)[number % 2]
+            move = t.begin("move", "red", target, "--wait", 5)
+            time.sleep(delay_ms / 1000)
+            t.hosts[victim].kill()
+            t.hosts[victim].wait()
+            move.communicate(timeout=40)
+            wait_for(lambda: members(t.domain)[victim]["state"] == "absent", 10, f"{victim} gone")
+            settled(t, victim == target)
+            place = t.place_of("red")
+            check(place != "elsewhere", f"{number} {victim}: {members(t.domain)}")
+            check(place != victim, f"red on a dead platform after {delay_ms} ms")
+            t.hosts[victim] = t.host_start(victim)
+            if place is None:
+                t.done("launch", "red", "north", "--rules", ROOT / "rules/follower.clp")
+            check_equal(t.ask("red", "(my-name)"), "red", "its answer")
+
+
+def settled(t, may_return):
+    """Until nothing is on its way; a source may yet take back what it let go."""
+    def still():
+        state = members(t.domain)["red"]["state"]
+        return state != "moving" and state
+    seen = wait_for(still, 20, "red's state")
+    until = time.monotonic() + (8 if may_return else 2)
+    while seen == "absent" and time.monotonic() < until:
+        seen = still() or "absent"
+        time.sleep(0.1)
+
+
+# --- checkpoints --------------------------------------------------------------------------------
+
+
+def test_a_host_comes_back_with_its_agents():
+    with team(bodies=()) as t:
+        store = t.out / "store"
+        store.mkdir()
+        words = ("--checkpoint", "0.2", "--folder", store)
+        t.hosts["east"] = t.host_start("east", *words)
+        rules = t.out / "red.clp"
+        rules.write_text("(defglobal ?*n* = 0)\n(deffacts f (kept 1.5))\n")
+        for name in ("red", "blue"):
+            t.done("launch", name, "east", "--rules", rules, "--quiet")
+        t.done("launch", "gone", "north", "--rules", rules, "--quiet")
+        t.done("move", "gone", "east")
+        check((store / "gone.capsule").exists(), "who has come is not on disk")
+        t.done("move", "gone", "north")
+        t.done("dispose", "blue")
+        t.ask("red", "(bind ?*n* 17)")
+        wait_for(lambda: {f.name for f in store.glob("[a-z]*")} == {"red.capsule"}, 10,
+                 "the files of those who are here")
+        wait_for(lambda: 'y"n" one i17' in (store / "red.capsule").read_text(), 10, "a checkpoint")
+        t.hosts["east"].kill()
+        t.hosts["east"].wait()
+        wait_for(lambda: members(t.domain)["red"]["state"] == "absent", 10, "the end of red")
+        t.hosts["east"] = t.host_start("east", "--restore", *words)
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check_equal(t.ask("red", "?*n*"), "17", "a global")
+        check("(kept 1.5)" in t.ask("red", "(facts)"), "a fact")
+        check_equal(t.place_of("gone"), "north", "who had moved on")
+        check_equal(t.place_of("blue"), None, "who was disposed of")
