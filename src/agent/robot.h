@@ -131,6 +131,9 @@ void robot_console_flush(struct robot *r);
 /** A step is over: the same if it is much, or somebody has read all that came before. */
 void robot_console_offer(struct robot *r);
 
+/** The robot is gone: another one may take its place, and has no consoles yet. */
+void robot_console_end(struct robot *r);
+
 /** Asks the mind, and answers a console in pieces.  @return whether the mind did it */
 bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
                           mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));

@@ -88,6 +88,12 @@ void robot_console_flush(struct robot *r)
     }
 }
 
+void robot_console_end(struct robot *r)
+{
+    r->console_count = 0;
+    robot_console_flush(r); /* to nobody */
+}
+
 /* At hundreds of steps a second each would be a mail, which nobody reads so fast. */
 void robot_console_offer(struct robot *r)
 {

@@ -26,6 +26,7 @@ static void pages_enter(const struct robot *r, mu_agent *a)
 
 void robot_leave(struct robot *r)
 {
+    robot_console_end(r);
     r->out = true;
     if (r->crew->host[0]) {
         return;
