@@ -55,7 +55,9 @@ static mu_agent *envoy(struct crew *c)
     return c->envoy;
 }
 
-void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text)
+/* Tells whoever asked what became of it; a trip without an asker: nobody. */
+static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
+                      const char *text)
 {
     mu_agent *speaker = reply_with[0] ? envoy(c) : NULL;
     struct mu_mail mail = {.dst = to,

@@ -81,9 +81,6 @@ void trip_round(struct crew *c);
 /** Takes the answer of a host.  @return whether the mail was one */
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail);
 
-/** Tells whoever asked what became of it; a trip without an asker: nobody. */
-void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text);
-
 /** @return whether this robot is on its way */
 bool trip_holds(const struct robot *r);
 
