@@ -2,6 +2,8 @@
 /* A mind as text: what a capsule begins with, its rules and its switches. */
 #include "agent/clips_capsule.h"
 
+#include "core/hash.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,14 +11,10 @@
 static const char CAPSULE_WORD[] = "muster-capsule";
 enum { CAPSULE_VERSION = 1, CAPSULE_HEAD_MAX = 96 };
 
-/* FNV-1a, 64 bits: against pieces that are lost or mixed up, not against attackers. */
+/* Against pieces that are lost or mixed up, not against attackers. */
 static uint64_t capsule_sum(const char *body, size_t len)
 {
-    uint64_t sum = 14695981039346656037ull;
-    for (size_t i = 0; i < len; i++) {
-        sum = (sum ^ (unsigned char)body[i]) * 1099511628211ull;
-    }
-    return sum;
+    return mu_hash_bytes(MU_HASH_EMPTY, body, len);
 }
 
 /* --- rules ------------------------------------------------------------------------------------ */

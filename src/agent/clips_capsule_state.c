@@ -6,25 +6,6 @@
 
 /* --- numbers ---------------------------------------------------------------------------------- */
 
-enum { PERCEPT_REALS = 12 };
-
-static void percept_reals(struct mind_percept *p, double *reals[PERCEPT_REALS])
-{
-    double *const all[PERCEPT_REALS] = {&p->x_m,
-                                        &p->y_m,
-                                        &p->heading_rad,
-                                        &p->forward_m_s,
-                                        &p->turn_rad_s,
-                                        &p->gps_x_m,
-                                        &p->gps_y_m,
-                                        &p->compass_rad,
-                                        &p->odometer_x_m,
-                                        &p->odometer_y_m,
-                                        &p->odometer_heading_rad,
-                                        &p->battery_share};
-    memcpy(reals, all, sizeof all);
-}
-
 static bool reals_load(struct capsule *c, double **reals, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -109,11 +90,11 @@ static bool facts_load(struct capsule *c, struct fact **facts, size_t count)
 static void percept_save(struct mind *m, struct mu_text *out)
 {
     struct mind_percept *p = &m->percept;
-    double *reals[PERCEPT_REALS];
-    percept_reals(p, reals);
+    double *reals[CLIPS_PERCEPT_REALS];
+    clips_percept_reals(p, reals);
     mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
                    p->stalled, p->bumpers, p->gripper);
-    for (size_t i = 0; i < PERCEPT_REALS; i++) {
+    for (size_t i = 0; i < CLIPS_PERCEPT_REALS; i++) {
         clips_capsule_add_real(out, *reals[i]);
     }
     mu_text_add(out, "\n");
@@ -140,14 +121,14 @@ static bool percept_line_load(struct capsule *c)
 {
     struct mind *m = c->mind;
     struct mind_percept p = {.time_ns = 0};
-    double *reals[PERCEPT_REALS];
+    double *reals[CLIPS_PERCEPT_REALS];
     uint64_t n[5];
-    percept_reals(&p, reals);
+    clips_percept_reals(&p, reals);
     bool good = clips_capsule_line(c, "percept");
     for (size_t i = 0; i < 5 && good; i++) {
         good = clips_capsule_count(c, &n[i]);
     }
-    if (!good || !reals_load(c, reals, PERCEPT_REALS) || !clips_capsule_end(c)) {
+    if (!good || !reals_load(c, reals, CLIPS_PERCEPT_REALS) || !clips_capsule_end(c)) {
         return false;
     }
     m->sensed = n[0] != 0;

@@ -2,6 +2,8 @@
 /* One step's firing of rules. */
 #include "agent/clips_mind.h"
 
+#include "core/hash.h"
+
 #include <string.h>
 
 /* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
@@ -21,10 +23,10 @@ void clips_fire_install(struct mind *m)
 /* @return whether this complaint was shown before, be it of other numbers; remembers it */
 static bool fire_was_shown(struct mind *m, const char *text)
 {
-    uint64_t hash = 14695981039346656037ull; /* FNV-1a */
+    uint64_t hash = MU_HASH_EMPTY;
     for (const char *c = text; *c; c++) {
         bool number = (*c >= '0' && *c <= '9') || *c == '.' || *c == '-';
-        hash = number ? hash : (hash ^ (unsigned char)*c) * 1099511628211ull;
+        hash = number ? hash : mu_hash_bytes(hash, c, 1);
     }
     for (size_t i = 0; i < m->shown_count; i++) {
         if (m->shown[i] == hash) {

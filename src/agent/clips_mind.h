@@ -250,6 +250,12 @@ void clips_percept_retract(struct mind *m, struct fact **fact);
 struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
                                   struct multifield *fields);
 
+/* Numbers of a percept that every body has; the order is that of a capsule. */
+enum { CLIPS_PERCEPT_REALS = 12 };
+
+/** Says where they are. */
+void clips_percept_reals(struct mind_percept *p, double *reals[CLIPS_PERCEPT_REALS]);
+
 /** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
 void clips_percept_show(struct mind *m);
 

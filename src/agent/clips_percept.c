@@ -146,22 +146,29 @@ static size_t percept_ranges(float *to, const float *from_m, size_t count, size_
     return count;
 }
 
+void clips_percept_reals(struct mind_percept *p, double *reals[CLIPS_PERCEPT_REALS])
+{
+    double *const all[CLIPS_PERCEPT_REALS] = {&p->x_m,
+                                              &p->y_m,
+                                              &p->heading_rad,
+                                              &p->forward_m_s,
+                                              &p->turn_rad_s,
+                                              &p->gps_x_m,
+                                              &p->gps_y_m,
+                                              &p->compass_rad,
+                                              &p->odometer_x_m,
+                                              &p->odometer_y_m,
+                                              &p->odometer_heading_rad,
+                                              &p->battery_share};
+    memcpy(reals, all, sizeof all);
+}
+
 static void percept_copy_body(struct mind_percept *p)
 {
-    double *const numbers[] = {&p->x_m,
-                               &p->y_m,
-                               &p->heading_rad,
-                               &p->forward_m_s,
-                               &p->turn_rad_s,
-                               &p->gps_x_m,
-                               &p->gps_y_m,
-                               &p->compass_rad,
-                               &p->odometer_x_m,
-                               &p->odometer_y_m,
-                               &p->odometer_heading_rad,
-                               &p->battery_share};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        *numbers[i] = percept_finite(*numbers[i]);
+    double *reals[CLIPS_PERCEPT_REALS];
+    clips_percept_reals(p, reals);
+    for (size_t i = 0; i < CLIPS_PERCEPT_REALS; i++) {
+        *reals[i] = percept_finite(*reals[i]);
     }
 }
 

@@ -8,8 +8,6 @@
 #include <limits.h>
 #include <stdio.h>
 
-static const uint64_t BROKER_PATIENCE_NS = 2500000000;
-
 static struct crew *crew_make(const struct settings *set)
 {
     struct crew *c = mu_startup_alloc(sizeof *c);
@@ -49,7 +47,7 @@ static mu_result robots_join(struct crew *c)
     for (uint32_t i = 0; i < c->count; i++) {
         MU_TRY(robot_join(&c->robots[i]));
     }
-    mu_result found = mu_process_await_broker(c->process, BROKER_PATIENCE_NS);
+    mu_result found = mu_process_await_broker(c->process, MU_NETWORK_BROKER_NS);
     if (found == MU_TIMEOUT) {
         fprintf(stderr,
                 "muster robot: no broker answers in domain %d; start one with: "

@@ -59,16 +59,3 @@ bool passport_read(const char **text, struct passport *out)
     *text += len + 1;
     return purpose_read(purpose, &out->purpose) && state_read(state, &out->state);
 }
-
-size_t passport_piece(char content[MU_CONTENT_MAX + 1], uint32_t number, const char *text,
-                      size_t len, size_t at)
-{
-    size_t bytes = len - at < TRIP_PIECE_MAX ? len - at : TRIP_PIECE_MAX;
-    while (at + bytes < len && ((unsigned char)text[at + bytes] & 0xc0) == 0x80 && bytes > 1) {
-        bytes--; /* mail is whole characters */
-    }
-    int head = snprintf(content, MU_CONTENT_MAX + 1, "%u %zu\n", number, len);
-    memcpy(content + head, text + at, bytes);
-    content[(size_t)head + bytes] = '\0';
-    return bytes;
-}

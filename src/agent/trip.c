@@ -4,6 +4,7 @@
 #include "agent/robot.h"
 #include "core/clock.h"
 #include "core/log.h"
+#include "core/pieces.h"
 #include "muster/memory.h"
 #include "runtime/kind.h"
 
@@ -54,7 +55,9 @@ static mu_agent *envoy(struct crew *c)
     return c->envoy;
 }
 
-void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text)
+/* Tells whoever asked what became of it; a trip without an asker: nobody. */
+static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
+                      const char *text)
 {
     mu_agent *speaker = reply_with[0] ? envoy(c) : NULL;
     struct mu_mail mail = {.dst = to,
@@ -223,7 +226,7 @@ static void pieces_send(struct crew *c)
     struct trip *t = &c->trip;
     mu_agent *speaker = envoy(c);
     while (speaker && t->sent < t->text.len) {
-        size_t bytes = passport_piece(content, t->piece, t->text.at, t->text.len, t->sent);
+        size_t bytes = mu_pieces_numbered(content, t->piece, t->text.at, t->text.len, t->sent);
         struct mu_mail mail = {.dst = t->host,
                                .layer = MU_LAYER_SYSTEM,
                                .performative = "arrive",

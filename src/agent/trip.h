@@ -14,9 +14,8 @@
 #include "muster/muster.h"
 
 enum {
-    TRIP_CAPSULE_MAX = 1 << 20,           /* bytes of passport and capsule */
-    TRIP_PIECE_MAX = MU_CONTENT_MAX - 64, /* bytes of them in one mail */
-    TRIP_FIELDS = 9,                      /* of a passport */
+    TRIP_CAPSULE_MAX = 1 << 20, /* bytes of passport and capsule */
+    TRIP_FIELDS = 9,            /* of a passport */
 };
 
 enum trip_purpose { TRIP_MOVE, TRIP_CLONE, TRIP_LAUNCH, TRIP_PURPOSES };
@@ -82,9 +81,6 @@ void trip_round(struct crew *c);
 /** Takes the answer of a host.  @return whether the mail was one */
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail);
 
-/** Tells whoever asked what became of it; a trip without an asker: nobody. */
-void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done, const char *text);
-
 /** @return whether this robot is on its way */
 bool trip_holds(const struct robot *r);
 
@@ -93,9 +89,5 @@ void passport_add(struct mu_text *out, const struct passport *p);
 
 /** Reads a passport and moves behind it.  @return false: it is none */
 bool passport_read(const char **text, struct passport *out);
-
-/** Puts the next piece of a text together.  @return bytes of the text in it */
-size_t passport_piece(char content[MU_CONTENT_MAX + 1], uint32_t number, const char *text,
-                      size_t len, size_t at);
 
 #endif

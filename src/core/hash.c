@@ -1,13 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/hash.h"
 
-uint64_t mu_hash_string(const char *s)
+#include <string.h>
+
+uint64_t mu_hash_bytes(uint64_t hash, const void *bytes, size_t count)
 {
-    uint64_t hash = 14695981039346656037ull;
-    for (const char *c = s; *c; c++) {
-        hash = (hash ^ (unsigned char)*c) * 1099511628211ull;
+    const unsigned char *b = bytes;
+    for (size_t i = 0; i < count; i++) {
+        hash = (hash ^ b[i]) * 1099511628211ull;
     }
     return hash;
+}
+
+uint64_t mu_hash_string(const char *s)
+{
+    return mu_hash_bytes(MU_HASH_EMPTY, s, strlen(s));
 }
 
 uint64_t mu_hash_number(uint64_t x)

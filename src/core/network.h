@@ -49,6 +49,9 @@ struct mu_network {
         .target = &(network).broker                                           \
     }
 
+/* How long a program waits for a broker before it says that none answers. */
+#define MU_NETWORK_BROKER_NS 2500000000ull
+
 /** @return the peers joined by commas, in start-up memory; NULL: none */
 const char *mu_network_peers(const struct mu_network *network);
 

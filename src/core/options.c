@@ -322,10 +322,3 @@ void mu_options_print_help(const struct mu_options *options)
     printf("\nA value comes from the flag, else from [the environment], else from the "
            "configuration file, else it is the default.\n");
 }
-
-const char *mu_option_source_text(enum mu_option_source source)
-{
-    static const char *const texts[] = {"default", "configuration file", "environment",
-                                        "command line"};
-    return texts[source];
-}

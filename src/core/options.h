@@ -87,7 +87,4 @@ void mu_options_print_help(const struct mu_options *options);
 /** @return the row of that name, or NULL */
 struct mu_option *mu_options_find(const struct mu_options *options, const char *name);
 
-/** @return "default", "configuration file", "environment" or "command line" */
-const char *mu_option_source_text(enum mu_option_source source);
-
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/pieces.h"
 
+#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 /* @return the bytes of the next piece */
@@ -38,4 +40,17 @@ uint32_t mu_pieces_count(const char *text, size_t size)
         count++;
     }
     return count > 0 ? count : 1;
+}
+
+size_t mu_pieces_numbered(char content[MU_CONTENT_MAX + 1], uint32_t number, const char *text,
+                          size_t len, size_t at)
+{
+    size_t bytes = len - at < MU_PIECES_NUMBERED_MAX ? len - at : MU_PIECES_NUMBERED_MAX;
+    while (at + bytes < len && ((unsigned char)text[at + bytes] & 0xc0) == 0x80 && bytes > 1) {
+        bytes--; /* mail is whole characters */
+    }
+    int head = snprintf(content, MU_CONTENT_MAX + 1, "%" PRIu32 " %zu\n", number, len);
+    memcpy(content + head, text + at, bytes);
+    content[(size_t)head + bytes] = '\0';
+    return bytes;
 }

@@ -7,6 +7,8 @@
 #ifndef MUSTER_CORE_PIECES_H
 #define MUSTER_CORE_PIECES_H
 
+#include "muster/limits.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -22,5 +24,19 @@ bool mu_pieces_next(const char **at, char *piece, size_t size);
 
 /** @return how many pieces a text has; 1 for an empty one */
 uint32_t mu_pieces_count(const char *text, size_t size);
+
+/* Bytes of the text in one numbered piece; the rest of a mail is for its head. */
+enum { MU_PIECES_NUMBERED_MAX = MU_CONTENT_MAX - 64 };
+
+/**
+ * Makes the content of a mail with a piece of a text that a host puts together again: a line
+ * "NUMBER BYTES", with the bytes of the whole text, and the piece.
+ *
+ * @param number  of the piece, from 0 on
+ * @param at      where the piece begins in the text's len bytes; < len
+ * @return bytes of the text in it
+ */
+size_t mu_pieces_numbered(char content[MU_CONTENT_MAX + 1], uint32_t number, const char *text,
+                          size_t len, size_t at);
 
 #endif

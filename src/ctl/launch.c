@@ -2,6 +2,7 @@
 /* muster launch: a new agent on a running host, which gets the rules in pieces. */
 #include "core/exits.h"
 #include "core/name.h"
+#include "core/pieces.h"
 #include "core/text.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LAUNCH_RULES_MAX = 512 * 1024, LAUNCH_PIECE_MAX = MU_CONTENT_MAX - 64 };
+enum { LAUNCH_RULES_MAX = 512 * 1024 };
 
 static const double ANSWER_PATIENCE_S = 15.0;
 
@@ -46,17 +47,6 @@ static int rules_read(const struct launch *l, struct mu_text *out)
     return MU_EXIT_DONE;
 }
 
-/* @return bytes of the text in the piece: whole characters */
-static size_t piece_bytes(const struct mu_text *text, size_t at)
-{
-    size_t bytes = text->len - at < LAUNCH_PIECE_MAX ? text->len - at : LAUNCH_PIECE_MAX;
-    while (at + bytes < text->len && ((unsigned char)text->at[at + bytes] & 0xc0) == 0x80 &&
-           bytes > 1) {
-        bytes--;
-    }
-    return bytes;
-}
-
 static int pieces_send(struct operator* op, const struct launch *l, const struct mu_text *text)
 {
     static char content[MU_CONTENT_MAX + 1];
@@ -65,12 +55,7 @@ static int pieces_send(struct operator* op, const struct launch *l, const struct
     size_t at = 0;
     snprintf(id, sizeof id, "launch-%ld", (long)getpid());
     for (unsigned piece = 0; at < text->len && code == MU_EXIT_DONE; piece++) {
-        size_t bytes = piece_bytes(text, at);
-        struct mu_text t;
-        mu_text_init(&t, content, sizeof content);
-        mu_text_format(&t, "%u %zu\n", piece, text->len);
-        mu_text_add_bytes(&t, text->at + at, bytes);
-        at += bytes;
+        at += mu_pieces_numbered(content, piece, text->at, text->len, at);
         bool last = at == text->len;
         op->quiet = !last || l->options.quiet;
         struct mu_mail mail = {.dst = l->host,

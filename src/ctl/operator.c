@@ -15,7 +15,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static const uint64_t RECEIPT_PATIENCE_NS = 5000000000;
 static const int64_t ROUND_NS = 20000000;
 static const uint64_t PAGES_QUIET_NS = 100000000;
@@ -176,7 +175,7 @@ static int name_await(struct operator* o, const struct operator_options *options
         while (mu_clock_ns() < pause_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
         }
         agent_join(o, options, attempt);
-        verdict_await(o, BROKER_PATIENCE_NS);
+        verdict_await(o, MU_NETWORK_BROKER_NS);
     }
     if (o->refused) {
         fprintf(stderr, "muster: the broker refuses the name %s: %s\n", mu_agent_name(o->agent),
@@ -205,7 +204,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
         return MU_EXIT_DDS;
     }
     agent_join(o, options, 0);
-    if (mu_process_await_broker(o->process, BROKER_PATIENCE_NS) != MU_OK) {
+    if (mu_process_await_broker(o->process, MU_NETWORK_BROKER_NS) != MU_OK) {
         fprintf(stderr,
                 "muster %s: no broker answers in domain %d; start one with: muster broker %s "
                 "--domain %d, or a whole run with: muster run FILE\n",

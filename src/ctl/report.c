@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what)
+mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what)
 {
     mu_fault_at(fault, path, 0, 0, "cannot %s: %s", what, strerror(errno));
     return MU_FAULT_OS;

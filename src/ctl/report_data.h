@@ -106,4 +106,7 @@ void report_write_bearing(FILE *file, const struct report_data *data);
 /** @param folder  for links to files that are there */
 void report_write_html(FILE *file, const struct report_data *data, const char *folder);
 
+/** Says in fault why what could not be done to a path, out of errno.  @return MU_FAULT_OS */
+mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what);
+
 #endif

@@ -31,12 +31,6 @@ enum folder_state {
     FOLDER_FOREIGN,
 };
 
-static mu_result folder_os_fault(struct mu_fault *fault, const char *path, const char *what)
-{
-    mu_fault_at(fault, path, 0, 0, "cannot %s: %s", what, strerror(errno));
-    return MU_FAULT_OS;
-}
-
 static mu_result folder_refuse(struct mu_fault *fault, const char *path, const char *why)
 {
     mu_fault_at(fault, "muster run", 0, 0, "%s %s; choose another --out", path, why);
@@ -48,7 +42,7 @@ static mu_result parents_make(char *path, struct mu_fault *fault)
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
         bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
-        mu_result done = made ? MU_OK : folder_os_fault(fault, path, "create the folder");
+        mu_result done = made ? MU_OK : report_os_fault(fault, path, "create the folder");
         *slash = '/';
         if (done != MU_OK) {
             return done;
@@ -72,11 +66,11 @@ static mu_result report_move_away(const char *path, struct mu_fault *fault)
     for (int i = 1; i <= FOLDER_NUMBER_MAX && path_number(to, sizeof to, path, i); i++) {
         if (lstat(to, &info) != 0 && errno == ENOENT) {
             return rename(path, to) == 0 ? MU_OK
-                                         : folder_os_fault(fault, path, "move the earlier report");
+                                         : report_os_fault(fault, path, "move the earlier report");
         }
     }
     errno = EEXIST;
-    return folder_os_fault(fault, path, "move the earlier report");
+    return report_os_fault(fault, path, "move the earlier report");
 }
 
 static bool folder_has(int fd, const char *name)
@@ -124,11 +118,11 @@ static mu_result folder_lock(int fd, const char *path, struct mu_fault *fault)
     if (lock < 0) {
         return errno == ENOENT || errno == EEXIST
                    ? MU_BUSY
-                   : folder_os_fault(fault, path, "write into the folder");
+                   : report_os_fault(fault, path, "write into the folder");
     }
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
         close(lock);
-        return folder_os_fault(fault, path, "lock the folder");
+        return report_os_fault(fault, path, "lock the folder");
     }
     return MU_OK;
 }
@@ -161,14 +155,14 @@ static mu_result folder_claim(int fd, const char *path, struct mu_fault *fault)
 static mu_result folder_try(const char *path, struct mu_fault *fault)
 {
     if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return folder_os_fault(fault, path, "create the folder");
+        return report_os_fault(fault, path, "create the folder");
     }
     int fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (fd < 0 && (errno == ENOTDIR || errno == ELOOP)) {
         return folder_refuse(fault, path, "is there and is not a report of muster");
     }
     if (fd < 0) {
-        return errno == ENOENT ? MU_BUSY : folder_os_fault(fault, path, "read the folder");
+        return errno == ENOENT ? MU_BUSY : report_os_fault(fault, path, "read the folder");
     }
     /* Held for a moment only.  Where folders cannot be locked (NFS), we go on without. */
     (void)flock(fd, LOCK_EX);
@@ -185,7 +179,7 @@ static mu_result folder_take(const char *path, struct mu_fault *fault)
     }
     if (taken == MU_BUSY) {
         errno = EBUSY;
-        return folder_os_fault(fault, path, "take the folder");
+        return report_os_fault(fault, path, "take the folder");
     }
     return taken;
 }
@@ -205,7 +199,7 @@ static mu_result folder_take_numbered(char *taken, size_t size, const char *path
         }
     }
     errno = EEXIST;
-    return folder_os_fault(fault, path, "create a folder beside");
+    return report_os_fault(fault, path, "create a folder beside");
 }
 
 mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
@@ -214,7 +208,7 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     char path[PATH_MAX];
     if (!mu_text_copy(path, sizeof path, wanted) || !wanted[0]) {
         errno = wanted[0] ? ENAMETOOLONG : ENOENT;
-        return folder_os_fault(fault, wanted, "create the folder");
+        return report_os_fault(fault, wanted, "create the folder");
     }
     for (size_t len = strlen(path); len > 1 && path[len - 1] == '/'; len--) {
         path[len - 1] = '\0';
@@ -227,7 +221,7 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     }
     if (done == MU_OK && !mu_text_copy(taken, size, path)) {
         errno = ENAMETOOLONG;
-        return folder_os_fault(fault, path, "create the folder");
+        return report_os_fault(fault, path, "create the folder");
     }
     return done;
 }

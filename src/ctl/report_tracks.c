@@ -75,13 +75,9 @@ static void tracks_draw_axis(const struct tracks *t, const struct svg_scale *sca
 static void tracks_draw_shape(const struct tracks *t, const struct world_shape *shape,
                               const char *style)
 {
-    double at[2], half[2] = {shape->half_x_m * t->px_per_m, shape->half_y_m * t->px_per_m};
+    double at[2];
     tracks_place(t, shape->pose.x_m, shape->pose.y_m, at);
-    if (shape->kind == WORLD_DISC) {
-        svg_circle(t->file, at, shape->radius_m * t->px_per_m, style);
-    } else {
-        svg_box(t->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
-    }
+    svg_shape(t->file, at, shape, t->px_per_m, style);
 }
 
 /* What robots drive over has its colour, faintly. */

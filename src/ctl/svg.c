@@ -74,6 +74,17 @@ void svg_box(FILE *file, const double centre[2], const double half[2], double tu
     fprintf(file, "%s/>\n", style);
 }
 
+void svg_shape(FILE *file, const double at[2], const struct world_shape *shape, double px_per_m,
+               const char *style)
+{
+    const double half[2] = {shape->half_x_m * px_per_m, shape->half_y_m * px_per_m};
+    if (shape->kind == WORLD_DISC) {
+        svg_circle(file, at, shape->radius_m * px_per_m, style);
+    } else {
+        svg_box(file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
+    }
+}
+
 void svg_sector(FILE *file, const struct svg_sector *sector, const char *style)
 {
     const double *at = sector->centre;

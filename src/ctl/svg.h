@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file svg.h
- * Writes SVG: a few shapes, paths that leave out what nobody sees, and axes.
+ * Writes SVG: a few shapes, things of a world, paths that leave out what nobody sees, and axes.
  *
  * Lengths are pixels, y downwards.  `style` is trusted text, such as "fill=\"none\""; every other
  * string may hold anything and is escaped.  Errors stay with the FILE.
  */
 #ifndef MUSTER_CTL_SVG_H
 #define MUSTER_CTL_SVG_H
+
+#include "world/world.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -25,6 +27,10 @@ void svg_circle(FILE *file, const double centre[2], double radius, const char *s
 /** A rectangle about its centre, turned clockwise. */
 void svg_box(FILE *file, const double centre[2], const double half[2], double turn_deg,
              const char *style);
+
+/** What stands in a world: a disc or a box.  @param at  its middle in px */
+void svg_shape(FILE *file, const double at[2], const struct world_shape *shape, double px_per_m,
+               const char *style);
 
 /** A piece of a cake, counter-clockwise from an angle on; 360 degrees and more are a circle. */
 struct svg_sector {

@@ -47,13 +47,8 @@ static void draw_init(struct draw *d, FILE *file, const struct world *w)
 static void draw_shape(const struct draw *d, const struct world_shape *shape, const char *style)
 {
     double at[2];
-    double half[2] = {shape->half_x_m * d->px_per_m, shape->half_y_m * d->px_per_m};
     draw_place(d, &shape->pose, at);
-    if (shape->kind == WORLD_DISC) {
-        svg_circle(d->file, at, shape->radius_m * d->px_per_m, style);
-    } else {
-        svg_box(d->file, at, half, -shape->pose.heading_rad * 180 / M_PI, style);
-    }
+    svg_shape(d->file, at, shape, d->px_per_m, style);
 }
 
 /* What is nearly as bright as the ground needs a line around it. */

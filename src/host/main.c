@@ -7,8 +7,6 @@
 
 #include <stdio.h>
 
-static const uint64_t BROKER_PATIENCE_NS = 2500000000;
-
 static mu_result host_connect(struct host *h)
 {
     const struct mu_network *network = &h->set->robots.network;
@@ -21,7 +19,7 @@ static mu_result host_connect(struct host *h)
                                          .with_body = true};
     MU_TRY(mu_process_open(&h->crew.process, &options));
     MU_TRY(host_join(h));
-    mu_result found = mu_process_await_broker(h->crew.process, BROKER_PATIENCE_NS);
+    mu_result found = mu_process_await_broker(h->crew.process, MU_NETWORK_BROKER_NS);
     if (found == MU_TIMEOUT) {
         fprintf(stderr,
                 "muster host: no broker answers in domain %d; start one with: "

@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const uint64_t BROKER_PATIENCE_NS = 2500000000;
-
 static const struct scheme *const schemes[] = {&role_scheme, &task_scheme, &near_scheme};
 
 enum { SCHEMES = sizeof schemes / sizeof schemes[0] };
@@ -126,7 +124,7 @@ static mu_result resolver_join(struct resolver *r, const struct settings *set)
     mu_agent_decline_broadcasts(r->agent);
     MU_ASSERT(mu_agent_resolve(r->agent, set->scheme->name, set->scheme->resolve, r->process) ==
               MU_OK);
-    return mu_process_await_broker(r->process, BROKER_PATIENCE_NS);
+    return mu_process_await_broker(r->process, MU_NETWORK_BROKER_NS);
 }
 
 int main(int argc, char **argv)

@@ -2,6 +2,7 @@
 /* The order of a step; the work is done in the files beside this one. */
 #include "sim/engine.h"
 
+#include "core/hash.h"
 #include "muster/memory.h"
 #include "sim/engine_core.h"
 
@@ -11,14 +12,6 @@
 
 /* Pairs of neighbours, for each part: a box in a heap has six or so, and each counts for two. */
 enum { ENGINE_PAIRS = 8 };
-
-/* splitmix64's last stage: neighbouring steps get seeds that have nothing in common. */
-static uint64_t engine_mix(uint64_t x)
-{
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
-}
 
 /* --- the beginning and the end ---------------------------------------------------------------- */
 
@@ -168,7 +161,8 @@ static void engine_substep(struct engine *e)
     engine_load_forces(e);
     engine_collide(e);
     e->substeps++;
-    ode_world_step(e->dt_s, engine_mix(e->seed ^ engine_mix(e->substeps)));
+    /* mixed: neighbouring substeps get seeds that have nothing in common */
+    ode_world_step(e->dt_s, mu_hash_number(e->seed ^ mu_hash_number(e->substeps)));
     engine_settle(e);
     engine_draw_apart(e);
     for (size_t i = 0; i < e->robot_count; i++) {

@@ -193,11 +193,6 @@ void ode_world_sleep(size_t body, bool sleeps)
     }
 }
 
-bool ode_world_sleeps(size_t body)
-{
-    return !dBodyIsEnabled(ode_world.bodies[body].id);
-}
-
 /* Friction as motors that want no motion and have so much force: the solver weighs it against what
  * pushes, so that a body that is pushed too weakly does not creep. */
 void ode_world_lay(size_t body)

@@ -59,8 +59,6 @@ void ode_world_weigh(size_t body, double mass_kg, double inertia_kg_m2);
  * it. */
 void ode_world_sleep(size_t body, bool sleeps);
 
-bool ode_world_sleeps(size_t body);
-
 /** Lays a body on the floor, which rubs on it from now on. */
 void ode_world_lay(size_t body);
 

@@ -4,6 +4,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "core/network.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -12,7 +13,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const uint64_t BROKER_PATIENCE_NS = 2500000000;
 static const int64_t IMPATIENT_NS = 2000000;
 static const uint64_t STATUS_PERIOD_NS = 50000000;
 
@@ -428,7 +428,8 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
         if (is_over(s, signal_came)) {
             return MU_DONE;
         }
-        if (bus_writer_matches(&s->roster) == 0 && mu_clock_ns() - began_ns > BROKER_PATIENCE_NS) {
+        if (bus_writer_matches(&s->roster) == 0 &&
+            mu_clock_ns() - began_ns > MU_NETWORK_BROKER_NS) {
             return MU_TIMEOUT;
         }
         bool was_ready = ready;

@@ -202,18 +202,9 @@ MU_MUST_USE mu_result distribute_all(struct builder *b);
 /** @return whether a robot or a thing bears the name */
 bool world_name_taken(const struct world *world, const char *name);
 
-/** Gives a name to each robot and thing that has none: its type and a number. */
-void world_name_all(struct world *world);
-
 /** Does the work of world_check_places; listener: may be NULL. */
 MU_MUST_USE mu_result place_check(const struct world *world,
                                   const struct mu_fault_listener *listener, struct mu_fault *fault);
-
-/** @return whether two shapes overlap */
-bool place_overlaps(const struct world_shape *a, const struct world_shape *b);
-
-/** @return the outline of a robot, as it stands */
-struct world_shape place_outline(const struct world_robot *robot);
 
 /** @return the box around a robot's outline and its gripper */
 struct world_shape place_room(const struct world_robot *robot);

@@ -52,7 +52,8 @@ static double place_reach(const struct world_shape *s)
     return s->kind == WORLD_DISC ? s->radius_m : s->half_x_m + s->half_y_m;
 }
 
-bool place_overlaps(const struct world_shape *a, const struct world_shape *b)
+/* @return whether two shapes overlap */
+static bool place_overlaps(const struct world_shape *a, const struct world_shape *b)
 {
     double reach = place_reach(a) + place_reach(b);
     if (fabs(a->pose.x_m - b->pose.x_m) > reach || fabs(a->pose.y_m - b->pose.y_m) > reach) {
@@ -72,7 +73,8 @@ bool place_overlaps(const struct world_shape *a, const struct world_shape *b)
     return ccdGJKIntersect(a, b, &ccd) != 0;
 }
 
-struct world_shape place_outline(const struct world_robot *robot)
+/* @return the outline of a robot, as it stands */
+static struct world_shape place_outline(const struct world_robot *robot)
 {
     struct world_pose middle = {robot->origin_x_m, robot->origin_y_m, 0};
     return (struct world_shape){.kind = WORLD_BOX,

@@ -151,7 +151,8 @@ static void world_give_name(const struct world *world, struct world_namer *namer
     mu_text_copy(name, MU_NAME_MAX + 1, wanted);
 }
 
-void world_name_all(struct world *world)
+/* Gives a name to each robot and thing that has none: its type and a number. */
+static void world_name_all(struct world *world)
 {
     struct world_namer namer = {0};
     for (size_t i = 0; i < world->robot_count; i++) {

@@ -273,6 +273,16 @@ static inline void story_up(const char *name, int64_t step, muster_State state, 
     broker_up(story.b, &u.up, story.now_ns);
 }
 
+/* A line for somebody to carry out. */
+static inline muster_Mail directive(const char *src, uint64_t seq, const char *dst,
+                                    const char *line)
+{
+    muster_Mail m = letter(src, seq, dst, line);
+    m.layer = 0;
+    m.performative = words("do");
+    return m;
+}
+
 static inline void story_mail(muster_Mail m)
 {
     story_up(m.src, muster_STEP_NOW, muster_STATE_RUNNING, &m, 1, 0);

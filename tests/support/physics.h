@@ -6,6 +6,7 @@
 #ifndef MUSTER_TESTS_PHYSICS_H
 #define MUSTER_TESTS_PHYSICS_H
 
+#include "core/hash.h"
 #include "sim/engine.h"
 
 #include <CUnit/Basic.h>
@@ -133,7 +134,7 @@ static inline void physics_push(struct engine *e, size_t body, double x_n, doubl
     CU_ASSERT_EQUAL(engine_push(e, body, &force, &reason), MU_OK);
 }
 
-/* Whether height, roll and pitch are exactly 0. */
+/* Whether height, roll and pitch, and how fast they change, are exactly 0. */
 static inline bool physics_is_flat(const struct engine *e)
 {
     bool flat = true;
@@ -145,17 +146,13 @@ static inline bool physics_is_flat(const struct engine *e)
     return flat;
 }
 
-/* FNV-1a over the state of all bodies. */
+/* A hash over the state of all bodies. */
 static inline uint64_t physics_hash(const struct engine *e, uint64_t hash)
 {
     for (size_t b = 0; b < engine_body_count(e); b++) {
         double state[ENGINE_STATE_DOUBLES];
-        unsigned char bytes[sizeof state];
         engine_state(e, b, state);
-        memcpy(bytes, state, sizeof state);
-        for (size_t i = 0; i < sizeof bytes; i++) {
-            hash = (hash ^ bytes[i]) * 1099511628211ull;
-        }
+        hash = mu_hash_bytes(hash, state, sizeof state);
     }
     return hash;
 }

@@ -23,3 +23,9 @@ int suites_run(CU_SuiteInfo *suites)
     CU_cleanup_registry();
     return passed ? EXIT_SUCCESS : EXIT_FAILURE;
 }
+
+uint64_t suite_setting(const char *name, uint64_t usual)
+{
+    const char *text = getenv(name);
+    return text ? strtoull(text, NULL, 10) : usual;
+}

@@ -8,6 +8,7 @@
 #define MUSTER_TESTS_SUITE_H
 
 #include <CUnit/Basic.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -16,6 +17,9 @@ int suite_run(const char *name, CU_TestInfo *tests);
 
 /** Suites of any sort.  @param suites  ends with CU_SUITE_INFO_NULL */
 int suites_run(CU_SuiteInfo *suites);
+
+/** @return the whole number in an environment variable, which a soak sets; else what is usual */
+uint64_t suite_setting(const char *name, uint64_t usual);
 
 /** Asserts that a text is exactly this; both are shown where it is not. */
 #define READS(text, wanted)                                        \

@@ -469,15 +469,9 @@ static void answers(struct fuzz *f)
     }
 }
 
-static uint64_t setting(const char *name, uint64_t otherwise)
-{
-    const char *value = getenv(name);
-    return value ? strtoull(value, NULL, 10) : otherwise;
-}
-
 static void fuzz_begin(struct fuzz *f, const char *name)
 {
-    uint64_t seed = setting("MUSTER_SEED", 61);
+    uint64_t seed = suite_setting("MUSTER_SEED", 61);
     printf("seed %llu ", (unsigned long long)seed);
     mu_random_seed(&f->random, seed, name);
     fuzz_open(f);
@@ -486,7 +480,7 @@ static void fuzz_begin(struct fuzz *f, const char *name)
 static void test_lines(void)
 {
     struct fuzz *f = &fuzz;
-    uint64_t rounds = setting("MUSTER_ROUNDS", ROUNDS);
+    uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS);
     fuzz_begin(f, "lines");
     for (uint64_t i = 0; i < rounds; i++) {
         line_make(f);
@@ -520,7 +514,7 @@ static void test_files(void)
     struct fuzz *f = &fuzz;
     char path[] = "/tmp/muster-fuzz-XXXXXX";
     int fd = mkstemp(path);
-    uint64_t rounds = setting("MUSTER_ROUNDS", ROUNDS) / 20;
+    uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS) / 20;
     unsigned loaded = 0;
     CU_ASSERT_FATAL(fd >= 0);
     fuzz_begin(f, "files");

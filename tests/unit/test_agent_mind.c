@@ -389,7 +389,7 @@ static void test_some_rules_are_fired_and_no_more(void)
     mind_close(m);
 }
 
-static bool write_file(const char *path, const char *text, size_t blanks)
+static bool file_write(const char *path, const char *text, size_t blanks)
 {
     FILE *f = fopen(path, "w");
     if (!f) {
@@ -411,9 +411,9 @@ static void test_limit_file(void)
     int fd = mkstemp(path);
     CU_ASSERT_FATAL(fd >= 0);
     close(fd);
-    CU_ASSERT(write_file(path, "(deffacts x (x))", MIB - 16));
+    CU_ASSERT(file_write(path, "(deffacts x (x))", MIB - 16));
     CU_ASSERT_EQUAL(mind_load(m, path, &fault), MU_OK);
-    CU_ASSERT(write_file(path, "(deffacts x (x))", MIB - 15));
+    CU_ASSERT(file_write(path, "(deffacts x (x))", MIB - 15));
     CU_ASSERT_EQUAL(mind_load(m, path, &fault), MU_FAULT_FILE);
     CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "1 MiB"));
     unlink(path);
@@ -433,7 +433,7 @@ static void test_limit_extends(void)
         char text[64];
         snprintf(path[i], sizeof path[i], "%s/%d.clp", folder, i);
         snprintf(text, sizeof text, "%s(extends \"%d.clp\")", i + 1 < DEEP ? "" : "; ", i + 1);
-        CU_ASSERT(write_file(path[i], text, 0));
+        CU_ASSERT(file_write(path[i], text, 0));
     }
     CU_ASSERT_EQUAL(mind_load(m, path[1], &fault), MU_OK);
     CU_ASSERT_EQUAL(mind_load(m, path[0], &fault), MU_FAULT_FILE);

@@ -66,16 +66,10 @@ static bool live(uint64_t seed)
     return ended && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS;
 }
 
-static uint64_t environment(const char *name, uint64_t otherwise)
-{
-    const char *text = getenv(name);
-    return text ? strtoull(text, NULL, 10) : otherwise;
-}
-
 static void test_histories(void)
 {
-    uint64_t seed = environment("MUSTER_SEED", 0);
-    uint64_t seconds = environment("MUSTER_SECONDS", 0);
+    uint64_t seed = suite_setting("MUSTER_SEED", 0);
+    uint64_t seconds = suite_setting("MUSTER_SECONDS", 0);
     uint64_t began_ns = mu_clock_ns(), failures = 0;
     sum = mmap(NULL, sizeof *sum, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_TRUE_FATAL(sum != MAP_FAILED);

@@ -249,15 +249,9 @@ static bool live(void)
     return ended && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS;
 }
 
-static uint64_t environment(const char *name)
-{
-    const char *text = getenv(name);
-    return text ? strtoull(text, NULL, 10) : 0;
-}
-
 static void test_links(void)
 {
-    uint64_t wanted = environment("MUSTER_SEED"), seconds = environment("MUSTER_SECONDS");
+    uint64_t wanted = suite_setting("MUSTER_SEED", 0), seconds = suite_setting("MUSTER_SECONDS", 0);
     uint64_t until_ns = mu_clock_ns() + (seconds ? seconds : 3) * 1000 * MS;
     uint32_t histories = 0, failures = 0;
     seed = wanted ? wanted : seconds ? mu_clock_wall_ns() / 1000 : 1;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "../support/broker_story.h"
 #include "broker/parts.h"
+#include "core/hash.h"
 #include "core/random.h"
 
 static void roster_say(bool lockstep, int64_t step, const char *names)
@@ -492,9 +493,7 @@ static uint64_t run_digest;
 
 static void digest(const char *s)
 {
-    for (; *s; s++) {
-        run_digest = (run_digest ^ (unsigned char)*s) * 1099511628211ull;
-    }
+    run_digest = mu_hash_bytes(run_digest, s, strlen(s));
 }
 
 /* Takes all Deliveries of a step, and digests them in order of process. */

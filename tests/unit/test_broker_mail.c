@@ -128,28 +128,20 @@ static void test_moving_and_suspended_wait(void)
     EXPECT("blue #1 red/1 hello");
 }
 
-static muster_Mail directive(const char *src, uint64_t seq, const char *dst)
-{
-    muster_Mail m = letter(src, seq, dst, "(wander)");
-    m.layer = 0;
-    m.performative = words("do");
-    return m;
-}
-
 static void test_directives(void)
 {
     team();
     story_join("operator");
     (void)story_collect();
-    story_mail(directive("red", 1, "green"));
+    story_mail(directive("red", 1, "green", "(wander)"));
     EXPECT("red 1-1 refused");
-    story_mail(directive("red", 2, "all"));
+    story_mail(directive("red", 2, "all", "(wander)"));
     EXPECT("red 2-2 refused");
     CU_ASSERT_EQUAL(story_status().refused, 4);
     story_state("green", muster_STATE_SUSPENDED);
     story_send("red", 3, "green", "waits");
     EXPECT("red 3-3 stored");
-    story_mail(directive("operator", 1, "green"));
+    story_mail(directive("operator", 1, "green", "(wander)"));
     EXPECT("green #1 operator/1 (wander)");
     story_ack("green", 1);
     EXPECT("operator 1-1 delivered");
@@ -166,7 +158,7 @@ static void test_directives_pass_a_full_window(void)
         story_send("red", i, "green", "m");
     }
     (void)story_collect();
-    story_mail(directive("observer", 1, "green"));
+    story_mail(directive("observer", 1, "green", "(wander)"));
     EXPECT("green #201 observer/1 (wander)");
     story_ack("green", 201);
     EXPECT("red 1-200 delivered; observer 1-1 delivered; green #202 red/201 m");

@@ -10,14 +10,6 @@ static muster_Mail question(const char *src, uint64_t seq, const char *dst)
     return m;
 }
 
-static muster_Mail directive(uint64_t seq, const char *dst, const char *line)
-{
-    muster_Mail m = letter("operator", seq, dst, line);
-    m.layer = 0;
-    m.performative = words("do");
-    return m;
-}
-
 static void team(uint64_t interval_ns)
 {
     story_begin_with(interval_ns, false);
@@ -234,7 +226,7 @@ static void test_every_mail_is_accounted_for(void)
         sum_check();
     }
     story_tick(20 * MS);
-    muster_Mail m = directive(1, "green", "(wander)");
+    muster_Mail m = directive("operator", 1, "green", "(wander)");
     m.src = words("red");
     m.seq = ++seq;
     story_mail(m); /* is refused */
@@ -379,7 +371,7 @@ static void test_directives_and_verdicts_go_at_once(void)
     EXPECT("green #1 red/1 one");
     story_send("red", 2, "green", "two");
     EXPECT("");
-    story_mail(directive(1, "green", "(wander)"));
+    story_mail(directive("operator", 1, "green", "(wander)"));
     EXPECT("green #2 operator/1 (wander)");
     story_register("blue", "p-blue");
     story_match("p-blue");
@@ -397,11 +389,11 @@ static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
     story_register("blue", "p-green");
     (void)story_collect();
     while (seq < MU_WINDOW_MAX + MAILBOX_RESERVE) {
-        story_mail(directive(++seq, "green", "(wander)"));
+        story_mail(directive("operator", ++seq, "green", "(wander)"));
         (void)story_collect();
     }
     story_send("red", 1, "blue", "hello");
-    story_mail(directive(++seq, "green", "(wander)"));
+    story_mail(directive("operator", ++seq, "green", "(wander)"));
     EXPECT("");
     uint32_t place = places_find(&story.b->places, "p-green");
     CU_ASSERT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
@@ -441,7 +433,7 @@ static void test_the_interval_is_tuned_by_directive(void)
     team(0);
     uint64_t seq = 0;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        story_mail(directive(++seq, "broker", wrong[i]));
+        story_mail(directive("operator", ++seq, "broker", wrong[i]));
         snprintf(
             want, sizeof want,
             "operator #%llu broker/%llu \"delivery-interval: expected milliseconds, from 0 (at "
@@ -451,21 +443,21 @@ static void test_the_interval_is_tuned_by_directive(void)
         EXPECT(want);
     }
     for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++) {
-        story_mail(directive(++seq, "broker", unknown[i]));
+        story_mail(directive("operator", ++seq, "broker", unknown[i]));
         CU_ASSERT_PTR_NOT_NULL(
             strstr(story_collect(), "\"the broker carries out: (delivery-interval MS)\""));
     }
     CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
-    story_mail(directive(++seq, "broker", " ( delivery-interval\t20 ) "));
+    story_mail(directive("operator", ++seq, "broker", " ( delivery-interval\t20 ) "));
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), " delivery-interval 20;"));
     CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 20 * MS);
-    story_mail(directive(++seq, "broker.courier", "(delivery-interval 0)"));
+    story_mail(directive("operator", ++seq, "broker.courier", "(delivery-interval 0)"));
     story_tick(20 * MS);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), " delivery-interval 0;"));
-    story_mail(directive(++seq, "broker.trust", "(delivery-interval 7)"));
+    story_mail(directive("operator", ++seq, "broker.trust", "(delivery-interval 7)"));
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "the broker carries out"));
     CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
-    muster_Mail m = directive(++seq, "broker", "");
+    muster_Mail m = directive("operator", ++seq, "broker", "");
     m.performative = words("suspend");
     story_mail(m);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), " performative suspend;"));
@@ -482,7 +474,7 @@ static void test_in_lock_step_the_interval_is_whole_steps(void)
     CU_ASSERT_EQUAL(counter("broker.courier", "delay-ns"), (200 + 100 + 0) * MS);
     story_tick(10000 * MS); /* the wall clock says nothing here */
     CU_ASSERT_STRING_EQUAL(step(3, 4), "p-green@3; p-red@3; sim@3");
-    muster_Mail m = directive(1, "green", "(wander)");
+    muster_Mail m = directive("operator", 1, "green", "(wander)");
     story_mail(m);
     CU_ASSERT_STRING_EQUAL(step(4, 5), "p-green@4; green #4 operator/1 (wander); p-red@4; sim@4; "
                                        "outside operator/1");
@@ -494,7 +486,7 @@ static void test_in_lock_step_the_broker_is_directed_between_steps(void)
 {
     team(0);
     lockstep_begin(100);
-    story_mail(directive(1, "broker", "(delivery-interval 200)"));
+    story_mail(directive("operator", 1, "broker", "(delivery-interval 200)"));
     EXPECT("");
     CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
     const char *out = step(0, 1);

@@ -180,14 +180,6 @@ static void test_garbage(void)
 
 /* --- directives ------------------------------------------------------------------------------- */
 
-static muster_Mail directive(const char *src, uint64_t seq, const char *dst)
-{
-    muster_Mail m = letter(src, seq, dst, "(wander)");
-    m.layer = 0;
-    m.performative = words("do");
-    return m;
-}
-
 static void team(const char *text)
 {
     story_begin_with(0, true);
@@ -201,17 +193,17 @@ static void team(const char *text)
 static void test_those_that_the_policy_allows_get_it(void)
 {
     team("allow red direct blue");
-    story_mail(directive("red", 1, "blue"));
+    story_mail(directive("red", 1, "blue", "(wander)"));
     EXPECT("blue #1 red/1 (wander)");
-    story_mail(directive("red", 2, "green,blue"));
+    story_mail(directive("red", 2, "green,blue", "(wander)"));
     EXPECT("blue #2 red/2 (wander); red 2-2 refused");
-    story_mail(directive("red", 3, "robots"));
+    story_mail(directive("red", 3, "robots", "(wander)"));
     EXPECT("blue #3 red/3 (wander); red 3-3 refused");
-    story_mail(directive("green", 1, "blue"));
+    story_mail(directive("green", 1, "blue", "(wander)"));
     EXPECT("green 1-1 refused");
-    story_mail(directive("red", 4, "blue,nobody"));
+    story_mail(directive("red", 4, "blue,nobody", "(wander)"));
     EXPECT("blue #4 red/4 (wander); red 4-4 unknown-name");
-    story_mail(directive("red", 5, "green,nobody"));
+    story_mail(directive("red", 5, "green,nobody", "(wander)"));
     EXPECT("red 5-5 refused"); /* before all other outcomes */
     story_ack("blue", 4);
     EXPECT("red 1-1 delivered");
@@ -233,12 +225,12 @@ static void test_requests_are_no_business_of_the_policy(void)
 static void test_for_nobody(void)
 {
     team("allow red direct blue");
-    story_mail(directive("red", 1, "nobody"));
+    story_mail(directive("red", 1, "nobody", "(wander)"));
     EXPECT("red 1-1 unknown-name");
-    story_mail(
-        directive("green", 1, "nobody")); /* who may direct nobody is not told who is there */
+    story_mail(directive("green", 1, "nobody",
+                         "(wander)")); /* who may direct nobody is not told who is there */
     EXPECT("green 1-1 refused");
-    story_mail(directive("green", 2, "special"));
+    story_mail(directive("green", 2, "special", "(wander)"));
     EXPECT("green 2-2 refused");
     CU_ASSERT_EQUAL(story_status().refused, 2);
 }
@@ -246,12 +238,12 @@ static void test_for_nobody(void)
 static void test_the_broker_is_directed_by_whom_the_policy_allows(void)
 {
     team("allow red direct broker");
-    muster_Mail m = directive("red", 1, "broker");
+    muster_Mail m = directive("red", 1, "broker", "(wander)");
     m.content = words("(delivery-interval 2.5)");
     story_mail(m);
     EXPECT("red #1 broker/4611686018427387905 delivery-interval 2.5; red 1-1 delivered");
     CU_ASSERT_EQUAL(story.b->courier.interval_ns, 2500000);
-    m = directive("blue", 1, "broker");
+    m = directive("blue", 1, "broker", "(wander)");
     m.content = words("(delivery-interval 7)");
     story_mail(m);
     CU_ASSERT_EQUAL(story.b->courier.interval_ns, 2500000);
@@ -275,9 +267,9 @@ static void test_the_audit_has_every_directive(void)
 {
     team("allow red direct blue\nallow red direct broker");
     story.now_ns = 5000;
-    story_mail(directive("red", 1, "robots"));
-    story_mail(directive("blue", 1, "nobody"));
-    muster_Mail m = directive("red", 2, "blue");
+    story_mail(directive("red", 1, "robots", "(wander)"));
+    story_mail(directive("blue", 1, "nobody", "(wander)"));
+    muster_Mail m = directive("red", 2, "blue", "(wander)");
     char much[302];
     memset(much, 'x', 301);
     much[301] = '\0';
@@ -325,7 +317,7 @@ static void test_limit_audit(void)
 {
     team("deny all direct all");
     for (uint64_t i = 1; i <= MU_AUDIT_MAX + 3; i++) {
-        story_mail(directive("red", i, "blue"));
+        story_mail(directive("red", i, "blue", "(wander)"));
     }
     CU_ASSERT_EQUAL(story.b->audit.recorded, MU_AUDIT_MAX);
     CU_ASSERT_EQUAL(story.b->audit.lost, 3);
@@ -335,7 +327,7 @@ static void test_limit_audit(void)
         CU_ASSERT_FALSE(r.allowed);
     }
     CU_ASSERT_EQUAL(taken, MU_AUDIT_MAX);
-    story_mail(directive("red", MU_AUDIT_MAX + 4, "blue"));
+    story_mail(directive("red", MU_AUDIT_MAX + 4, "blue", "(wander)"));
     CU_ASSERT_STRING_NOT_EQUAL(audit_text(), "none");
 }
 
@@ -348,7 +340,7 @@ static void test_in_lock_step_the_audit_has_the_run_s_time(void)
     broker_roster(story.b, &roster, story.now_ns);
     story_match("sim");
     (void)story_collect();
-    muster_Mail m = directive("red", 1, "blue");
+    muster_Mail m = directive("red", 1, "blue", "(wander)");
     story_up("red", 0, muster_STATE_RUNNING, &m, 1, 0);
     story_up("blue", 0, muster_STATE_RUNNING, NULL, 0, 0);
     struct audit_record r;

@@ -45,7 +45,7 @@ static void begin(void)
     options = (struct mu_options){.program = "muster test", .table = table, .count = 6};
 }
 
-static void write_config(const char *text, size_t len)
+static void config_write(const char *text, size_t len)
 {
     FILE *file = fopen(config, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
@@ -73,7 +73,7 @@ static void test_the_usual_places(void)
     char kept[sizeof config];
     memcpy(kept, config, sizeof kept);
     snprintf(config, sizeof config, "%s/config", inner);
-    write_config(text, sizeof text - 1);
+    config_write(text, sizeof text - 1);
     setenv("HOME", folder, 1);
     unsetenv("XDG_CONFIG_HOME");
     CU_ASSERT_EQUAL(read_config(NULL), MU_OK);
@@ -108,11 +108,11 @@ static void test_limit_lines(void)
 {
     static char text[1 << 14];
     memset(text, 'x', sizeof text);
-    write_config(text, sizeof text);
+    config_write(text, sizeof text);
     CU_ASSERT_EQUAL(read_config(config), MU_FAULT_FILE);
     CU_ASSERT(said("/config:1: expected a line of less than "));
     memset(text, '\n', sizeof text);
-    write_config(text, sizeof text);
+    config_write(text, sizeof text);
     CU_ASSERT_EQUAL(read_config(config), MU_OK);
 }
 
@@ -152,7 +152,7 @@ static void test_numbers_out_of_range(void)
                                       "rate = 1x\n",
                                       "quiet = maybe\n"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        write_config(bad[i], strlen(bad[i]));
+        config_write(bad[i], strlen(bad[i]));
         CU_ASSERT_EQUAL(read_config(config), MU_FAULT_FILE);
         CU_ASSERT(said("/config:1: "));
         CU_ASSERT_EQUAL(seed, 1);
@@ -163,7 +163,7 @@ static void test_numbers_out_of_range(void)
 static void test_other_options_are_passed_by(void)
 {
     static const char text[] = "once = 7\nonce = x\nno-such = 1\nseed = 5\n";
-    write_config(text, sizeof text - 1);
+    config_write(text, sizeof text - 1);
     CU_ASSERT_EQUAL(read_config(config), MU_OK);
     CU_ASSERT_EQUAL(once, 1);
     CU_ASSERT_EQUAL(seed, 5);
@@ -183,7 +183,7 @@ static void test_garbage_is_refused_or_read(void)
     for (int round = 0; round < ROUNDS; round++) {
         char text[512];
         size_t len = garble(&r, text, sizeof text, sample, sizeof sample - 1);
-        write_config(text, len);
+        config_write(text, len);
         mu_result first = read_config(config);
         char words[sizeof captured];
         memcpy(words, captured, sizeof words);

@@ -79,7 +79,7 @@ static bool said(const char *words)
     return strstr(messages, words) != NULL;
 }
 
-static void write_config(const char *text)
+static void config_write(const char *text)
 {
     FILE *file = fopen(config, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
@@ -120,7 +120,7 @@ static void test_flags_and_words_in_any_order(void)
 
 static void test_precedence(void)
 {
-    write_config("# shared by all programs\n"
+    config_write("# shared by all programs\n"
                  "seed = 5   # a comment\n  out=a#b c\nset = p=1 , q\nquiet = yes\n"
                  "other-key = 1\n");
     CU_ASSERT_EQUAL(parse("a"), MU_OK);
@@ -153,7 +153,7 @@ static void test_precedence(void)
 
 static void test_named_config_file(void)
 {
-    write_config("seed = 8\n");
+    config_write("seed = 8\n");
     setenv("XDG_CONFIG_HOME", "/nonexistent", 1);
     CU_ASSERT_EQUAL(parse_with_config(), MU_OK);
     CU_ASSERT_EQUAL(seed, 8);
@@ -168,10 +168,10 @@ static void test_named_config_file(void)
 
 static void test_bad_config_names_file_and_line(void)
 {
-    write_config("\nseed = many\n");
+    config_write("\nseed = many\n");
     CU_ASSERT_EQUAL(parse_with_config(), MU_FAULT_FILE);
     CU_ASSERT(said("/config:2: seed = many: expected a whole number"));
-    write_config("seed\n");
+    config_write("seed\n");
     CU_ASSERT_EQUAL(parse_with_config(), MU_FAULT_FILE);
     CU_ASSERT(said("/config:1: expected 'name = value'"));
     CU_ASSERT_EQUAL(remove(config), 0);
@@ -246,7 +246,7 @@ static void set_up(void)
     setenv("XDG_CONFIG_HOME", folder, 1);
 }
 
-static int make_folder(void)
+static int folder_make(void)
 {
     char inner[48];
     if (!mkdtemp(folder)) {
@@ -261,7 +261,7 @@ static int make_folder(void)
     return mkdir(inner, 0700);
 }
 
-static int remove_folder(void)
+static int folder_remove(void)
 {
     char inner[48];
     snprintf(inner, sizeof inner, "%s/muster", folder);
@@ -281,7 +281,7 @@ int main(void)
         {"limit: lists and words", test_limit_list_and_words},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"core/options", make_folder, remove_folder, set_up, NULL, tests},
+    CU_SuiteInfo suites[] = {{"core/options", folder_make, folder_remove, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -22,7 +22,7 @@ static char path[64];
 static struct mu_fault fault;
 static struct experiment *e;
 
-static bool write_file(const char *name, const char *text)
+static bool file_write(const char *name, const char *text)
 {
     char file[64];
     snprintf(file, sizeof file, "%s/%s", folder, name);
@@ -36,7 +36,7 @@ static bool write_file(const char *name, const char *text)
 
 static mu_result load(const char *text, const char *set)
 {
-    CU_ASSERT_FATAL(write_file("test-1.yaml", text));
+    CU_ASSERT_FATAL(file_write("test-1.yaml", text));
     return experiment_load(&e, path, &set, set ? 1 : 0, &fault);
 }
 
@@ -455,23 +455,23 @@ static void test_limit_bytes_and_overrides(void)
     for (size_t i = 0; i < EXPERIMENT_OVERRIDES_MAX + 1; i++) {
         many[i] = "seed=2";
     }
-    CU_ASSERT_FATAL(write_file("test-1.yaml", BASE));
+    CU_ASSERT_FATAL(file_write("test-1.yaml", BASE));
     CU_ASSERT_EQUAL(experiment_load(&e, path, many, EXPERIMENT_OVERRIDES_MAX, &fault), MU_OK);
     CU_ASSERT_EQUAL(experiment_load(&e, path, many, EXPERIMENT_OVERRIDES_MAX + 1, &fault),
                     MU_FAULT_USAGE);
 }
 
-static int make_folder(void)
+static int folder_make(void)
 {
     if (!mkdtemp(folder)) {
         return 1;
     }
     snprintf(path, sizeof path, "%s/test-1.yaml", folder);
-    bool written = write_file("a.world", "") && write_file("a.clp", "") && write_file("b.clp", "");
+    bool written = file_write("a.world", "") && file_write("a.clp", "") && file_write("b.clp", "");
     return written ? 0 : 1;
 }
 
-static int remove_folder(void)
+static int folder_remove(void)
 {
     static const char *const names[] = {"test-1.yaml", "a.world", "a.clp", "b.clp"};
     int failed = 0;
@@ -500,7 +500,7 @@ int main(void)
         {"limits: bytes and overrides", test_limit_bytes_and_overrides},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"ctl/experiment", make_folder, remove_folder, NULL, NULL, tests},
+    CU_SuiteInfo suites[] = {{"ctl/experiment", folder_make, folder_remove, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -21,7 +21,7 @@ static bool file_written(const char *path, const char *text, size_t len)
     return file && fclose(file) == 0 && written;
 }
 
-static void write_file(const char *path, const char *text, size_t len)
+static void file_write(const char *path, const char *text, size_t len)
 {
     CU_ASSERT_TRUE_FATAL(file_written(path, text, len));
 }
@@ -59,7 +59,7 @@ static void test_experiments(void)
     for (int round = 0; round < ROUNDS; round++) {
         char text[2 * sizeof experiment_sample];
         size_t len = garble(&r, text, sizeof text, experiment_sample, sizeof experiment_sample - 1);
-        write_file(yaml, text, len);
+        file_write(yaml, text, len);
         mu_result loaded = experiment_load(&e, yaml, NULL, 0, &first);
         if (loaded == MU_OK) {
             wrong += !experiment_whole(e);
@@ -94,7 +94,7 @@ static void test_overrides(void)
     unsigned wrong = 0;
     mu_random_seed(&r, SEED, "overrides");
     printf("seed %d ", SEED);
-    write_file(yaml, experiment_sample, sizeof experiment_sample - 1);
+    file_write(yaml, experiment_sample, sizeof experiment_sample - 1);
     for (int round = 0; round < ROUNDS; round++) {
         char text[128];
         const char *sample = sets[round % SETS];
@@ -131,7 +131,7 @@ static void test_records(void)
         struct report_row row;
         size_t rows_max = 0;
         size_t rows = 0;
-        write_file(csv, text, garble(&r, text, sizeof text, sample, sizeof sample - 1));
+        file_write(csv, text, garble(&r, text, sizeof text, sample, sizeof sample - 1));
         mu_result read = report_reader_open(&reader, folder, &input, &rows_max, &fault);
         bool opened = read == MU_OK;
         while (read == MU_OK) {

@@ -585,12 +585,12 @@ static void test_ticks(void)
                                   "2.5");
 }
 
-static int make_folder(void)
+static int folder_make(void)
 {
     return mkdtemp(folder) ? 0 : 1;
 }
 
-static int remove_folder(void)
+static int folder_remove(void)
 {
     static const char *const names[] = {"run.csv", "summary.json", "tracks.svg", "bearing.svg",
                                         "report.html"};
@@ -625,7 +625,7 @@ int main(void)
         {"ticks", test_ticks},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"ctl/report", make_folder, remove_folder, NULL, NULL, tests},
+    CU_SuiteInfo suites[] = {{"ctl/report", folder_make, folder_remove, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

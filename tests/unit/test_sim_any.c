@@ -152,10 +152,9 @@ static void check_world(uint64_t seed)
 
 static void test_any_world(void)
 {
-    const char *text = getenv("MUSTER_WORLDS");
-    long worlds = text ? strtol(text, NULL, 10) : 24;
+    uint64_t worlds = suite_setting("MUSTER_WORLDS", 24);
     capture_begin(); /* some are flung out, as they should be */
-    for (uint64_t seed = 1; seed <= (uint64_t)worlds; seed++) {
+    for (uint64_t seed = 1; seed <= worlds; seed++) {
         physics_engines_used = worlds > 24 ? 0 : physics_engines_used;
         check_world(seed);
     }

@@ -62,16 +62,10 @@ static void steer_to_the_middle(struct engine *e, size_t i)
     physics_drive(e, i, PHYSICS_SPEED_M_S, 2 * remainder(bearing - pose.heading_rad, 2 * M_PI));
 }
 
-static long setting(const char *name, long otherwise)
-{
-    const char *text = getenv(name);
-    return text ? strtol(text, NULL, 10) : otherwise;
-}
-
 static void test_a_heap(void)
 {
-    size_t robots = (size_t)setting("MUSTER_ROBOTS", ROBOTS);
-    unsigned seconds = (unsigned)setting("MUSTER_SECONDS", SECONDS);
+    size_t robots = (size_t)suite_setting("MUSTER_ROBOTS", ROBOTS);
+    unsigned seconds = (unsigned)suite_setting("MUSTER_SECONDS", SECONDS);
     CU_ASSERT_FATAL(robots <= MU_ROBOTS_MAX);
     size_t side = (size_t)ceil(sqrt((double)robots));
     double half_m = sqrt((double)robots * ROOM_M2) / 2;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Driving, pushing, stalling and seeing, in worlds small enough to compute by hand. */
+#include "../support/physics.h"
 #include "../support/suite.h"
 #include "sim/engine.h"
 
@@ -7,85 +8,19 @@
 #include <math.h>
 #include <string.h>
 
-/* Their memory lives as long as the process: kept here, so that leak checkers see it. */
-static struct engine *engines[32];
-static size_t engines_used;
-
-static struct world_shape shapes[8];
-static struct world_robot robots[8];
-static struct world world;
-
-static const struct world_look solid_look = {.stops = true, .echoes = true, .shows = true};
-
-static void clear(void)
-{
-    memset(shapes, 0, sizeof shapes);
-    memset(robots, 0, sizeof robots);
-    world = (struct world){.shapes = shapes, .robots = robots};
-}
-
-static void add_wall(double x_m, double y_m, double half_x_m, double half_y_m)
-{
-    shapes[world.shape_count++] = (struct world_shape){.kind = WORLD_BOX,
-                                                       .pose = {x_m, y_m, 0},
-                                                       .half_x_m = half_x_m,
-                                                       .half_y_m = half_y_m,
-                                                       .look = solid_look};
-}
-
-static struct world_robot *add_robot(double x_m, double y_m, double heading_deg)
-{
-    struct world_robot *r = &robots[world.robot_count++];
-    *r = (struct world_robot){.pose = {x_m, y_m, heading_deg * M_PI / 180},
-                              .look = solid_look,
-                              .length_m = 0.44,
-                              .width_m = 0.38,
-                              .mass_kg = 9,
-                              .forward_max_m_s = 0.5,
-                              .reverse_max_m_s = 0.3,
-                              .turn_max_rad_s = M_PI / 2,
-                              .forward_accel_m_s2 = 0.5,
-                              .turn_accel_rad_s2 = M_PI / 2};
-    return r;
-}
-
 static void add_sonar(struct world_robot *r, double x_m, double y_m, double heading_deg)
 {
     r->sonars[r->sonar_count++] = (struct world_sonar){
         .pose = {x_m, y_m, heading_deg * M_PI / 180}, .range_min_m = 0.05, .range_max_m = 5};
 }
 
-static struct engine *start(uint64_t seed)
-{
-    struct engine_options options = {.seed = seed, .step_ns = 100000000};
-    struct engine *e = engine_open(&world, &options);
-    CU_ASSERT_FATAL(engines_used < sizeof engines / sizeof engines[0]);
-    engines[engines_used++] = e;
-    return e;
-}
-
-static void drive(struct engine *e, size_t robot, double forward_m_s, double turn_rad_s)
-{
-    CU_ASSERT_EQUAL(engine_command(e, robot, &forward_m_s, &turn_rad_s), MU_OK);
-}
-
-static struct engine_percept run(struct engine *e, size_t robot, unsigned steps)
-{
-    struct engine_percept p;
-    for (unsigned k = 0; k < steps; k++) {
-        engine_step(e);
-    }
-    engine_sense(e, robot, &p);
-    return p;
-}
-
 static void test_straight_drive(void)
 {
-    clear();
-    add_robot(0, 0, 90);
-    struct engine *e = start(1);
-    drive(e, 0, 0.4, 0);
-    struct engine_percept p = run(e, 0, 50);
+    physics_clear();
+    physics_robot(0, 0, 90);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
+    struct engine_percept p = physics_run(e, 0, 50);
     /* 0.8 s of ramp in 40 substeps of 20 ms, each at its end speed, then 210 at 0.4 m/s */
     double way = 0.02 * (0.5 * 0.02 * (40 * 41 / 2) + 210 * 0.4);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, way, 1e-6);
@@ -98,15 +33,15 @@ static void test_straight_drive(void)
 
 static void test_turning_keeps_the_place_and_the_range_of_headings(void)
 {
-    clear();
-    add_robot(1, 2, 0)->origin_x_m = -0.04;
-    struct engine *e = start(1);
-    drive(e, 0, 0, 1);
+    physics_clear();
+    physics_robot(1, 2, 0)->origin_x_m = -0.04;
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0, 1);
     double least = 0;
     double most = 0;
     struct engine_percept p;
     for (int k = 0; k < 100; k++) {
-        p = run(e, 0, 1);
+        p = physics_run(e, 0, 1);
         least = fmin(least, p.pose.heading_rad);
         most = fmax(most, p.pose.heading_rad);
     }
@@ -117,19 +52,19 @@ static void test_turning_keeps_the_place_and_the_range_of_headings(void)
     CU_ASSERT(most <= M_PI && most > 3);
     engine_close(e);
 
-    clear();
-    add_robot(0, 0, -180);
-    e = start(1);
-    p = run(e, 0, 0);
+    physics_clear();
+    physics_robot(0, 0, -180);
+    e = physics_start(1);
+    p = physics_run(e, 0, 0);
     CU_ASSERT_EQUAL(p.pose.heading_rad, M_PI);
     engine_close(e);
 }
 
 static void test_commands_are_clamped_or_refused(void)
 {
-    clear();
-    add_robot(0, 0, 0);
-    struct engine *e = start(1);
+    physics_clear();
+    physics_robot(0, 0, 0);
+    struct engine *e = physics_start(1);
     static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
     for (size_t i = 0; i < 3; i++) {
         double speed = bad[i];
@@ -139,7 +74,7 @@ static void test_commands_are_clamped_or_refused(void)
         turn = bad[i];
         CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_REFUSED);
     }
-    struct engine_percept p = run(e, 0, 10);
+    struct engine_percept p = physics_run(e, 0, 10);
     CU_ASSERT_EQUAL(p.pose.x_m, 0); /* the old aim, to stand, stayed */
     double speed = 1e300;
     double turn = -1e300;
@@ -156,22 +91,22 @@ static void test_commands_are_clamped_or_refused(void)
 
 static void test_a_wall_stalls_and_holds(void)
 {
-    clear();
-    add_wall(2.05, 0, 0.05, 4);
-    add_robot(1, 0, 0);
-    struct engine *e = start(1);
-    drive(e, 0, 0.4, 0);
-    struct engine_percept p = run(e, 0, 15);
+    physics_clear();
+    physics_wall(2.05, 0, 0.05, 4);
+    physics_robot(1, 0, 0);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
+    struct engine_percept p = physics_run(e, 0, 15);
     CU_ASSERT_FALSE(p.stalled);
-    p = run(e, 0, 100);
+    p = physics_run(e, 0, 100);
     CU_ASSERT_TRUE(p.stalled);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.22, 0.003); /* the front at the wall */
     CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0, 1e-3);
     double held = p.pose.x_m;
-    p = run(e, 0, 300);
+    p = physics_run(e, 0, 300);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, held, 1e-3);
-    drive(e, 0, -0.2, 0);
-    p = run(e, 0, 30);
+    physics_drive(e, 0, -0.2, 0);
+    p = physics_run(e, 0, 30);
     CU_ASSERT_FALSE(p.stalled);
     CU_ASSERT(p.pose.x_m < held - 0.3);
     engine_close(e);
@@ -179,35 +114,35 @@ static void test_a_wall_stalls_and_holds(void)
 
 static void test_stall_comes_after_the_held_time(void)
 {
-    clear();
-    add_wall(0.32, 0, 0.1, 4); /* touches the robot from the start */
-    add_robot(0, 0, 0);
-    struct engine *e = start(1);
-    drive(e, 0, 0.4, 0);
+    physics_clear();
+    physics_wall(0.32, 0, 0.1, 4); /* touches the robot from the start */
+    physics_robot(0, 0, 0);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
     /* The wheels are above 0.02 m/s from the 3rd substep of 20 ms on: then 0.3 s. */
-    struct engine_percept p = run(e, 0, 3);
+    struct engine_percept p = physics_run(e, 0, 3);
     CU_ASSERT_FALSE(p.stalled);
-    p = run(e, 0, 2);
+    p = physics_run(e, 0, 2);
     CU_ASSERT_TRUE(p.stalled);
     engine_close(e);
 }
 
 static void test_nothing_tunnels(void)
 {
-    clear();
-    add_wall(0, 0, 0.005, 8);     /* a centimetre thick */
+    physics_clear();
+    physics_wall(0, 0, 0.005, 8); /* a centimetre thick */
     for (int i = 0; i < 6; i++) { /* so that at full speed some would step right over it */
-        struct world_robot *r = add_robot(-97 - 0.11 * i, 2 * i - 5, 0);
+        struct world_robot *r = physics_robot(-97 - 0.11 * i, 2 * i - 5, 0);
         r->forward_max_m_s = 100;
         r->forward_accel_m_s2 = 100;
     }
-    struct engine *e = start(1);
+    struct engine *e = physics_start(1);
     for (size_t i = 0; i < 6; i++) {
-        drive(e, i, 100, 0);
+        physics_drive(e, i, 100, 0);
     }
-    run(e, 0, 300);
+    physics_run(e, 0, 300);
     for (size_t i = 0; i < 6; i++) {
-        struct engine_percept p = run(e, i, 0);
+        struct engine_percept p = physics_run(e, i, 0);
         CU_ASSERT(p.pose.x_m < 0);
         CU_ASSERT_TRUE(p.stalled);
     }
@@ -216,14 +151,14 @@ static void test_nothing_tunnels(void)
 
 static void test_head_on_both_stand(void)
 {
-    clear();
-    add_robot(0, 0, 0);
-    add_robot(2, 0, 180);
-    struct engine *e = start(1);
-    drive(e, 0, 0.4, 0);
-    drive(e, 1, 0.4, 0);
-    struct engine_percept a = run(e, 0, 100);
-    struct engine_percept b = run(e, 1, 0);
+    physics_clear();
+    physics_robot(0, 0, 0);
+    physics_robot(2, 0, 180);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
+    physics_drive(e, 1, 0.4, 0);
+    struct engine_percept a = physics_run(e, 0, 100);
+    struct engine_percept b = physics_run(e, 1, 0);
     CU_ASSERT_TRUE(a.stalled);
     CU_ASSERT_TRUE(b.stalled);
     CU_ASSERT_DOUBLE_EQUAL(hypot(b.pose.x_m - a.pose.x_m, b.pose.y_m - a.pose.y_m), 0.44, 0.02);
@@ -232,23 +167,23 @@ static void test_head_on_both_stand(void)
 
 static void test_pushing(void)
 {
-    clear();
-    add_robot(0, 0, 0);
-    add_robot(0.6, 0, 0)->mass_kg = 1; /* light, and standing on its brakes */
-    struct engine *e = start(1);
-    drive(e, 0, 0.4, 0);
-    struct engine_percept light = run(e, 1, 100);
+    physics_clear();
+    physics_robot(0, 0, 0);
+    physics_robot(0.6, 0, 0)->mass_kg = 1; /* light, and standing on its brakes */
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
+    struct engine_percept light = physics_run(e, 1, 100);
     CU_ASSERT(light.pose.x_m > 2);
     CU_ASSERT(light.forward_m_s > 0.1);
     engine_close(e);
 
-    clear();
-    add_robot(0, 0, 0);
-    add_robot(0.6, 0, 0)->mass_kg = 90;
-    e = start(1);
-    drive(e, 0, 0.4, 0);
-    struct engine_percept heavy = run(e, 1, 100);
-    struct engine_percept pusher = run(e, 0, 0);
+    physics_clear();
+    physics_robot(0, 0, 0);
+    physics_robot(0.6, 0, 0)->mass_kg = 90;
+    e = physics_start(1);
+    physics_drive(e, 0, 0.4, 0);
+    struct engine_percept heavy = physics_run(e, 1, 100);
+    struct engine_percept pusher = physics_run(e, 0, 0);
     CU_ASSERT(fabs(heavy.pose.x_m - 0.6) < 0.35);
     CU_ASSERT_TRUE(pusher.stalled);
     engine_close(e);
@@ -256,22 +191,22 @@ static void test_pushing(void)
 
 static void test_sonar_geometry(void)
 {
-    clear();
-    add_wall(2.1, 0, 0.1, 4); /* its face at x = 2 */
-    add_wall(0, -20, 1, 0.1); /* out of range */
-    shapes[world.shape_count++] = (struct world_shape){
-        .kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5, .look = solid_look};
-    struct world_robot *r = add_robot(0, 0, 0);
+    physics_clear();
+    physics_wall(2.1, 0, 0.1, 4); /* its face at x = 2 */
+    physics_wall(0, -20, 1, 0.1); /* out of range */
+    physics_shapes[physics_world.shape_count++] = (struct world_shape){
+        .kind = WORLD_DISC, .pose = {0, 3, 0}, .radius_m = 0.5, .look = physics_look()};
+    struct world_robot *r = physics_robot(0, 0, 0);
     add_sonar(r, 0.1, 0, 0);
     add_sonar(r, 0, 0.1, 90);
     add_sonar(r, 0, 0, -90);
     add_sonar(r, 0.1, 0, 45);
     add_sonar(r, -0.25, 0, 180);
-    add_robot(-1.25, 0, 0);       /* its front at x = -1.03 */
-    add_robot(2 - 0.205, 1.2, 0); /* near the wall: a reading below the least */
-    add_sonar(&robots[2], 0.2, 0, 0);
-    struct engine *e = start(1);
-    struct engine_percept p = run(e, 0, 0);
+    physics_robot(-1.25, 0, 0);       /* its front at x = -1.03 */
+    physics_robot(2 - 0.205, 1.2, 0); /* near the wall: a reading below the least */
+    add_sonar(&physics_robots[2], 0.2, 0, 0);
+    struct engine *e = physics_start(1);
+    struct engine_percept p = physics_run(e, 0, 0);
     CU_ASSERT_EQUAL_FATAL(p.sonar_count, 5);
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 1.9, 1e-6);
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[1], 2.4, 1e-6);
@@ -280,7 +215,7 @@ static void test_sonar_geometry(void)
      * x = 1.575; its rear, x = 1.575, at y = 1.475, behind its other side: so it is the wall. */
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[3], 1.9 * sqrt(2), 1e-6);
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[4], 0.78, 1e-6);
-    p = run(e, 2, 0);
+    p = physics_run(e, 2, 0);
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 0.05, 1e-6);
     engine_close(e);
 }
@@ -288,24 +223,24 @@ static void test_sonar_geometry(void)
 /* Four robots in a box that bump into walls and into each other. */
 static uint64_t hash_of_a_crowd(uint64_t seed, bool *flat)
 {
-    clear();
-    add_wall(0, 2.1, 2.2, 0.1);
-    add_wall(0, -2.1, 2.2, 0.1);
-    add_wall(2.1, 0, 0.1, 2.2);
-    add_wall(-2.1, 0, 0.1, 2.2);
-    add_wall(0, 0, 0.3, 0.2);
+    physics_clear();
+    physics_wall(0, 2.1, 2.2, 0.1);
+    physics_wall(0, -2.1, 2.2, 0.1);
+    physics_wall(2.1, 0, 0.1, 2.2);
+    physics_wall(-2.1, 0, 0.1, 2.2);
+    physics_wall(0, 0, 0.3, 0.2);
     for (int i = 0; i < 4; i++) {
-        struct world_robot *r = add_robot(i % 2 * 2 - 1, i / 2 * 2 - 1, 37 * i);
+        struct world_robot *r = physics_robot(i % 2 * 2 - 1, i / 2 * 2 - 1, 37 * i);
         r->origin_x_m = -0.04;
         add_sonar(r, 0.1, 0, 0);
         add_sonar(r, 0.1, 0, 40);
     }
-    struct engine *e = start(seed);
-    uint64_t hash = 1469598103934665603ull; /* FNV-1a */
+    struct engine *e = physics_start(seed);
+    uint64_t hash = MU_HASH_EMPTY;
     *flat = true;
     for (unsigned k = 0; k < 400; k++) {
         for (size_t i = 0; i < 4; i++) {
-            drive(e, i, (k + i * 7) % 40 < 30 ? 0.5 : -0.3, (double)((k / 25 + i) % 3) - 1);
+            physics_drive(e, i, (k + i * 7) % 40 < 30 ? 0.5 : -0.3, (double)((k / 25 + i) % 3) - 1);
         }
         engine_step(e);
         for (size_t i = 0; i < 4; i++) {
@@ -314,17 +249,11 @@ static uint64_t hash_of_a_crowd(uint64_t seed, bool *flat)
             memset(&p, 0, sizeof p);
             engine_state(e, i, state);
             engine_sense(e, i, &p);
-            unsigned char bytes[sizeof state + 2 * sizeof(float)];
-            memcpy(bytes, state, sizeof state);
-            memcpy(bytes + sizeof state, p.sonar_m, 2 * sizeof(float));
-            for (size_t b = 0; b < sizeof bytes; b++) {
-                hash = (hash ^ bytes[b]) * 1099511628211ull;
-            }
-            /* z; the quaternion's x and y; the speed along z; the turn about x and y */
-            *flat = *flat && state[2] == 0 && state[4] == 0 && state[5] == 0 && state[9] == 0 &&
-                    state[10] == 0 && state[11] == 0;
+            hash = mu_hash_bytes(hash, state, sizeof state);
+            hash = mu_hash_bytes(hash, p.sonar_m, 2 * sizeof(float));
             CU_ASSERT_FATAL(fabs(state[0]) < 2.1 && fabs(state[1]) < 2.1);
         }
+        *flat = *flat && physics_is_flat(e);
     }
     engine_close(e);
     return hash;
@@ -342,35 +271,35 @@ static void test_the_same_bits_again_and_flat(void)
 
 static void test_out_in_the_open(void)
 {
-    clear();
-    add_wall(0, 0, 0.5, 0.5);
-    struct world_robot *r = add_robot(2, 0, 0);
+    physics_clear();
+    physics_wall(0, 0, 0.5, 0.5);
+    struct world_robot *r = physics_robot(2, 0, 0);
     add_sonar(r, 0, 0, 180);
-    struct engine *e = start(1);
-    drive(e, 0, 0.5, 0);
-    struct engine_percept p = run(e, 0, 60);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 0.5, 0);
+    struct engine_percept p = physics_run(e, 0, 60);
     CU_ASSERT(p.pose.x_m > 4);
     CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], p.pose.x_m - 0.5, 1e-6);
     engine_close(e);
-    clear();
-    e = start(1); /* nothing at all */
+    physics_clear();
+    e = physics_start(1); /* nothing at all */
     engine_step(e);
     engine_close(e);
 }
 
 static void test_a_mark_on_the_floor_slows_nobody(void)
 {
-    clear();
-    add_wall(5, 0, 0.1, 4);
-    add_wall(0, 0, 0.0005, 4); /* a line on the floor */
-    shapes[1].look = (struct world_look){.shows = true};
-    struct world_robot *r = add_robot(-1, 0, 0);
+    physics_clear();
+    physics_wall(5, 0, 0.1, 4);
+    physics_wall(0, 0, 0.0005, 4); /* a line on the floor */
+    physics_shapes[1].look = (struct world_look){.shows = true};
+    struct world_robot *r = physics_robot(-1, 0, 0);
     r->length_m = r->width_m = 0.02;
     r->forward_max_m_s = 1;
     r->forward_accel_m_s2 = 5;
-    struct engine *e = start(1);
-    drive(e, 0, 1, 0);
-    struct engine_percept p = run(e, 0, 20);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 0, 1, 0);
+    struct engine_percept p = physics_run(e, 0, 20);
     CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 1, 1e-6);
     CU_ASSERT(p.pose.x_m > 0.5);
     engine_close(e);
@@ -378,15 +307,15 @@ static void test_a_mark_on_the_floor_slows_nobody(void)
 
 static void test_all_are_sensed_as_one_is(void)
 {
-    clear();
-    add_wall(2.1, 0, 0.1, 4);
+    physics_clear();
+    physics_wall(2.1, 0, 0.1, 4);
     for (int i = 0; i < 3; i++) {
-        struct world_robot *r = add_robot(0, 1.0 * i - 1, 0);
+        struct world_robot *r = physics_robot(0, 1.0 * i - 1, 0);
         add_sonar(r, 0.1, 0, 0);
         r->laser = (struct world_laser){.range_max_m = 8, .fov_rad = M_PI, .samples = 3};
     }
-    struct engine *e = start(1);
-    drive(e, 1, 0.4, 0.2);
+    struct engine *e = physics_start(1);
+    physics_drive(e, 1, 0.4, 0.2);
     const uint32_t wanted[3] = {0, 1u << WORLD_SONAR | 1u << WORLD_LASER, 1u << WORLD_LASER};
     for (int step = 0; step < 20; step++) {
         engine_step(e);

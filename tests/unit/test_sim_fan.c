@@ -2,6 +2,7 @@
 /* Fans of beams against single rays and against looking at everything; the vector units against
  * one another; what a collection must not miss. */
 #include "../support/suite.h"
+#include "core/hash.h"
 #include "core/random.h"
 #include "sim/fan.h"
 #include "sim/grid.h"
@@ -155,32 +156,23 @@ static void test_fans_equal_single_rays(void)
     CU_ASSERT_EQUAL(wrong, 0);
 }
 
-static uint64_t fold(uint64_t hash, const void *bytes, size_t count)
-{
-    const unsigned char *c = bytes;
-    for (size_t k = 0; k < count; k++) {
-        hash = (hash ^ c[k]) * 1099511628211ull;
-    }
-    return hash;
-}
-
 /* All ranges and hits of the same scenes, as one number. */
 static uint64_t bits_of_scenes(const char *name, uint64_t seed)
 {
-    uint64_t hash = 14695981039346656037ull;
+    uint64_t hash = MU_HASH_EMPTY;
     CU_ASSERT_TRUE_FATAL(fan_choose(name));
     mu_random_seed(&dice, seed, "bits");
     for (int round = 0; round < SCENES; round++) {
         scatter_moving(9);
         struct scene scene = any_scene(10);
         collect(&scene);
-        hash = fold(hash, list.solids.id, list.solids.count * sizeof *list.solids.id);
+        hash = mu_hash_bytes(hash, list.solids.id, list.solids.count * sizeof *list.solids.id);
         for (int asked = 0; asked < 2; asked++) {
             fan_kernel()->sweep(&scene.table, &scene.eye, &list.solids, ranges,
                                 asked ? hits : NULL);
-            hash = fold(hash, ranges, scene.table.count * sizeof ranges[0]);
+            hash = mu_hash_bytes(hash, ranges, scene.table.count * sizeof ranges[0]);
         }
-        hash = fold(hash, hits, scene.table.count * sizeof hits[0]);
+        hash = mu_hash_bytes(hash, hits, scene.table.count * sizeof hits[0]);
     }
     return hash;
 }

@@ -4,6 +4,7 @@
 #include "../support/suite.h"
 #include "sim/senses.h"
 
+#include "core/hash.h"
 #include "core/random.h"
 #include "sim/fan.h"
 
@@ -528,26 +529,17 @@ static void test_what_was_forgotten_is_read_anew(void)
     senses_close(scene->senses);
 }
 
-static uint64_t fold(uint64_t hash, const void *bytes, size_t count)
-{
-    const unsigned char *c = bytes;
-    for (size_t k = 0; k < count; k++) {
-        hash = (hash ^ c[k]) * 1099511628211ull;
-    }
-    return hash;
-}
-
 static uint64_t bits_of(const struct engine_percept *p)
 {
-    uint64_t hash = fold(14695981039346656037ull, p->sonar_m, p->sonar_count * sizeof(float));
-    hash = fold(hash, p->laser_m, p->laser_count * sizeof(float));
+    uint64_t hash = mu_hash_bytes(MU_HASH_EMPTY, p->sonar_m, p->sonar_count * sizeof(float));
+    hash = mu_hash_bytes(hash, p->laser_m, p->laser_count * sizeof(float));
     for (size_t k = 0; k < p->blob_count; k++) {
-        hash = fold(hash, &p->blobs[k].rgb, sizeof p->blobs[k].rgb);
-        hash = fold(hash, &p->blobs[k].bearing_rad, 3 * sizeof(double));
+        hash = mu_hash_bytes(hash, &p->blobs[k].rgb, sizeof p->blobs[k].rgb);
+        hash = mu_hash_bytes(hash, &p->blobs[k].bearing_rad, 3 * sizeof(double));
     }
     for (size_t k = 0; k < p->fiducial_count; k++) {
-        hash = fold(hash, &p->fiducials[k].number, sizeof p->fiducials[k].number);
-        hash = fold(hash, &p->fiducials[k].bearing_rad, 3 * sizeof(double));
+        hash = mu_hash_bytes(hash, &p->fiducials[k].number, sizeof p->fiducials[k].number);
+        hash = mu_hash_bytes(hash, &p->fiducials[k].bearing_rad, 3 * sizeof(double));
     }
     return hash;
 }
@@ -587,7 +579,7 @@ static uint64_t bits_of_a_crowd(size_t threads, const char *kernel, const uint32
             struct engine_percept p = {0};
             senses_tell(scene->senses, i, wanted[i], &p);
             uint64_t bits = bits_of(&p);
-            hash = fold(hash, &bits, sizeof bits);
+            hash = mu_hash_bytes(hash, &bits, sizeof bits);
         }
     }
     senses_close(scene->senses);

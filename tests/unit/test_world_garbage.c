@@ -25,12 +25,6 @@ static size_t sample_count;
 static struct world world; /* read again and again */
 static char path[] = "/tmp/muster-world-XXXXXX";
 
-static uint64_t setting(const char *name, uint64_t fallback)
-{
-    const char *text = getenv(name);
-    return text ? strtoull(text, NULL, 10) : fallback;
-}
-
 static int begin(void)
 {
     glob_t found = {0};
@@ -116,8 +110,8 @@ static bool is_sane(const struct world *w)
 static void test_wounded_files(void)
 {
     struct mu_random random;
-    uint64_t seed = setting("MUSTER_SEED", 41);
-    uint64_t rounds = setting("MUSTER_ROUNDS", ROUNDS);
+    uint64_t seed = suite_setting("MUSTER_SEED", 41);
+    uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS);
     size_t refused = 0;
     size_t wrong = 0;
     mu_random_seed(&random, seed, "wounded worlds");
