@@ -5,8 +5,8 @@ import signal
 import subprocess
 import time
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run, folder, members,
+                     muster, new_domain, wait_for)
 
 class Team:
     """A broker, two hosts, a simulator with the body of red, and red in a process of its own."""
@@ -205,6 +205,27 @@ def test_nobody_moves_in_lock_step():
         check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
         check_equal(t.place_of("red"), "elsewhere", "where it is")
         check_equal(sim.wait(20), 0, "the run")
+
+
+def test_a_run_goes_on_without_who_is_disposed_of():
+    """Also when a process has no other robot; and twice the same."""
+    with folder() as out:
+        (out / "t.yaml").write_text(
+            f"name: t\nworld: {ROOT}/worlds/arena.world\nduration: 6\nrobots:\n"
+            f"  - {{name: red, rules: {ROOT}/rules/follower.clp}}\n"
+            f"  - {{name: blue, rules: {ROOT}/rules/follower.clp}}\n"
+            "observer:\n"
+            "  - {at: 1, do: robots, line: \"(wander)\"}\n"
+            "  - {at: 3, do: red, line: \"(dispose)\"}\n")
+        hashes = []
+        for i in range(2):
+            done, summary = experiment_run(out / str(i), "--domain", new_domain(), file=out / "t.yaml")
+            check_equal(done.returncode, 0, f"the run: {done.stderr}")
+            check_equal(summary["sim_time_s"], 6.0, "how long it was")
+            red, blue = sorted(summary["robots"], key=lambda r: r["name"], reverse=True)
+            check(0 < red["rule_firings"] < blue["rule_firings"], "red has had its end")
+            hashes.append(summary["hash"])
+        check_equal(hashes[0], hashes[1], "the hash")
 
 
 # --- what dies on the way ----------------------------------------------------------------------
