@@ -166,6 +166,30 @@ def test_launch():
               f"broken rules: {wrong.stdout} {wrong.stderr}")
         t.done("move", "red", "south")
         check_equal(t.place_of("red"), "south", "its platform")
+        path.write_bytes(b"; \xff\xfe")
+        for rules, why in ((path, "in UTF-8"), (t.out, "directory")):
+            wrong = t.muster("launch", "green", "south", "--rules", rules)
+            check_equal((wrong.returncode, why in wrong.stderr), (3, True), wrong.stderr)
+        path.write_text("")
+        wrong = t.muster("launch", "green", "red", "--rules", path)
+        check_equal((wrong.returncode, wrong.stdout + wrong.stderr),
+                    (8, "red: a robot knows no such directive\n"), "red is no host")
+
+
+def test_names_that_nobody_can_have():
+    with team(bodies=()) as t:
+        t.robot_start("red")
+        for name in ("a b", "", "2x", "../x", "all", "broker.x", "x" * 32):
+            for words in (("move", "red", name), ("clone", "red", name),
+                          ("clone", "red", "ruby", name)):
+                done = t.muster(*words)
+                check_equal((done.returncode, "cannot be the name" in done.stderr), (2, True),
+                            f"{words}: {done.stderr}")
+        check_equal(t.muster("move", "red", "north", "south").returncode, 2, "two hosts")
+        done = t.muster("move", "north", "south")
+        check_equal((done.returncode, done.stderr), (8, "muster: a host knows launch alone\n"),
+                    "a host stays")
+        check("ruby" not in members(t.domain), "a clone")
 
 
 def test_a_host_refuses():
