@@ -252,6 +252,25 @@ def test_a_run_goes_on_without_who_is_disposed_of():
         check_equal(hashes[0], hashes[1], "the hash")
 
 
+def test_robots_leave_a_run_that_is_free():
+    """They move to a host, or end; the process that stays behind empty is no crash."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = processes.start(MUSTER, "run", ROOT / "experiments/patrol.yaml", "--free", "--domain",
+                              domain, "--duration", "6", "--out", out / "run",
+                              stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: muster("console", "observer", "-c", "(agents)", "--domain",
+                                domain).returncode == 0, 15, "a run")
+        processes.start(MUSTER, "host", "north", "--domain", domain)
+        wait_for(lambda: "north" in members(domain), 10, "a host")
+        was = members(domain)["red"]["pid"]
+        done = muster("move", "red", "north", "--domain", domain)
+        check_equal((done.returncode, done.stdout), (0, "red at north\n"), done.stderr)
+        check(members(domain)["red"]["pid"] != was, "red is elsewhere")
+        error = run.communicate(timeout=30)[1]
+        check_equal(run.returncode, 0, f"the run: {error}")
+
+
 # --- what dies on the way ----------------------------------------------------------------------
 
 
