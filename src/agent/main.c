@@ -60,6 +60,7 @@ static mu_result robots_join(struct crew *c)
 static void crew_round(void *self)
 {
     trip_round(self);
+    robot_crew_look(self);
 }
 
 int main(int argc, char **argv)

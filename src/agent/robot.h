@@ -176,6 +176,8 @@ void robot_settle(struct robot *r);
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason);
 /** Takes no part any more; a process without a host ends with the last one. */
 void robot_leave(struct robot *r);
+/** Ends a process that has no robots left; in lock step it answers for them until the run ends. */
+void robot_crew_look(struct crew *c);
 
 /** Sets out where its rules, or a line, want it to go. */
 void robot_travel(struct robot *r);

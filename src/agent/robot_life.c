@@ -28,15 +28,20 @@ void robot_leave(struct robot *r)
 {
     robot_console_end(r);
     r->out = true;
-    if (r->crew->host[0]) {
+    robot_crew_look(r->crew);
+}
+
+void robot_crew_look(struct crew *c)
+{
+    if (c->host[0] || mu_process_in_lockstep(c->process)) {
         return;
     }
-    for (uint32_t i = 0; i < r->crew->count; i++) {
-        if (!r->crew->robots[i].out) {
+    for (uint32_t i = 0; i < c->count; i++) {
+        if (!c->robots[i].out) {
             return;
         }
     }
-    mu_process_stop(r->crew->process);
+    mu_process_stop(c->process);
 }
 
 /* Who has come goes on where it was interrupted; who does not get its name is not here. */

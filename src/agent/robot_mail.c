@@ -229,7 +229,6 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
         void (*carry_out)(struct robot *r, mu_agent *a, const struct mu_mail *mail);
     } directives[] = {{"do", directive_do},           {"step", directive_step},
                       {"move", directive_move},       {"clone", directive_clone},
-
                       {"console", directive_console}, {"words", directive_words}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
@@ -239,4 +238,8 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
         }
     }
     mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative, mail->src);
+    if (mail->reply_with[0] &&
+        mu_agent_reply(a, mail, "failure", "\"a robot knows no such directive\"") != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
 }

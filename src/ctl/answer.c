@@ -32,8 +32,7 @@ bool answer_is_failure(const struct mu_mail *mail)
     return failure_find(mail) >= 0;
 }
 
-/* Content that is a single CLIPS string goes without its quotes. */
-static void content_print(FILE *to, const char *content)
+void answer_content_print(FILE *to, const char *content)
 {
     size_t len = strlen(content);
     bool quoted = len >= 2 && content[0] == '"' && content[len - 1] == '"';
@@ -95,9 +94,9 @@ void answer_print(const struct mu_mail *mail, bool json)
     }
     if (said) {
         fprintf(stderr, "muster: %s %s: ", mail->src, said);
-        content_print(stderr, mail->content);
+        answer_content_print(stderr, mail->content);
     } else if (!json) {
         printf("%s: ", mail->src);
-        content_print(stdout, mail->content);
+        answer_content_print(stdout, mail->content);
     }
 }

@@ -8,8 +8,13 @@
 
 #include "muster/agent.h"
 
+#include <stdio.h>
+
 /** @return whether it says that the mail was of no use: refuse, not-understood, failure */
 bool answer_is_failure(const struct mu_mail *mail);
+
+/** Prints what an answer says, as a line; content that is a single CLIPS string without quotes. */
+void answer_content_print(FILE *to, const char *content);
 
 /** Prints it on standard output, or, if it is a refusal, why on standard error. */
 void answer_print(const struct mu_mail *mail, bool json);

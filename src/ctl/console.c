@@ -221,8 +221,9 @@ static void form_send(struct console *c, const char *form)
         c->link.failures++;
         return;
     }
-    while (!c->over && console_link_line(&c->link, form) != MU_OK) {
-        answers_await(c, CONSOLE_PENDING_MAX / 2, false);
+    while (!c->over && !interrupted && console_link_line(&c->link, form) != MU_OK) {
+        answers_await(c, c->link.pending_max / 2, false);
+        round_spin(c, 0); /* also when none waits, and the mail had no room */
     }
 }
 

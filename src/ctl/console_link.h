@@ -37,7 +37,7 @@ struct console_link {
     const char *agent; /* whom it is for */
     /* Lines that wait, oldest first. */
     struct console_pending pending[CONSOLE_PENDING_MAX];
-    size_t pending_count;
+    size_t pending_count, pending_max;
     uint64_t lines;    /* sent so far */
     unsigned failures; /* lines that failed */
     int code;          /* exit code of the last line that was not delivered, or MU_EXIT_DONE */

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
+#include "ctl/words.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -26,6 +27,16 @@ struct launch {
 /* A passport and the rules behind it. */
 static char launch_bytes[LAUNCH_RULES_MAX + 256];
 
+/* @return what is wrong with a text that was read, or NULL */
+static const char *text_objection(FILE *f, const char *text, size_t len, size_t room)
+{
+    if (ferror(f)) {
+        return strerror(errno);
+    }
+    bool good = len < room && strlen(text) == len && words_are_utf8(text);
+    return good ? NULL : "expected a text of at most 512 KiB, in UTF-8";
+}
+
 /* @return the exit code; what is wrong is said */
 static int rules_read(const struct launch *l, struct mu_text *out)
 {
@@ -35,12 +46,13 @@ static int rules_read(const struct launch *l, struct mu_text *out)
         return MU_EXIT_FILE;
     }
     size_t room = out->size - out->len - 1;
-    size_t len = fread(out->at + out->len, 1, room, f);
-    bool failed = ferror(f) || len == room;
+    char *text = out->at + out->len;
+    size_t len = fread(text, 1, room, f);
+    text[len] = '\0';
+    const char *wrong = text_objection(f, text, len, room);
     fclose(f);
-    out->at[out->len + len] = '\0';
-    if (failed || strlen(out->at) != out->len + len) {
-        fprintf(stderr, "%s: expected a text of at most %d bytes\n", l->rules, LAUNCH_RULES_MAX);
+    if (wrong) {
+        fprintf(stderr, "%s: %s\n", l->rules, wrong);
         return MU_EXIT_FILE;
     }
     out->len += len;

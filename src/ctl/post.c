@@ -2,6 +2,8 @@
 /* muster send, broadcast, do, start, suspend, resume, step: mail and directives. */
 #include "core/address.h"
 #include "core/exits.h"
+#include "core/name.h"
+#include "ctl/answer.h"
 #include "ctl/envelope.h"
 #include "ctl/operator.h"
 #include "ctl/receivers.h"
@@ -19,8 +21,9 @@ struct verb {
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
-    bool counts;     /* the only word behind TARGETS is a number, from 1 on */
-    bool unanswered; /* a directive to which nobody answers */
+    bool counts;      /* the only word behind TARGETS is a number, from 1 on */
+    bool unanswered;  /* a directive to which nobody answers */
+    size_t names_max; /* so many words behind TARGETS, all of them names; 0: any words */
 };
 
 static const struct verb VERB_SEND = {"send",
@@ -34,7 +37,8 @@ static const struct verb VERB_SEND = {"send",
                                       NULL,
                                       "muster send red hello world",
                                       false,
-                                      false};
+                                      false,
+                                      0};
 static const struct verb VERB_BROADCAST = {"broadcast",
                                            "WORD... [OPTION...]",
                                            "Sends a mail to every agent that is active.",
@@ -44,7 +48,8 @@ static const struct verb VERB_BROADCAST = {"broadcast",
                                            NULL,
                                            "muster broadcast hello",
                                            false,
-                                           false};
+                                           false,
+                                           0};
 static const struct verb VERB_DO = {"do",
                                     "TARGETS 'LINE' [OPTION...]",
                                     "Makes agents evaluate a CLIPS line; TARGETS as for send.",
@@ -54,7 +59,8 @@ static const struct verb VERB_DO = {"do",
                                     "do",
                                     "muster do red '(wander)'",
                                     false,
-                                    false};
+                                    false,
+                                    0};
 static const struct verb VERB_START = {"start",
                                        "TARGETS [OPTION...]",
                                        "Takes agents out of standby.",
@@ -64,7 +70,8 @@ static const struct verb VERB_START = {"start",
                                        "start",
                                        "muster start robots",
                                        false,
-                                       true};
+                                       true,
+                                       0};
 static const struct verb VERB_SUSPEND = {"suspend",
                                          "TARGETS [OPTION...]",
                                          "Stops agents where they are; their mail waits.",
@@ -74,7 +81,8 @@ static const struct verb VERB_SUSPEND = {"suspend",
                                          "suspend",
                                          "muster suspend red",
                                          false,
-                                         true};
+                                         true,
+                                         0};
 static const struct verb VERB_RESUME = {"resume",
                                         "TARGETS [OPTION...]",
                                         "Lets suspended agents go on.",
@@ -84,7 +92,8 @@ static const struct verb VERB_RESUME = {"resume",
                                         "resume",
                                         "muster resume red",
                                         false,
-                                        true};
+                                        true,
+                                        0};
 static const struct verb VERB_STEP = {"step",
                                       "TARGETS N [OPTION...]",
                                       "Lets robots fire N rules, in as many control steps as that "
@@ -95,7 +104,8 @@ static const struct verb VERB_STEP = {"step",
                                       "step",
                                       "muster step red 1",
                                       true,
-                                      false};
+                                      false,
+                                      0};
 static const struct verb VERB_MOVE = {"move",
                                       "NAME HOST [OPTION...]",
                                       "Moves an agent to another platform, with all that it knows "
@@ -106,7 +116,8 @@ static const struct verb VERB_MOVE = {"move",
                                       "move",
                                       "muster move red north",
                                       false,
-                                      false};
+                                      false,
+                                      1};
 static const struct verb VERB_CLONE = {"clone",
                                        "NAME NEW [HOST] [OPTION...]",
                                        "Makes a copy of an agent with a name of its own, on a "
@@ -117,7 +128,8 @@ static const struct verb VERB_CLONE = {"clone",
                                        "clone",
                                        "muster clone red ruby north",
                                        false,
-                                       false};
+                                       false,
+                                       2};
 static const struct verb VERB_DISPOSE = {"dispose",
                                          "TARGETS [OPTION...]",
                                          "Ends agents for good.",
@@ -127,7 +139,8 @@ static const struct verb VERB_DISPOSE = {"dispose",
                                          "dispose",
                                          "muster dispose red",
                                          false,
-                                         true};
+                                         true,
+                                         0};
 static const struct verb VERB_GROUP_SEND = {"group send",
                                             "GROUP WORD... [OPTION...]",
                                             "Sends a mail to all members of a group; who is absent "
@@ -138,7 +151,26 @@ static const struct verb VERB_GROUP_SEND = {"group send",
                                             NULL,
                                             "muster group send scouts hello",
                                             false,
-                                            false};
+                                            false,
+                                            0};
+
+/* @return whether all words behind the first are names, at most so many of them; said if not */
+static bool names_check(const struct verb *v, const struct mu_options *o, size_t most)
+{
+    char shown[MU_TEXT_SHOWN];
+    if (o->words_count > 1 + most) {
+        fprintf(stderr, "muster %s: expected %s, for example: %s\n", v->name, v->usage, v->example);
+        return false;
+    }
+    for (size_t i = 1; i < o->words_count; i++) {
+        if (!mu_name_valid(o->words[i]) || mu_name_reserved(o->words[i])) {
+            fprintf(stderr, "muster %s: '%s' cannot be the name of an agent or a host\n", v->name,
+                    mu_text_show(shown, o->words[i]));
+            return false;
+        }
+    }
+    return true;
+}
 
 /* @return whether the words are what the verb takes; said if not */
 static bool words_check(const struct verb *v, const struct mu_options *o)
@@ -169,7 +201,7 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
         fprintf(stderr, "%s: expected receivers of at most %d bytes\n", program, MU_DST_MAX);
         return false;
     }
-    return true;
+    return v->names_max == 0 || names_check(v, o, v->names_max);
 }
 
 /* @return whether the content fits a mail; said if not */
@@ -193,7 +225,8 @@ static void answer_show(void *self, const struct mu_mail *mail)
 {
     (void)self;
     bool done = strcmp(mail->performative, "inform") == 0;
-    fprintf(done ? stdout : stderr, "%s%s\n", done ? "" : "muster: ", mail->content);
+    fputs(done ? "" : "muster: ", stderr);
+    answer_content_print(done ? stdout : stderr, mail->content);
 }
 
 static int verb_send(const struct verb *v, const struct mu_options *o,

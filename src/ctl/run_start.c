@@ -143,7 +143,10 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
         word_add("--service=%s", robot->services[i]);
     }
-    return supervise_start(&r->children, robot->name, "muster-robot", words_end());
+    MU_TRY(supervise_start(&r->children, robot->name, "muster-robot", words_end()));
+    /* In free running a robot may move to a host, or be disposed of: its process ends. */
+    r->children.children[r->children.count - 1].may_leave = r->options.free;
+    return MU_OK;
 }
 
 static mu_result resolver_start(struct run *r, const char *scheme)

@@ -141,11 +141,17 @@ void supervise_look(struct supervise *s)
     }
 }
 
+static bool has_left(const struct child *child)
+{
+    return child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
+}
+
 const struct child *supervise_ended(const struct supervise *s)
 {
     for (uint32_t i = 0; i < s->count; i++) {
-        if (s->children[i].ended) {
-            return &s->children[i];
+        const struct child *child = &s->children[i];
+        if (child->ended && !has_left(child)) {
+            return child;
         }
     }
     return NULL;

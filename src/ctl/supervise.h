@@ -21,7 +21,8 @@ enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 32, SUPERVISE_WORDS_MAX = 1024 }
 struct child {
     char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */
     pid_t pid;
-    int output; /* both of its outputs, read end; -1: closed */
+    int output;     /* both of its outputs, read end; -1: closed */
+    bool may_leave; /* its end with exit code 0 is none that matters */
     bool ended;
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
@@ -52,7 +53,7 @@ MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, con
 /** Reads what children say and notes who has ended; never blocks. */
 void supervise_look(struct supervise *s);
 
-/** @return the first child that has ended and was not asked for before, or NULL */
+/** @return the first child that has ended and may not, or NULL */
 const struct child *supervise_ended(const struct supervise *s);
 
 /** @return the child of that name, or NULL */

@@ -3,6 +3,7 @@
 import contextlib
 import signal
 import subprocess
+import time
 
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members,
                      muster, new_domain, wait_for)
@@ -205,6 +206,23 @@ def test_a_thousand_lines_are_pasted():
         check_equal(answer(domain, "red", "(rules)").count("rule-"), 150, "rules that are there")
 
 
+def test_an_interrupt_ends_the_wait_for_a_robot_that_hangs():
+    """Also when more lines are typed than can be under way."""
+    with folder() as out, team("red") as (domain, processes), \
+            terminal(domain, "red", XDG_STATE_HOME=str(out)) as t:
+        t.wait_for("red standby> ")
+        red = processes.started[1]
+        red.send_signal(signal.SIGSTOP)
+        since = len(t.text)
+        t.type("(+ 1 1)" * 100 + "\r")
+        t.wait_for("(+ 1 1)\n", since=since)
+        time.sleep(0.5)  # it waits for room
+        t.type("\x03")
+        t.wait_for("^C\nred standby> ", since=since)
+        red.send_signal(signal.SIGCONT)
+        t.do("(str-cat it goes on)", "itgoeson")
+
+
 # --- breakpoints and what is watched -------------------------------------------------------------
 
 
@@ -335,6 +353,9 @@ def test_the_observer_commands_all_and_each_answers():
             check(said in done.stdout, done.stdout)
         done = muster("do", "observer", "(you-do red stay)", "--domain", domain)
         check("red: done" in done.stdout, f"without a console: {done.stdout} {done.stderr}")
+        done = piped(domain, "observer", "(inspect (create$ red blue) (facts))\n(agents)\n" * 10)
+        check_equal((done.returncode, done.stderr), (0, ""), "many lines at once")
+        check_equal(done.stdout.count("\nyellow robot "), 10, "an answer for each")
         with terminal(domain, "observer") as t:
             t.wait_for("observer running> ")
             t.do("(resume robots)", "yellow: done")

@@ -5,8 +5,8 @@ import signal
 import subprocess
 import time
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run, folder, members,
+                     muster, new_domain, wait_for)
 
 class Team:
     """A broker, two hosts, a simulator with the body of red, and red in a process of its own."""
@@ -166,6 +166,30 @@ def test_launch():
               f"broken rules: {wrong.stdout} {wrong.stderr}")
         t.done("move", "red", "south")
         check_equal(t.place_of("red"), "south", "its platform")
+        path.write_bytes(b"; \xff\xfe")
+        for rules, why in ((path, "in UTF-8"), (t.out, "directory")):
+            wrong = t.muster("launch", "green", "south", "--rules", rules)
+            check_equal((wrong.returncode, why in wrong.stderr), (3, True), wrong.stderr)
+        path.write_text("")
+        wrong = t.muster("launch", "green", "red", "--rules", path)
+        check_equal((wrong.returncode, wrong.stdout + wrong.stderr),
+                    (8, "red: a robot knows no such directive\n"), "red is no host")
+
+
+def test_names_that_nobody_can_have():
+    with team(bodies=()) as t:
+        t.robot_start("red")
+        for name in ("a b", "", "2x", "../x", "all", "broker.x", "x" * 32):
+            for words in (("move", "red", name), ("clone", "red", name),
+                          ("clone", "red", "ruby", name)):
+                done = t.muster(*words)
+                check_equal((done.returncode, "cannot be the name" in done.stderr), (2, True),
+                            f"{words}: {done.stderr}")
+        check_equal(t.muster("move", "red", "north", "south").returncode, 2, "two hosts")
+        done = t.muster("move", "north", "south")
+        check_equal((done.returncode, done.stderr), (8, "muster: a host knows launch alone\n"),
+                    "a host stays")
+        check("ruby" not in members(t.domain), "a clone")
 
 
 def test_a_host_refuses():
@@ -205,6 +229,46 @@ def test_nobody_moves_in_lock_step():
         check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
         check_equal(t.place_of("red"), "elsewhere", "where it is")
         check_equal(sim.wait(20), 0, "the run")
+
+
+def test_a_run_goes_on_without_who_is_disposed_of():
+    """Also when a process has no other robot; and twice the same."""
+    with folder() as out:
+        (out / "t.yaml").write_text(
+            f"name: t\nworld: {ROOT}/worlds/arena.world\nduration: 6\nrobots:\n"
+            f"  - {{name: red, rules: {ROOT}/rules/follower.clp}}\n"
+            f"  - {{name: blue, rules: {ROOT}/rules/follower.clp}}\n"
+            "observer:\n"
+            "  - {at: 1, do: robots, line: \"(wander)\"}\n"
+            "  - {at: 3, do: red, line: \"(dispose)\"}\n")
+        hashes = []
+        for i in range(2):
+            done, summary = experiment_run(out / str(i), "--domain", new_domain(), file=out / "t.yaml")
+            check_equal(done.returncode, 0, f"the run: {done.stderr}")
+            check_equal(summary["sim_time_s"], 6.0, "how long it was")
+            red, blue = sorted(summary["robots"], key=lambda r: r["name"], reverse=True)
+            check(0 < red["rule_firings"] < blue["rule_firings"], "red has had its end")
+            hashes.append(summary["hash"])
+        check_equal(hashes[0], hashes[1], "the hash")
+
+
+def test_robots_leave_a_run_that_is_free():
+    """They move to a host, or end; the process that stays behind empty is no crash."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = processes.start(MUSTER, "run", ROOT / "experiments/patrol.yaml", "--free", "--domain",
+                              domain, "--duration", "6", "--out", out / "run",
+                              stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: muster("console", "observer", "-c", "(agents)", "--domain",
+                                domain).returncode == 0, 15, "a run")
+        processes.start(MUSTER, "host", "north", "--domain", domain)
+        wait_for(lambda: "north" in members(domain), 10, "a host")
+        was = members(domain)["red"]["pid"]
+        done = muster("move", "red", "north", "--domain", domain)
+        check_equal((done.returncode, done.stdout), (0, "red at north\n"), done.stderr)
+        check(members(domain)["red"]["pid"] != was, "red is elsewhere")
+        error = run.communicate(timeout=30)[1]
+        check_equal(run.returncode, 0, f"the run: {error}")
 
 
 # --- what dies on the way ----------------------------------------------------------------------
