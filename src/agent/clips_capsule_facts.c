@@ -50,8 +50,8 @@ bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char 
     return good;
 }
 
-/* The global that a line names.  @return NULL: there is none */
-static struct defglobal *global_find(struct capsule *c)
+/* Takes a module, which becomes the current one, and a name in it.  @return NULL: there is none */
+static const char *name_load(struct capsule *c)
 {
     void *env = c->mind->env;
     const char *word = clips_capsule_word(c);
@@ -61,7 +61,14 @@ static struct defglobal *global_find(struct capsule *c)
         return NULL;
     }
     EnvSetCurrentModule(env, module);
-    return EnvFindDefglobal(env, word);
+    return word;
+}
+
+/* The global that a line names.  @return NULL: there is none */
+static struct defglobal *global_find(struct capsule *c)
+{
+    const char *name = name_load(c);
+    return name ? EnvFindDefglobal(c->mind->env, name) : NULL;
 }
 
 static mu_result global_load(struct capsule *c)
@@ -143,15 +150,12 @@ bool clips_capsule_save_facts(struct mind *m, struct mu_text *out, const char **
 static struct deftemplate *template_find(struct capsule *c)
 {
     void *env = c->mind->env;
-    const char *word = clips_capsule_word(c);
-    struct defmodule *module = word ? EnvFindDefmodule(env, word) : NULL;
-    word = clips_capsule_word(c);
-    if (!module || !word) {
+    const char *name = name_load(c);
+    if (!name) {
         return NULL;
     }
-    EnvSetCurrentModule(env, module);
-    struct deftemplate *t = EnvFindDeftemplate(env, word);
-    return t ? t : CreateImpliedDeftemplate(env, EnvAddSymbol(env, word), TRUE);
+    struct deftemplate *t = EnvFindDeftemplate(env, name);
+    return t ? t : CreateImpliedDeftemplate(env, EnvAddSymbol(env, name), TRUE);
 }
 
 static bool slot_load(struct capsule *c, struct field *slot)
