@@ -51,16 +51,22 @@ static void test_a_body_is_put_where_there_is_room(void)
     engine_close(e);
 }
 
-static void test_a_robot_takes_along_what_it_holds(void)
+/* A robot at the origin that looks along x, with a gripper before it. */
+static void add_gripper_robot(void)
 {
-    physics_clear();
-    physics_fence(3);
     struct world_robot *r = physics_robot(0, 0, 0);
     r->gripper = (struct world_gripper){.pose = {0.27, 0, 0},
                                         .length_m = 0.1,
                                         .width_m = 0.3,
                                         .paddle_length_m = 0.2,
                                         .paddle_width_m = 0.04};
+}
+
+static void test_a_robot_takes_along_what_it_holds(void)
+{
+    physics_clear();
+    physics_fence(3);
+    add_gripper_robot();
     physics_object(0.42, 0, 0.05)->shape.half_x_m = 0.2;
     struct engine *e = physics_start(1);
     CU_ASSERT_EQUAL(engine_grip(e, 0, 1, 0), MU_OK);
@@ -86,12 +92,7 @@ static void test_a_refused_reset_changes_nothing(void)
 {
     physics_clear();
     physics_fence(3);
-    struct world_robot *r = physics_robot(0, 0, 0);
-    r->gripper = (struct world_gripper){.pose = {0.27, 0, 0},
-                                        .length_m = 0.1,
-                                        .width_m = 0.3,
-                                        .paddle_length_m = 0.2,
-                                        .paddle_width_m = 0.04};
+    add_gripper_robot();
     physics_object(0.42, 0, 0.05);
     physics_robot(-2, 0, 0);
     struct engine *e = physics_start(1);
