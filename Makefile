@@ -54,7 +54,8 @@ USES_sim     := world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_ctl     := world runtime bus core
+USES_desk    := runtime bus core
+USES_ctl     := desk world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_bus     := -lddsc
@@ -64,6 +65,7 @@ LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
+LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 

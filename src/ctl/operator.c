@@ -5,10 +5,10 @@
 #include "core/exits.h"
 #include "core/name.h"
 #include "core/text.h"
-#include "ctl/answer.h"
 #include "ctl/receivers.h"
-#include "ctl/runs.h"
 #include "ctl/words.h"
+#include "desk/answer.h"
+#include "desk/runs.h"
 #include "muster/directory.h"
 
 #include <stdio.h>
@@ -220,22 +220,6 @@ void operator_leave(struct operator* o)
     mu_process_close(o->process);
 }
 
-int operator_outcome_exit(enum mu_outcome outcome)
-{
-    switch (outcome) {
-    case MU_MAIL_DELIVERED:
-    case MU_MAIL_STORED:
-    case MU_MAIL_DUPLICATE: return MU_EXIT_DONE;
-    case MU_MAIL_UNKNOWN_NAME: return MU_EXIT_NO_AGENT;
-    case MU_MAIL_REFUSED: return MU_EXIT_REFUSED;
-    case MU_MAIL_NO_STORE: return MU_EXIT_WRITE;
-    case MU_MAIL_EXPIRED:
-    case MU_MAIL_DROPPED:
-    case MU_MAIL_BOX_FULL: return MU_EXIT_UNDELIVERED;
-    }
-    return MU_EXIT_UNDELIVERED;
-}
-
 /* @return false when that did not happen within patience_ns */
 static bool outcome_await(struct operator* o, uint64_t patience_ns)
 {
@@ -252,7 +236,7 @@ static bool outcome_await(struct operator* o, uint64_t patience_ns)
 static void answers_await(struct operator* o, unsigned wanted, uint64_t patience_ns)
 {
     uint64_t until_ns = mu_clock_ns() + patience_ns;
-    while (o->answers < wanted && operator_outcome_exit(o->outcome) == MU_EXIT_DONE &&
+    while (o->answers < wanted && answer_outcome_exit(o->outcome) == MU_EXIT_DONE &&
            mu_clock_ns() <= until_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
     }
 }
@@ -260,7 +244,7 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
 /* Says what became of the mail, if that is no good.  @return the exit code */
 static int outcome_tell(const struct operator* o, const char *to)
 {
-    int code = operator_outcome_exit(o->outcome);
+    int code = answer_outcome_exit(o->outcome);
     if (code != MU_EXIT_DONE) {
         fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
                 o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");
