@@ -38,8 +38,8 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.agent = W("red"), .rules = W("wander")},
-    {.agent = W("blue"), .rules = W("")},
+    {.agent = W("red"), .rules = W("wander"), .diary = W("")},
+    {.agent = W("blue"), .rules = W(""), .diary = W("")},
     {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails), .diary = W("S\n")},
 };
 static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
