@@ -11,9 +11,6 @@
 /* Names of rules that fired in one step: MU_FIRINGS_PER_STEP symbols, in bytes. */
 enum { RULES_TEXT_MAX = 64 * 1024 };
 
-/* What went on in one mind in one step, in bytes. */
-enum { DIARY_TEXT_MAX = 256 * 1024 };
-
 /* Corners of an outline, and its numbers. */
 enum { CORNERS_MAX = 64 };
 
@@ -75,8 +72,8 @@ static bool act_ok(const muster_Act *a)
     /* A speed that is no number is the simulator's to refuse: the answer to the step still counts.
      */
     return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
-           (!a->diary || text_fits(a->diary, DIARY_TEXT_MAX)) &&
-           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
+           text_fits(a->diary, MU_NOTE_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
+           mails_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)
