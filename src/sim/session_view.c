@@ -46,7 +46,7 @@ void session_view_scene(struct session *s)
 /* @return for whom the step's Frame is to be made */
 static unsigned wanted_by(const struct session *s, bool last)
 {
-    bool due = last || mu_clock_ns() - s->latest_wall_ns >= LATEST_PERIOD_NS;
+    bool due = last || mu_clock_ns() >= s->latest_wall_ns + LATEST_PERIOD_NS;
     unsigned wanted = s->listener.frame ? SESSION_FOR_LISTENER : 0;
     wanted |= bus_writer_matches(&s->every) > 0 ? SESSION_FOR_EVERY : 0;
     wanted |= due && bus_writer_matches(&s->latest) > 0 ? SESSION_FOR_LATEST : 0;
