@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Looks at a run as any observer could, and prints a line for each thing that it sees, until the
- * simulator has left:
+ * Looks at a run as any observer could, and prints a line for each thing that it sees, until it has
+ * seen the last step, or the simulator has left:
  *   frame_watcher DOMAIN every|latest
  *   scene WORLD SEED STEP_NS WALLS ROBOTS OBJECTS
  *   figure NAME CONTROLLED SONARS LASERS X Y HEADING
@@ -22,9 +22,10 @@
 #include <string.h>
 
 static struct bus bus;
-static struct bus_reader scenes, frames;
+static struct bus_reader scenes, frames, statuses;
 static uint64_t seen, missed;
 static int64_t next_step;
+static int64_t last_step = -1; /* of the run; -1: it is not over */
 
 static void scene_print(const muster_Scene *s)
 {
@@ -77,11 +78,23 @@ static void frame_print(const muster_Frame *f)
     lists_print(f);
 }
 
-/* @return whether the simulator has left */
+static void statuses_look(void)
+{
+    enum bus_life life;
+    const muster_RunStatus *status;
+    while ((status = bus_next(&statuses, &life))) {
+        if (life == BUS_DATA && status->state == muster_RUN_DONE) {
+            last_step = status->step;
+        }
+    }
+}
+
+/* @return whether there is nothing more to come */
 static bool look(void)
 {
     enum bus_life life;
     const void *sample;
+    statuses_look();
     while ((sample = bus_next(&scenes, &life))) {
         if (life == BUS_DATA) {
             scene_print(sample);
@@ -93,7 +106,8 @@ static bool look(void)
             fflush(stdout);
         }
     }
-    return seen > 0 && bus_reader_matches(&frames) == 0;
+    bool whole = last_step >= 0 && next_step > last_step;
+    return seen > 0 && (whole || bus_reader_matches(&frames) == 0);
 }
 
 int main(int argc, char **argv)
@@ -103,6 +117,7 @@ int main(int argc, char **argv)
                                   .name = "frame_watcher"};
     if (options.domain < 0 || bus_open(&bus, &options) != MU_OK ||
         bus_reader_open(&bus, BUS_SCENE, NULL, &scenes) != MU_OK ||
+        bus_reader_open(&bus, BUS_RUN_STATUS, NULL, &statuses) != MU_OK ||
         bus_reader_open(&bus, BUS_FRAME, argv[2], &frames) != MU_OK) {
         return 4;
     }
