@@ -197,6 +197,15 @@
 /** Changes of the world from outside that wait for the end of one step. */
 #define MU_ORDERS_MAX 64
 
+/** Acts in one Frame, and mails from outside: what observers see of a step. */
+#define MU_FRAME_ACTS_MAX  4096
+#define MU_FRAME_MAILS_MAX 4096
+
+/** Bytes of all that agents did in one step, and of mail from outside, that a Frame can show. */
+#ifndef MU_FRAME_BYTES_MAX
+#define MU_FRAME_BYTES_MAX (8u << 20)
+#endif
+
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200
 
