@@ -19,7 +19,8 @@ MAY_INCLUDE = {
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
-    "ctl": {"core", "world", "bus", "runtime"},
+    "story": {"core"},
+    "ctl": {"core", "world", "bus", "runtime", "story"},
 }
 # Foreign headers, and the only files that may include them.
 ONLY_IN = {
