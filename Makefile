@@ -47,6 +47,7 @@ IDL     := $(wildcard idl/*.idl)
 GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
 USES_world   := core
+USES_mcap    := core
 USES_bus     := core
 USES_runtime := bus core
 USES_broker  := bus core
@@ -57,6 +58,7 @@ USES_host    := agent world runtime bus core
 USES_ctl     := world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
+LIBS_mcap    := -lz
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
 LIBS_broker  := -lddsc -lsqlite3
@@ -207,6 +209,10 @@ soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half 
 
 .PHONY: soak-worlds
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
+.PHONY: soak-recordings
+soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
 
 .PHONY: soak-crush
