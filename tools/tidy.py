@@ -20,6 +20,7 @@ MAY_INCLUDE = {
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
+    "record": {"core", "bus", "mcap"},
     "ctl": {"core", "world", "bus", "runtime"},
 }
 # Foreign headers, and the only files that may include them.

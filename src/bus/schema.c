@@ -34,8 +34,9 @@ static const char *const primitives[] = {
     [DDS_XTypes_TK_CHAR8] = "uint8",
 };
 
-/* "a::b::T" is T of the package a; what ROS 2 itself puts into names on DDS is taken out again. */
-static void name_write(struct mu_text *to, const char *type)
+/* "a::b::T" is T of the package a; what ROS 2 itself puts into names on DDS is taken out again.
+ * between: "/msg/" in the name of a definition, "/" in its text. */
+static void name_write(struct mu_text *to, const char *type, const char *between)
 {
     const char *first = strstr(type, "::");
     const char *last = type;
@@ -45,7 +46,7 @@ static void name_write(struct mu_text *to, const char *type)
     size_t len = strlen(last);
     bool is_ros = strstr(type, "::dds_::") && len > 1 && last[len - 1] == '_';
     mu_text_add_bytes(to, first ? type : "dds", first ? (size_t)(first - type) : 3);
-    mu_text_add(to, "/msg/");
+    mu_text_add(to, between);
     mu_text_add_bytes(to, last, is_ros ? len - 1 : len);
 }
 
@@ -104,7 +105,7 @@ static void element_write(struct schema *s, const type_id *id)
     const DDS_XTypes_CompleteTypeObject *object = object_find(s, &id);
     if (object && object->_d == DDS_XTypes_TK_STRUCTURE) {
         nested_add(s, &object->_u.struct_type);
-        name_write(s->text, object->_u.struct_type.header.detail.type_name);
+        name_write(s->text, object->_u.struct_type.header.detail.type_name, "/");
     } else if (object && object->_d == DDS_XTypes_TK_ENUM) {
         mu_text_add(s->text, enum_type(&object->_u.enumerated_type));
     } else if (id->_d == DDS_XTypes_TI_STRING8_SMALL || id->_d == DDS_XTypes_TI_STRING8_LARGE) {
@@ -261,14 +262,14 @@ static mu_result schema_make(struct schema *s, const type_id *top, struct mu_tex
     if (!object || object->_d != DDS_XTypes_TK_STRUCTURE) {
         return MU_ABSENT;
     }
-    name_write(name, object->_u.struct_type.header.detail.type_name);
+    name_write(name, object->_u.struct_type.header.detail.type_name, "/msg/");
     nested_add(s, &object->_u.struct_type);
     for (size_t i = 0; i < s->count; i++) {
         if (i > 0) {
             mu_text_add(s->text,
                         "=========================================================================="
                         "======\nMSG: ");
-            name_write(s->text, s->nested[i]->header.detail.type_name);
+            name_write(s->text, s->nested[i]->header.detail.type_name, "/");
             mu_text_add(s->text, "\n");
         }
         struct_write(s, s->nested[i]);

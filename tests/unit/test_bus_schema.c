@@ -26,13 +26,13 @@ static void test_a_struct(void)
 static void test_lists_and_nested(void)
 {
     CU_ASSERT_EQUAL(write_of(&muster_PartStatus_desc), MU_OK);
-    READS(text.at, "string broker\nstring part\nmuster/msg/Counter[] counters\n"
+    READS(text.at, "string broker\nstring part\nmuster/Counter[] counters\n"
                    "==========================================================================="
-                   "=====\nMSG: muster/msg/Counter\nstring name\nuint64 value\n");
+                   "=====\nMSG: muster/Counter\nstring name\nuint64 value\n");
     CU_ASSERT_EQUAL(write_of(&muster_Sense_desc), MU_OK);
     CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "\nfloat32[] sonar_m\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "\nbool stalled\n"));
-    CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "\nMSG: muster/msg/Blob\nuint32 rgb\nfloat64 "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "\nMSG: muster/Blob\nuint32 rgb\nfloat64 "));
 }
 
 static void test_an_enumeration(void)
