@@ -9,6 +9,7 @@
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
 
+#include "core/text.h"
 #include "muster/result.h"
 
 #include <pthread.h>
@@ -209,6 +210,19 @@ int bus_wake_fd(struct bus *bus);
 
 /** Waits until everything written has been acknowledged by its readers.  @return whether it has */
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
+
+/**
+ * Writes the definition of a topic's type as a ROS 2 message, for recordings.  Takes memory from
+ * DDS, and gives it back.
+ *
+ * @param name  out: "muster/msg/Frame"
+ * @param text  out: the definition, with those of the types in it; 16 kB are enough for each
+ * @return MU_OK; MU_FULL: no room
+ */
+mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text);
+
+/** @return the name of a topic on DDS */
+const char *bus_topic_name(enum bus_topic topic);
 
 /** Prints the table of topics as Markdown to standard output. */
 void bus_print_topics(void);
