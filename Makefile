@@ -59,6 +59,7 @@ USES_story   := core
 USES_record  := mcap bus core
 USES_desk    := runtime bus core
 USES_ctl     := desk story mcap world runtime bus core
+USES_web     := desk runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
@@ -73,10 +74,14 @@ LIBS_story   :=
 LIBS_record  := -lddsc -lz
 LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
-module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
+LIBS_web     := -lmicrohttpd -lddsc -lm
+# The files of the page are part of the program: src/web/assets.c names them.
+ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
+module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
+                $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record)
+            muster-resolver muster-host muster-record muster-web)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -84,6 +89,7 @@ MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
 MAIN_muster-record := record
+MAIN_muster-web    := web
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
@@ -161,6 +167,10 @@ ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
 $(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
 $(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
 endif
+
+$(ASSETS): $(O)/%.o: % Makefile
+	@mkdir -p $(@D); echo "  EMBED $<"
+	$(Q)ld -r -b binary -z noexecstack -o $@ $<
 
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"

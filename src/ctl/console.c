@@ -3,11 +3,11 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "ctl/console_edit.h"
-#include "ctl/forms.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
 #include "desk/console_link.h"
+#include "desk/forms.h"
 #include "muster/memory.h"
 
 #include <errno.h>

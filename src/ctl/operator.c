@@ -8,6 +8,7 @@
 #include "ctl/receivers.h"
 #include "ctl/words.h"
 #include "desk/answer.h"
+#include "desk/reader.h"
 #include "desk/runs.h"
 #include "muster/directory.h"
 
@@ -22,10 +23,6 @@ static const uint64_t PAGES_QUIET_NS = 100000000;
 /* So long a verb waits for the name that another one holds, and so long it lets it alone. */
 static const uint64_t HELD_PATIENCE_NS = 10000000000;
 static const uint64_t HELD_PAUSE_NS = 200000000;
-
-/* Names of verbs that only read. */
-enum { READERS = 64, READERS_THAT_STAY = 192 };
-static const char READER[] = "operator-";
 
 /* So many lines are in one Delivery, whatever they are. */
 enum { PAGES_SHORT = 1024 };
@@ -130,9 +127,7 @@ static void agent_join(struct operator* o, const struct operator_options *option
     if (options->as || !options->only_reads) {
         mu_text_copy(name, sizeof name, options->as ? options->as : "operator");
     } else {
-        unsigned names = options->stays ? READERS_THAT_STAY : READERS;
-        unsigned number = ((unsigned)getpid() + attempt) % names;
-        snprintf(name, sizeof name, "%s%u", READER, number + (options->stays ? READERS : 0));
+        reader_name(name, attempt, options->stays);
     }
     enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
     struct mu_handlers handlers = {
