@@ -283,6 +283,10 @@ bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a d
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
+.PHONY: bench-web
+bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
+	@BUILD=$(BUILD) bench/web $(ARGS)
+
 .PHONY: bench-minds
 bench-minds: $(O)/test/clips ## the engine in a robot against the program clips: manners and waltz
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)

@@ -129,9 +129,7 @@ static void pages_read(struct watch *w)
     enum bus_life life;
     const muster_Page *page;
     while ((page = bus_next(&w->whites, &life))) {
-        if (life == BUS_DATA) {
-            pages_take(w->pages, page);
-        }
+        pages_take(w->pages, page); /* of a broker that is gone there is the key alone */
     }
 }
 

@@ -214,7 +214,7 @@ def test_usage():
     domain = new_domain()
     with Processes() as processes:
         page = Page(processes, domain)
-        for words, code, said in ((("--port", page.port, "--domain", domain + 100), 4, "is taken"),
+        for words, code, said in ((("--port", page.port, "--domain", new_domain()), 4, "is taken"),
                                   (("--port", 70000), 2, "port"), (("red",), 2, "options alone")):
             done = subprocess.run([MUSTER, "web", *map(str, words)], capture_output=True, text=True,
                                   timeout=30, stdin=subprocess.DEVNULL)

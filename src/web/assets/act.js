@@ -28,6 +28,13 @@ export function createActor() {
     });
   }
 
+  /* One after the other: lines are to arrive in the order in which they were typed. */
+  let last = Promise.resolve();
+  function postInTurn(...request) {
+    last = last.then(() => post(...request), () => post(...request));
+    return last.catch(() => 'muster web does not answer');
+  }
+
   /* The server says 503 while its agent joins, 429 while others' lines wait. */
   async function post(path, ask, body = '') {
     const until = performance.now() + PATIENCE_MS;
@@ -53,9 +60,9 @@ export function createActor() {
     /** Sends lines of CLIPS.  @return {ask, failed}: failed is a promise of why not, or "" */
     say(agent, text) {
       const ask = ++asks;
-      return {ask, failed: post(`/lines/${encodeURIComponent(agent)}`, ask, text)};
+      return {ask, failed: postInTurn(`/lines/${encodeURIComponent(agent)}`, ask, text)};
     },
     /** Asks to be shown what the agent prints, or no longer. */
-    watch: (agent, on) => post(`/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),
+    watch: (agent, on) => postInTurn(`/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),
   };
 }

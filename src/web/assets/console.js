@@ -47,7 +47,9 @@ export function createConsole(name, actor, {onFacts}) {
 
   const dot = element('span', {class: 'dot'});
   const state = element('span', {class: 'state'});
-  const pose = element('div', {class: 'pose'});
+  /* Lines that are there from the beginning: what comes later must not move a button. */
+  const pose = element('div', {class: 'pose', hidden: isObserver});
+  const rule = element('div', {class: 'pose', hidden: isObserver});
   const denied = element('p', {class: 'denied'});
   const count = element('input', {type: 'number', value: '1', min: '1', max: '10000', 'aria-label': 'rules in a step'});
   const input = element('input', {spellcheck: 'false', autocomplete: 'off', 'aria-label': `a line for ${name}`,
@@ -61,10 +63,10 @@ export function createConsole(name, actor, {onFacts}) {
     element('input', {type: 'checkbox', change: (event) => watch(what, event.target.checked)}), what));
   const holder = element('div', {class: 'holder'});
   const panel = element('div', {class: 'panel console'},
-    element('h2', {}, dot, name, state), pose, denied,
+    element('h2', {}, dot, name, state), pose, rule, denied,
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what it is to do'}, ...buttons),
-    element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views,
-      ...(isObserver ? [] : [element('span', {class: 'quiet'}, 'watch'), ...watches])),
+    element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views),
+    element('div', {class: 'row', hidden: isObserver}, element('span', {class: 'quiet'}, 'watch'), ...watches),
     holder,
     element('div', {class: 'line'}, element('label', {}, `${name}>`), input));
   show('Log', false);
@@ -162,7 +164,7 @@ export function createConsole(name, actor, {onFacts}) {
       watching = false;
       asked.clear();
     },
-    draw({color, robot, agent}) {
+    draw({color, robot, agent, fired}) {
       dot.style.setProperty('--robot', color ?? '');
       const word = agent?.state ?? robot?.state ?? 'not there';
       say(state, ` ${word}`);
@@ -171,6 +173,7 @@ export function createConsole(name, actor, {onFacts}) {
       denied.hidden = !actor.denied;
       for (const button of buttons) button.disabled = Boolean(actor.denied);
       input.disabled = Boolean(actor.denied);
+      say(rule, fired ? `last fired: ${fired.rules} (step ${fired.step})` : '');
       if (!robot) return;
       const degrees = (robot.heading * 180 / Math.PI).toFixed(0);
       say(pose, `x ${robot.x.toFixed(2)} m   y ${robot.y.toFixed(2)} m   heading ${degrees}°   ` +

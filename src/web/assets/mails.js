@@ -3,7 +3,8 @@
 
 const FLIGHT_MS = 550;
 const RING_MS = 700;
-const FLYING_MAX = 300;
+const FLYING_MAX = 60; /* of more, some are shown */
+const ENVELOPES_MAX = 25; /* of more, each is a mere block */
 const STATION = {x: 18, y: 24};
 
 const wide = (to) => to === 'all' || to === 'robots' || to.startsWith('group:') || to === 'special';
@@ -20,11 +21,15 @@ export function createMails() {
     return [STATION.x, STATION.y + 22 * (at % 8)];
   }
 
-  function drawFlight(context, from, to, share, color, ink) {
+  function drawFlight(context, from, to, share, {color, ink, plain}) {
     const bend = 0.12 * Math.hypot(to[0] - from[0], to[1] - from[1]);
     const x = from[0] + (to[0] - from[0]) * share;
     const y = from[1] + (to[1] - from[1]) * share - 4 * bend * share * (1 - share);
     context.fillStyle = color;
+    if (plain) {
+      context.fillRect(x - 5, y - 3, 10, 6);
+      return;
+    }
     context.strokeStyle = ink.ink;
     context.lineWidth = 1.2;
     context.beginPath();
@@ -76,12 +81,15 @@ export function createMails() {
     draw(context, camera, frame, now, {colors, ink, ratio}) {
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       flying = flying.filter((f) => now - f.began < (wide(f.mail.to) ? RING_MS : FLIGHT_MS));
+      const plain = flying.length > ENVELOPES_MAX;
       for (const {mail, began} of flying) {
         const color = colors[names.get(mail.from)] ?? ink.soft;
         const from = placeOf(camera, frame, mail.from);
-        if (wide(mail.to)) drawRing(context, from, (now - began) / RING_MS, color);
+        /* The picture's time may lie a little before that at which a mail came. */
+        const age = Math.max(0, now - began);
+        if (wide(mail.to)) drawRing(context, from, age / RING_MS, color);
         for (const to of wide(mail.to) ? [] : mail.to.split(',')) {
-          drawFlight(context, from, placeOf(camera, frame, to), (now - began) / FLIGHT_MS, color, ink);
+          drawFlight(context, from, placeOf(camera, frame, to), age / FLIGHT_MS, {color, ink, plain});
         }
       }
       drawStations(context, ink);

@@ -23,7 +23,7 @@ const PAN_PX = 60;
 const actor = createActor();
 const view = createView(['ground', 'paths', 'live'].map(byId));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
-const model = {scene: null, frame: null, agents: new Map()};
+const model = {scene: null, frame: null, agents: new Map(), fired: new Map()};
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
 const onFacts = (name, text) => minds.takeFacts(name, text);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
@@ -51,6 +51,7 @@ async function takeScene() {
   const fresh = !model.scene || JSON.stringify(scene.bounds) !== JSON.stringify(model.scene.bounds);
   model.scene = scene;
   model.frame = null;
+  model.fired.clear();
   tween.clear();
   minds.load(scene);
   view.load(scene);
@@ -67,6 +68,7 @@ function takeFrame(data) {
   if (!model.scene || data.robots.length !== model.scene.robots.length) return;
   const frame = decodeFrame(data), now = performance.now();
   model.frame = frame;
+  for (const {robot, rules} of frame.fired) model.fired.set(robot, {rules, step: frame.step});
   minds.take(frame);
   tween.push(frame, now);
   view.trails.add(frame);
@@ -186,12 +188,14 @@ attachKeys([
 
 function lookOf(name) {
   const index = model.scene ? model.scene.robots.findIndex((robot) => robot.name === name) : -1;
-  return {color: view.colors[index], robot: model.frame?.robots[index], agent: model.agents.get(name)};
+  return {color: view.colors[index], robot: model.frame?.robots[index],
+    agent: model.agents.get(name), fired: model.fired.get(index)};
 }
 
 let wordsAt = 0;
 
 function draw(now) {
+  requestAnimationFrame(draw); /* first: one picture that fails is not to be the last */
   if (view.resize() && model.scene && wordsAt === 0) view.fit();
   view.draw(tween.at(now), minds, now);
   if (now - wordsAt >= WORDS_MS) {
@@ -201,7 +205,6 @@ function draw(now) {
     statistics.draw(model.frame, model.agents, view.look.picked);
     tabs.draw(lookOf);
   }
-  requestAnimationFrame(draw);
 }
 
 drawTools();

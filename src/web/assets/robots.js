@@ -4,6 +4,7 @@
 import {drawText, outlinePath, outlineReach} from './shapes.js';
 
 const SMALLEST_PX = 7;
+const LABEL_PX = 17;
 const LABELS_MAX = 24; /* of so many robots all names are shown; of more, those near */
 
 /** What of a figure does not change from frame to frame. */
@@ -29,9 +30,9 @@ function drawBody(context, camera, robot, body, look) {
   context.setLineDash([]);
   const nose = body.reach;
   context.beginPath();
-  context.moveTo(0.72 * nose, 0);
-  context.lineTo(0.08 * nose, 0.30 * nose);
-  context.lineTo(0.08 * nose, -0.30 * nose);
+  context.moveTo(0.62 * nose, 0);
+  context.lineTo(0, 0.30 * nose);
+  context.lineTo(0, -0.30 * nose);
   context.closePath();
   context.fillStyle = look.ink.floor;
   context.fill();
@@ -44,9 +45,10 @@ function drawState(context, x, y, reach, robot, ink) {
     context.fillStyle = ink.ink;
     context.strokeStyle = ink.halo;
     context.lineWidth = 3;
-    for (const dx of [-6, 2]) {
-      context.strokeRect(x + dx, y - 7, 4, 14);
-      context.fillRect(x + dx, y - 7, 4, 14);
+    const high = Math.min(7, Math.max(4, 0.7 * reach)), wide = high * 0.55;
+    for (const dx of [-1.5 * wide, 0.5 * wide]) {
+      context.strokeRect(x + dx, y - high, wide, 2 * high);
+      context.fillRect(x + dx, y - high, wide, 2 * high);
     }
   }
   if (robot.stalled) {
@@ -60,9 +62,20 @@ function drawState(context, x, y, reach, robot, ink) {
   }
 }
 
+/* Says whose name it is, where bodies are close to each other. */
+function drawDot(context, x, y, look) {
+  context.beginPath();
+  context.arc(x, y, 5, 0, 2 * Math.PI);
+  context.fillStyle = look.color;
+  context.strokeStyle = look.ink.halo;
+  context.lineWidth = 2;
+  context.stroke();
+  context.fill();
+}
+
 /** Robots and things of one scene. */
 export function createRobots() {
-  let scene = null, bodies = [], things = [];
+  let scene = null, bodies = [], things = [], taken = [];
   function load(next) {
     scene = next;
     bodies = scene.robots.map(bodyOf);
@@ -101,6 +114,17 @@ export function createRobots() {
     context.stroke();
   }
 
+  /* Above the body, else below it, else beside it: where no other name is yet. */
+  function placeLabel(width, x, y, reach) {
+    const tries = [[x, y - reach - 7], [x, y + reach + 22], [x + reach + width / 2 + 8, y + 7],
+      [x - reach - width / 2 - 8, y + 7]];
+    const free = ([cx, by]) => taken.every((t) =>
+      Math.abs(t.x - cx) > (t.width + width) / 2 || Math.abs(t.y - by) > LABEL_PX);
+    const at = tries.find(free) ?? tries[0];
+    taken.push({x: at[0], y: at[1], width});
+    return at;
+  }
+
   function drawLabel(context, camera, robot, i, minds, look) {
     const [x, y] = camera.toScreen(robot.x, robot.y);
     const reach = Math.max(SMALLEST_PX, bodies[i].reach * camera.scale);
@@ -115,7 +139,11 @@ export function createRobots() {
     context.textAlign = 'center';
     context.textBaseline = 'bottom';
     const ink = robot.stalled ? look.ink.bad : look.ink.ink;
-    drawText(context, words.join(' · '), x, y - reach - 7, ink, look.ink.halo);
+    const text = words.join(' · ');
+    const width = context.measureText(text).width;
+    const at = placeLabel(width + 18, x, y, reach);
+    drawText(context, text, ...at, ink, look.ink.halo);
+    drawDot(context, at[0] - width / 2 - 9, at[1] - 8, look);
   }
 
   return {
@@ -136,6 +164,7 @@ export function createRobots() {
       const look = (i) => ({color: colors[i], ink, picked: i === picked});
       frame.robots.forEach((robot, i) => bodies[i] && drawBody(context, camera, robot, bodies[i], look(i)));
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      taken = [];
       const all = names && (frame.robots.length <= LABELS_MAX || camera.scale > 90);
       frame.robots.forEach((robot, i) => {
         if (!bodies[i]) return;

@@ -22,7 +22,7 @@ export function createStatistics({onPick, onOpen}) {
   const body = element('tbody');
   const heads = COLUMNS.map(([title, unit], i) =>
     element('th', {scope: 'col', title: 'sort', click: () => sortBy(i)}, title, element('small', {}, unit)));
-  const others = element('p', {class: 'quiet'});
+  const others = element('p', {class: 'quiet also'});
   const panel = element('div', {class: 'panel'},
     element('table', {}, element('thead', {}, element('tr', {}, ...heads)), body), others);
   let rows = [], order = -1, downwards = false;
@@ -55,8 +55,7 @@ export function createStatistics({onPick, onOpen}) {
 
   function drawRow(row, picked) {
     mark(row.node, 'aria-selected', String(row.index === picked));
-    mark(row.cells[1], 'data-state', row.state);
-    row.cells[1].classList.toggle('stalled', row.stalled);
+    mark(row.cells[1], 'data-state', row.stalled ? 'stalled' : row.state);
     COLUMNS.forEach(([, , text], i) => text && say(row.cells[i], text(row)));
   }
 

@@ -39,7 +39,7 @@ export function createTween() {
       began = now;
     },
     at(now) {
-      return to && frameBetween(from, to, (now - began) / span);
+      return to && frameBetween(from, to, Math.max(0, now - began) / span);
     },
     /** Whether nothing moves any more. */
     rests: (now) => !to || now - began > span,
