@@ -21,7 +21,7 @@ const WORDS_MS = 200; /* tables and texts need not change more often */
 const PAN_PX = 60;
 
 const actor = createActor();
-const view = createView(['ground', 'paths', 'live'].map(byId));
+const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
 const model = {scene: null, frame: null, agents: new Map(), fired: new Map()};
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});

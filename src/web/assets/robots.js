@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Robots and things, their names, states, stalls and goals.
 
-import {drawText, outlinePath, outlineReach} from './shapes.js';
+import {drawLabel, labelOf, outlinePath, outlineReach} from './shapes.js';
 
 const SMALLEST_PX = 7;
 const LABEL_PX = 17;
@@ -125,7 +125,7 @@ export function createRobots() {
     return at;
   }
 
-  function drawLabel(context, camera, robot, i, minds, look) {
+  function drawName(context, camera, robot, i, minds, look) {
     const [x, y] = camera.toScreen(robot.x, robot.y);
     const reach = Math.max(SMALLEST_PX, bodies[i].reach * camera.scale);
     drawState(context, x, y, reach, robot, look.ink);
@@ -135,15 +135,12 @@ export function createRobots() {
     if (goal) words.push(goal.slice(0, 32));
     if (robot.state !== 'running') words.push(robot.state);
     if (robot.stalled) words.push('stalled');
-    context.font = `${look.picked ? '700 16px' : '600 14px'} system-ui, sans-serif`;
-    context.textAlign = 'center';
-    context.textBaseline = 'bottom';
+    const font = `${look.picked ? '700 16px' : '600 14px'} system-ui, sans-serif`;
     const ink = robot.stalled ? look.ink.bad : look.ink.ink;
-    const text = words.join(' · ');
-    const width = context.measureText(text).width;
-    const at = placeLabel(width + 18, x, y, reach);
-    drawText(context, text, ...at, ink, look.ink.halo);
-    drawDot(context, at[0] - width / 2 - 9, at[1] - 8, look);
+    const label = labelOf(words.join(' · '), font, ink, look.ink.halo, look.ratio);
+    const [ax, ay] = placeLabel(label.width + 18, x, y, reach);
+    drawLabel(context, label, ax, ay);
+    drawDot(context, ax - label.width / 2 - 9, ay - 8, look);
   }
 
   return {
@@ -170,7 +167,7 @@ export function createRobots() {
         if (!bodies[i]) return;
         const named = all || i === picked;
         drawGoal(context, camera, frame, minds, i, look(i));
-        drawLabel(context, camera, robot, i, minds, {...look(i), named});
+        drawName(context, camera, robot, i, minds, {...look(i), named, ratio});
       });
     },
   };

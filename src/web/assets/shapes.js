@@ -27,14 +27,35 @@ export function outlineReach(outline) {
   return reach;
 }
 
-/** Draws text with a halo, so that it is legible on anything. */
-export function drawText(context, text, x, y, ink, halo) {
-  context.lineJoin = 'round';
-  context.lineWidth = 4;
-  context.strokeStyle = halo;
-  context.strokeText(text, x, y);
-  context.fillStyle = ink;
-  context.fillText(text, x, y);
+const LABELS_MAX = 500;
+const labels = new Map();
+
+/**
+ * Text with a halo, so that it is legible on anything, as a picture: halos take long to draw, and
+ * names seldom change.  @return {image, width}: width of the text, in pixels of the page
+ */
+export function labelOf(text, font, ink, halo, ratio) {
+  const key = [text, font, ink, halo, ratio].join('\n');
+  if (labels.has(key)) return labels.get(key);
+  if (labels.size >= LABELS_MAX) labels.clear();
+  const image = new OffscreenCanvas(1, 1);
+  const context = image.getContext('2d');
+  context.font = font;
+  const width = Math.ceil(context.measureText(text).width);
+  image.width = (width + 8) * ratio;
+  image.height = 26 * ratio;
+  context.scale(ratio, ratio);
+  Object.assign(context, {font, textBaseline: 'bottom', lineJoin: 'round', lineWidth: 4, strokeStyle: halo, fillStyle: ink});
+  context.strokeText(text, 4, 22);
+  context.fillText(text, 4, 22);
+  const label = {image, width};
+  labels.set(key, label);
+  return label;
+}
+
+/** Draws it with the middle of its lower edge there. */
+export function drawLabel(context, {image, width}, x, y) {
+  context.drawImage(image, Math.round(x - width / 2) - 4, Math.round(y) - 22, width + 8, 26);
 }
 
 /** A step of 1, 2 or 5 times a power of ten, near a length. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where each robot has been.  New pieces are added to a picture; only when one looks from elsewhere
-// all of it is drawn again.
+// Where each robot has been.  New pieces are added to the ground; only when one looks from
+// elsewhere all of it is drawn again.
 
 const POINTS_ALL = 60000;
 const POINTS_MAX = 6000;
@@ -49,7 +49,7 @@ export function createTrails() {
     add(frame) {
       frame.robots.forEach((robot, i) => trails[i] && add(trails[i], robot.x, robot.y));
     },
-    /** Draws onto a picture of its own.  again: it was wiped. */
+    /** again: the picture was begun anew, and has no trails yet. */
     draw(context, camera, colors, again, ratio) {
       camera.enter(context, ratio);
       context.lineWidth = 2.2 / camera.scale;

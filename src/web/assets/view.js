@@ -12,13 +12,13 @@ import {createTrails} from './trails.js';
 
 const BEAMS_ALL_MAX = 40;
 
-/** canvases: for what does not move, for trails, and for what lives; one above the other. */
-export function createView(canvases) {
-  const [below, paper, above] = canvases.map((canvas) => canvas.getContext('2d'));
-  const liveCanvas = above.canvas;
+/** Two canvases: what stays, and above it what lives. */
+export function createView(groundCanvas, liveCanvas) {
+  const below = groundCanvas.getContext('2d', {alpha: false});
+  const above = liveCanvas.getContext('2d');
   const camera = createCamera();
   const ground = createGround(), trails = createTrails(), robots = createRobots(), mails = createMails();
-  let scene = null, colors = [], theme = 'light', drawnVersion = -1, stale = true;
+  let scene = null, colors = [], theme = 'light', drawnVersion = -1, drawnTrails = null, stale = true;
 
   const view = {
     camera, robots, mails, trails,
@@ -53,7 +53,7 @@ export function createView(canvases) {
       const width = liveCanvas.clientWidth, height = liveCanvas.clientHeight;
       const wide = Math.round(width * ratio), high = Math.round(height * ratio);
       if (liveCanvas.width === wide && liveCanvas.height === high) return false;
-      for (const canvas of canvases) {
+      for (const canvas of [groundCanvas, liveCanvas]) {
         canvas.width = wide;
         canvas.height = high;
       }
@@ -80,15 +80,12 @@ export function createView(canvases) {
 
   /* Most of the time trails alone have changed, by a little at their ends. */
   function drawBelow(ink, ratio) {
-    const again = stale || camera.version !== drawnVersion;
-    if (again) {
-      ground.draw(below, scene, camera, ink, ratio);
-      paper.setTransform(1, 0, 0, 1, 0, 0);
-      paper.clearRect(0, 0, paper.canvas.width, paper.canvas.height);
-    }
-    if (again || trails.grew) trails.draw(paper, camera, colors, again, ratio);
-    paper.canvas.hidden = !view.look.trails;
+    const shown = view.look.trails;
+    const again = stale || camera.version !== drawnVersion || shown !== drawnTrails;
+    if (again) ground.draw(below, scene, camera, ink, ratio);
+    if (shown && (again || trails.grew)) trails.draw(below, camera, colors, again, ratio);
     drawnVersion = camera.version;
+    drawnTrails = shown;
     stale = false;
   }
 
