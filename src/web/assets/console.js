@@ -43,7 +43,7 @@ export function createConsole(name, actor, {onFacts}) {
   const shownText = new Map();
   const asked = new Map(); /* by number: {view, text} */
   const history = [];
-  let view = 'Log', place = 0, watching = false;
+  let view = 'Log', place = 0, watching = false, stepNow = 0;
 
   const dot = element('span', {class: 'dot'});
   const state = element('span', {class: 'state'});
@@ -157,6 +157,7 @@ export function createConsole(name, actor, {onFacts}) {
       if (!question || question.view === 'Log') return;
       panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
       shownText.set(question.view, question.text);
+      panes.get(question.view).add('note', `as of step ${stepNow}\n`);
       if (question.view === 'Facts' && good) onFacts(name, question.text);
     },
     /** The server is there again, and knows nothing of us. */
@@ -164,9 +165,10 @@ export function createConsole(name, actor, {onFacts}) {
       watching = false;
       asked.clear();
     },
-    draw({color, robot, agent, fired}) {
+    draw({color, robot, agent, fired, over, step}) {
+      stepNow = step ?? 0;
       dot.style.setProperty('--robot', color ?? '');
-      const word = agent?.state ?? robot?.state ?? 'not there';
+      const word = agent?.state ?? (over ? 'gone' : robot?.state ?? 'not there');
       say(state, ` ${word}`);
       mark(state, 'data-state', word);
       say(denied, actor.denied);

@@ -6,18 +6,20 @@ const RING_MS = 700;
 const FLYING_MAX = 60; /* of more, some are shown */
 const ENVELOPES_MAX = 25; /* of more, each is a mere block */
 const STATION = {x: 18, y: 24};
+const STATION_MS = 4000; /* so long one is shown behind its last mail */
 
 const wide = (to) => to === 'all' || to === 'robots' || to.startsWith('group:') || to === 'special';
 
 export function createMails() {
-  let flying = [], names = new Map(), stations = [];
+  let flying = [], names = new Map(), stations = []; /* {name, used} */
 
-  function placeOf(camera, frame, name) {
+  function placeOf(camera, frame, name, now) {
     const index = names.get(name);
     const robot = index === undefined ? null : frame.robots[index];
     if (robot) return camera.toScreen(robot.x, robot.y);
-    let at = stations.indexOf(name);
-    if (at < 0) at = stations.push(name) - 1;
+    let at = stations.findIndex((station) => station.name === name);
+    if (at < 0) at = stations.push({name}) - 1;
+    stations[at].used = now;
     return [STATION.x, STATION.y + 22 * (at % 8)];
   }
 
@@ -51,11 +53,12 @@ export function createMails() {
     context.globalAlpha = 1;
   }
 
-  function drawStations(context, ink) {
+  function drawStations(context, ink, now) {
     context.font = '600 13px system-ui, sans-serif';
     context.textAlign = 'left';
     context.textBaseline = 'middle';
-    stations.slice(0, 8).forEach((name, i) => {
+    stations.slice(0, 8).forEach(({name, used}, i) => {
+      if (now - used > STATION_MS) return;
       const y = STATION.y + 22 * i;
       context.fillStyle = ink.soft;
       context.fillRect(STATION.x - 6, y - 6, 12, 12);
@@ -84,15 +87,15 @@ export function createMails() {
       const plain = flying.length > ENVELOPES_MAX;
       for (const {mail, began} of flying) {
         const color = colors[names.get(mail.from)] ?? ink.soft;
-        const from = placeOf(camera, frame, mail.from);
+        const from = placeOf(camera, frame, mail.from, now);
         /* The picture's time may lie a little before that at which a mail came. */
         const age = Math.max(0, now - began);
         if (wide(mail.to)) drawRing(context, from, age / RING_MS, color);
         for (const to of wide(mail.to) ? [] : mail.to.split(',')) {
-          drawFlight(context, from, placeOf(camera, frame, to), age / FLIGHT_MS, {color, ink, plain});
+          drawFlight(context, from, placeOf(camera, frame, to, now), age / FLIGHT_MS, {color, ink, plain});
         }
       }
-      drawStations(context, ink);
+      drawStations(context, ink, now);
     },
   };
 }

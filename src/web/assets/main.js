@@ -23,7 +23,7 @@ const PAN_PX = 60;
 const actor = createActor();
 const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
-const model = {scene: null, frame: null, agents: new Map(), fired: new Map()};
+const model = {scene: null, frame: null, run: null, agents: new Map(), fired: new Map()};
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
 const onFacts = (name, text) => minds.takeFacts(name, text);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
@@ -86,7 +86,10 @@ openFeed({
     actor.hello(hello);
     header.set({hello, missed: 0});
   },
-  run: (run) => header.set({run}),
+  run(run) {
+    model.run = run;
+    header.set({run});
+  },
   scene: takeScene,
   frame: takeFrame,
   statistics: (data) => statistics.take(decodeStatistics(data)),
@@ -186,9 +189,12 @@ attachKeys([
 
 // --- sixty times a second ------------------------------------------------------------------------
 
+/* Its robots are as they were last, and not there any more. */
+const isOver = () => model.run?.state === 'done' || model.run?.state === 'fault';
+
 function lookOf(name) {
   const index = model.scene ? model.scene.robots.findIndex((robot) => robot.name === name) : -1;
-  return {color: view.colors[index], robot: model.frame?.robots[index],
+  return {color: view.colors[index], robot: model.frame?.robots[index], over: isOver(), step: model.frame?.step,
     agent: model.agents.get(name), fired: model.fired.get(index)};
 }
 
@@ -202,7 +208,7 @@ function draw(now) {
     wordsAt = now;
     header.draw();
     log.draw();
-    statistics.draw(model.frame, model.agents, view.look.picked);
+    statistics.draw(model.frame, model.agents, view.look.picked, isOver());
     tabs.draw(lookOf);
   }
 }

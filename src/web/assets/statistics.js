@@ -74,10 +74,10 @@ export function createStatistics({onPick, onOpen}) {
       });
       arrange();
     },
-    draw(frame, agents, picked) {
+    draw(frame, agents, picked, over) {
       rows.forEach((row, i) => {
         const robot = frame?.robots[i];
-        row.state = agents.get(row.name)?.state ?? robot?.state ?? '';
+        row.state = agents.get(row.name)?.state ?? (over ? 'gone' : robot?.state ?? '');
         row.stalled = Boolean(robot?.stalled);
         drawRow(row, picked);
       });
