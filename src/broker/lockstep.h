@@ -4,8 +4,9 @@
  * The step barrier: what the processes of the roster do in a step is collected, and takes effect
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
- * The order: mails of a recording come in, acknowledgements, expiry of mail and leases, states, mails by (src, seq), mails from
- * outside by (src, seq), addresses that nobody has resolved in time, mails that have become due.
+ * The order: mails of a recording come in, acknowledgements, expiry of mail and leases, states,
+ * mails by (src, seq), mails from outside by (src, seq), addresses that nobody has resolved in
+ * time, mails that have become due.
  * Only which mails from outside have arrived by then depends on the clock, and the simulator is
  * told which.
  */
