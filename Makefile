@@ -56,6 +56,7 @@ USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
 USES_record  := mcap bus core
+USES_replay  := mcap bus core
 USES_ctl     := world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
@@ -68,11 +69,12 @@ LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
 LIBS_record  := -lddsc -lz
+LIBS_replay  := -lddsc -lz -lm
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record)
+            muster-resolver muster-host muster-record muster-replay)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -80,6 +82,7 @@ MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
 MAIN_muster-record := record
+MAIN_muster-replay := replay
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))

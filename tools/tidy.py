@@ -21,6 +21,7 @@ MAY_INCLUDE = {
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
     "record": {"core", "bus", "mcap"},
+    "replay": {"core", "bus", "mcap"},
     "ctl": {"core", "world", "bus", "runtime"},
 }
 # Foreign headers, and the only files that may include them.
