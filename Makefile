@@ -27,7 +27,8 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
 # Foreign headers are system headers: their warnings are not ours.
-override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+CLIPS_VERSION := $(shell sed -n 's/^#define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h 2>/dev/null)
+override CPPFLAGS += -DMU_CLIPS_VERSION='"$(CLIPS_VERSION)"'  -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
@@ -258,9 +259,9 @@ $(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
+$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
 $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"

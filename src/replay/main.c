@@ -89,7 +89,8 @@ static struct mu_option option_table[] = {
 
 /* What processes say to each other means something to them: it is replayed to who asks for it. */
 static const enum bus_topic for_observers[] = {
-    BUS_RUN_STATUS, BUS_PAGES, BUS_BROKER_STATUS, BUS_PART_STATUS, BUS_BROKER_EVENT,
+    BUS_SCENE,         BUS_FRAME,       BUS_RUN_STATUS,   BUS_PAGES,
+    BUS_BROKER_STATUS, BUS_PART_STATUS, BUS_BROKER_EVENT,
 };
 
 struct replay {
@@ -181,6 +182,9 @@ static mu_result channel_open(struct replay *r, uint32_t index)
     }
     r->feeds[index] = mu_startup_alloc(sizeof *r->feeds[index]);
     mcap_reader_pick(r->file, index, true);
+    if (topic == BUS_FRAME) { /* to those who want every one, and those who want the latest */
+        return feed_open(r->feeds[index], &r->bus, topic, "every", "latest");
+    }
     return feed_open(r->feeds[index], &r->bus, topic, partition_of(c), NULL);
 }
 
