@@ -135,11 +135,16 @@ class Reading(IdlStruct, typename="lab.Reading"):
 participant = DomainParticipant(int(sys.argv[1]))
 qos = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepAll,
           Policy.DataRepresentation(use_cdrv0_representation=True))
+other = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepAll,
+            Policy.DataRepresentation(use_xcdrv2_representation=True))
 writer = DataWriter(participant, Topic(participant, "Readings", Reading), qos=qos)
-while not writer.get_matched_subscriptions():
+newer = DataWriter(participant, Topic(participant, "Newer", Reading), qos=other)
+while not writer.get_matched_subscriptions() or not newer.get_matched_subscriptions():
     time.sleep(0.01)
 for i in range(200):
-    writer.write(Reading(sensor="s%d" % (i % 2), number=i, values=[i / 2] * (i % 4)))
+    reading = Reading(sensor="s%d" % (i % 2), number=i, values=[i / 2] * (i % 4))
+    writer.write(reading)
+    newer.write(reading)
 time.sleep(0.5)
 """
 
@@ -156,7 +161,8 @@ def test_a_python_program_is_recorded():
         check_equal(done.returncode, 0, done.stderr)
         record_end(record)
         got = decode(path, "Readings")
-        check_equal(got["raw"], {"Readings": 200}, "samples")
+        check_equal(got["raw"], {"Readings": 200, "Newer": 200}, "samples")
+        check_equal(got["topics"], {"Readings": 200}, "samples that definitions are right for")
         said = [(m["sensor"], m["number"], m["values"]) for _, _, _, m in got["messages"]]
         check_equal(said, [(f"s{i % 2}", i, [i / 2] * (i % 4)) for i in range(200)], "readings")
 
