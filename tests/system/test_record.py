@@ -245,6 +245,17 @@ def test_a_recording_has_what_the_run_was_made_of():
             check_equal(files.get(name), pathlib.Path(path).read_text(), f"{name} of {list(files)}")
 
 
+def test_the_example_in_python():
+    home = tool_python(*READERS, "pandas")
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 5)
+        done = subprocess.run([home / "bin" / "python", ROOT / "examples" / "recording.py",
+                               out / "o" / "run.mcap"], capture_output=True, text=True, timeout=120)
+        check_equal(done.returncode, 0, done.stderr)
+        for name in ("red", "blue", "green", "yellow"):
+            check(f"\n{name} " in done.stdout and " 51.0 " in done.stdout, done.stdout)
+
+
 def test_what_is_recorded_changes_nothing():
     sizes = {}
     hashes = set()
