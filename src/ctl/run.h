@@ -7,8 +7,8 @@
 #define MUSTER_CTL_RUN_H
 
 #include "bus/bus.h"
-#include "ctl/experiment.h"
-#include "ctl/report.h"
+#include "experiment/experiment.h"
+#include "report/report.h"
 #include "ctl/supervise.h"
 #include "muster/agent.h"
 #include "wire.h"

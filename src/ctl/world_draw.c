@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster world draw: what a world holds, as SVG. */
-#include "ctl/svg.h"
+#include "report/svg.h"
 #include "ctl/world_files.h"
 #include "muster/memory.h"
 

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* report.html: one page without scripts or links to elsewhere. */
+#include "report/report_data.h"
+#include "report/svg.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <unistd.h>
+
+static const char html_style[] =
+    ":root{color-scheme:light dark;--ink:#1d2329;--soft:#5d6873;--line:#d9dee3;--ground:#fff;"
+    "--code:#f3f5f7;--good:#1a7f37;--bad:#c0271d}\n"
+    "@media(prefers-color-scheme:dark){:root{--ink:#e4e8ec;--soft:#9aa5b0;--line:#363d45;"
+    "--ground:#15191d;--code:#20262c;--good:#4cc26a;--bad:#ff7b72}}\n"
+    "body{margin:0 auto;max-width:60rem;padding:1.5rem 1rem 4rem;color:var(--ink);"
+    "background:var(--ground);font:16px/1.5 system-ui,Helvetica,Arial,sans-serif}\n"
+    "h1{margin:.2em 0 0;font-size:1.8rem}h2{margin:2.2em 0 .5em;font-size:1.2rem}\n"
+    ".soft{color:var(--soft)}\n"
+    "figure{margin:1em 0;background:#fff;border:1px solid var(--line);border-radius:6px;"
+    "padding:.5rem;text-align:center}figure svg{max-width:100%;height:auto}\n"
+    ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%;"
+    "font-variant-numeric:tabular-nums}\n"
+    "th,td{padding:.35em .6em;border-bottom:1px solid var(--line);text-align:right;"
+    "white-space:nowrap}th{font-weight:600;color:var(--soft)}\n"
+    "th:first-child,td:first-child,.text th,.text td{text-align:left}"
+    ".text td{white-space:normal}\n"
+    ".met{color:var(--good)}.failed{color:var(--bad);font-weight:600}\n"
+    ".swatch{display:inline-block;width:.8em;height:.8em;border-radius:2px;margin-right:.5em}\n"
+    "dl{display:grid;grid-template-columns:max-content 1fr;gap:.2em 1.2em}"
+    "dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}\n"
+    "pre{padding:.8em 1em;background:var(--code);border-radius:6px;overflow-x:auto}"
+    "code,pre{font:14px/1.5 ui-monospace,'DejaVu Sans Mono',monospace}a{color:inherit}\n";
+
+static void html_head(FILE *file, const struct report_data *data)
+{
+    const struct report_input *input = data->input;
+    fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>",
+          file);
+    svg_escape(file, input->experiment->name);
+    fprintf(file, ", seed %" PRIu64 "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>",
+            input->seed, html_style);
+    svg_escape(file, input->experiment->name);
+    fprintf(file, "</h1>\n<p class=\"soft\">seed %" PRIu64 ", %.1f s of simulated time, ",
+            input->seed, input->sim_time_s);
+    fprintf(file, "%zu robot%s: <span class=\"%s\">%s</span></p>\n", input->robots_count,
+            input->robots_count == 1 ? "" : "s", data->result->all_met ? "met" : "failed",
+            data->result->all_met ? "everything as expected" : "not everything as expected");
+}
+
+static void html_expectations(FILE *file, const struct report_data *data)
+{
+    unsigned count = data->input->experiment->expect_count;
+    if (count == 0) {
+        return;
+    }
+    fputs("<h2>Expectations</h2>\n<table class=\"text\">\n<tr><th>expected</th><th>measured</th>"
+          "<th>met</th></tr>\n",
+          file);
+    for (unsigned i = 0; i < count; i++) {
+        const struct report_result *result = data->result;
+        const char *verdict = !result->judged[i] ? "<td class=\"soft\">not judged"
+                              : result->met[i]   ? "<td class=\"met\">\xe2\x9c\x93 met"
+                                                 : "<td class=\"failed\">\xe2\x9c\x97 failed";
+        fputs("<tr><td>", file);
+        svg_escape(file, result->texts[i]);
+        fputs("</td><td>", file);
+        svg_escape(file, result->measured[i]);
+        fprintf(file, "</td>%s</td></tr>\n", verdict);
+    }
+    fputs("</table>\n", file);
+}
+
+static void html_robots(FILE *file, const struct report_data *data)
+{
+    fputs("<h2>Robots</h2>\n<div class=\"wide\"><table>\n<tr><th>robot</th><th>distance</th>"
+          "<th>mean speed</th><th>stalls</th><th>stalled</th><th>longest stall</th>"
+          "<th>mail sent</th><th>received</th><th>rule firings</th><th>stands at</th>"
+          "<th>heading</th></tr>\n",
+          file);
+    for (size_t i = 0; i < data->input->robots_count; i++) {
+        const struct report_robot *robot = &data->input->robots[i];
+        const struct report_robot_result *result = &data->result->robots[i];
+        fputs("<tr><td><span class=\"swatch\" style=\"background:", file);
+        svg_escape(file, data->colors[i]);
+        fputs("\"></span>", file);
+        svg_escape(file, robot->name);
+        fprintf(file, "</td><td>%.2f m</td><td>%.3f m/s</td><td>%" PRIu32 "</td><td>%.1f s</td>",
+                result->distance_m, result->mean_speed_m_s, result->stalls, result->stalled_s);
+        fprintf(file, "<td>%.1f s</td><td>%" PRIu64 "</td><td>%" PRIu64 "</td><td>%" PRIu64 "</td>",
+                result->longest_stall_s, robot->mail_sent, robot->mail_received,
+                robot->rule_firings);
+        fprintf(file, "<td>%.2f, %.2f m</td><td>%.0f\xc2\xb0</td></tr>\n", result->final_x_m,
+                result->final_y_m, result->final_heading_rad * 180 / M_PI);
+    }
+    fputs("</table></div>\n", file);
+}
+
+static void html_fact(FILE *file, const char *what, const char *value)
+{
+    fprintf(file, "<dt>%s</dt><dd>", what);
+    svg_escape(file, value);
+    fputs("</dd>\n", file);
+}
+
+static void html_facts(FILE *file, const struct report_data *data)
+{
+    const struct report_input *input = data->input;
+    const struct report_mail *mail = &input->mail;
+    char text[256];
+    fputs("<h2>The run</h2>\n<dl>\n", file);
+    html_fact(file, "hash", input->hash);
+    snprintf(text, sizeof text, "%" PRIu64, input->seed);
+    html_fact(file, "seed", text);
+    snprintf(text, sizeof text, "%.3f s simulated in %.3f s: %.1f times real time",
+             input->sim_time_s, input->wall_time_s,
+             input->wall_time_s > 0 ? input->sim_time_s / input->wall_time_s : 0);
+    html_fact(file, "time", text);
+    snprintf(text, sizeof text, "%.1f %% of the floor", data->result->explored_fraction * 100);
+    html_fact(file, "explored", text);
+    html_fact(file, "most efficient",
+              data->result->most_efficient ? data->result->most_efficient : "nobody moved");
+    snprintf(text, sizeof text,
+             "%" PRIu64 " sent, %" PRIu64 " delivered, %" PRIu64 " waiting, %" PRIu64
+             " expired, %" PRIu64 " refused, %" PRIu64 " lost, %" PRIu64 " duplicated",
+             mail->sent, mail->delivered, mail->waiting, mail->expired, mail->refused, mail->lost,
+             mail->duplicated);
+    html_fact(file, "mail", text);
+    html_fact(file, "world", input->world->file);
+    fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
+    svg_escape(file, input->command);
+    fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);
+}
+
+static void html_files(FILE *file, const char *folder)
+{
+    static const char *const names[] = {"summary.json", "run.csv", "tracks.svg", "bearing.svg",
+                                        "run.mcap"};
+    fputs("<h2>Files</h2>\n<p>", file);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char path[REPORT_PATH_MAX];
+        int len = snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        if (len > 0 && (size_t)len < sizeof path && access(path, F_OK) == 0) {
+            fprintf(file, "<a href=\"%s\">%s</a> ", names[i], names[i]);
+        }
+    }
+    fputs("</p>\n", file);
+}
+
+void report_write_html(FILE *file, const struct report_data *data, const char *folder)
+{
+    html_head(file, data);
+    html_expectations(file, data);
+    fputs("<h2>Tracks</h2>\n<figure>\n", file);
+    report_write_tracks(file, data);
+    fputs("</figure>\n<h2>Bearing</h2>\n<figure>\n", file);
+    report_write_bearing(file, data);
+    fputs("</figure>\n", file);
+    html_robots(file, data);
+    html_facts(file, data);
+    html_files(file, folder);
+    fputs("</body>\n</html>\n", file);
+}
