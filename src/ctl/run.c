@@ -13,6 +13,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "ctl/runs.h"
+#include "ctl/series.h"
 #include "ctl/verbs.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
@@ -46,6 +47,7 @@ static void signal_note(int number)
 /* What the command line says; a negative number: nothing. */
 static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
 static struct mu_option_list chosen_set;
+static const char *chosen_seeds;
 
 static struct mu_option option_table[] = {
     {.name = "seed",
@@ -55,6 +57,19 @@ static struct mu_option option_table[] = {
      .help = "seed of the run (default: the file's, else 1)",
      .target = &chosen.seed,
      .max = 1e15},
+    {.name = "seeds",
+     .kind = MU_OPTION_STRING,
+     .unit = "N..M",
+     .help = "a run for each of these seeds, such as 1..30 or 1,3,7..9, with a report each; at the "
+             "end a table of means with 95 % intervals",
+     .target = &chosen_seeds},
+    {.name = "jobs",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "with --seeds: so many runs at once; 0: one for each processor",
+     .target = &chosen.jobs,
+     .max = 64},
     {.name = "duration",
      .kind = MU_OPTION_REAL,
      .unit = "S",
@@ -82,7 +97,8 @@ static struct mu_option option_table[] = {
     {.name = "out",
      .kind = MU_OPTION_STRING,
      .unit = "DIR",
-     .help = "folder of the report (default: out/EXPERIMENT-SEED)",
+     .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
+             "go (default: out)",
      .target = &chosen.out},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
@@ -114,6 +130,21 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
+static mu_result seeds_parse(void)
+{
+    static uint64_t seeds[SERIES_RUNS_MAX];
+    chosen.seeds = seeds;
+    chosen.seeds_count = series_seeds(chosen_seeds, seeds);
+    if (chosen.seeds_count == 0) {
+        fprintf(stderr,
+                "muster run: --seeds %s: expected 1 to %d different seeds, such as 1..30 or "
+                "1,3,7..9\n",
+                chosen_seeds, SERIES_RUNS_MAX);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
 static mu_result options_parse(struct run *r, int argc, char **argv)
 {
     static struct mu_options options = {
@@ -134,8 +165,9 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
     chosen.file = options.words[0];
     chosen.set = chosen_set.items;
     chosen.set_count = chosen_set.count;
+    parsed = chosen_seeds ? seeds_parse() : MU_OK;
     r->options = chosen;
-    return MU_OK;
+    return parsed;
 }
 
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
@@ -171,7 +203,7 @@ static mu_result files_prepare(struct run *r)
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
     done = done == MU_OK ? run_place(r, &fault) : done;
-    done = done == MU_OK ? folder_prepare(r, &fault) : done;
+    done = done == MU_OK && r->options.seeds_count == 0 ? folder_prepare(r, &fault) : done;
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }
@@ -577,14 +609,17 @@ int run_verb(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
-    }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
+    if (r->options.seeds_count > 0) {
+        return series_run(&r->options, r->experiment);
+    }
+    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
+        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
+        return MU_EXIT_DDS;
+    }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
     supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);

@@ -7,10 +7,10 @@
 #define MUSTER_CTL_RUN_H
 
 #include "bus/bus.h"
-#include "experiment/experiment.h"
-#include "report/report.h"
 #include "ctl/supervise.h"
+#include "experiment/experiment.h"
 #include "muster/agent.h"
+#include "report/report.h"
 #include "wire.h"
 #include "world/world.h"
 
@@ -26,6 +26,9 @@ struct run_options {
     const char *out;
     const char *const *set;
     size_t set_count;
+    const uint64_t *seeds; /* of a series */
+    size_t seeds_count;    /* 0: it is one run */
+    int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
 
 struct run_observer;
@@ -114,6 +117,9 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
 
 /** Looks whether lines have all their answers, or have waited too long. */
 void run_observer_look(struct run *r);
+
+/** Prints the summary of a folder on one line. */
+void run_summary_print(const char *folder);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

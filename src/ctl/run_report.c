@@ -51,8 +51,8 @@ static void text_print(const struct run *r, const struct report_input *in,
     printf("hash   %s\nreport %s/report.html\n", in->hash, r->folder);
 }
 
-/* The summary on one line: a newline in it can only be layout. */
-static void json_print(const char *folder)
+/* A newline in it can only be layout. */
+void run_summary_print(const char *folder)
 {
     char path[PATH_MAX + 32];
     snprintf(path, sizeof path, "%s/summary.json", folder);
@@ -133,6 +133,8 @@ int run_report(struct run *r)
                                  .sim_time_s = (double)r->time_ns / 1e9,
                                  .wall_time_s = (double)r->wall_ns / 1e9,
                                  .command = command,
+                                 .overrides = r->options.set,
+                                 .overrides_count = r->options.set_count,
                                  .robots = robots,
                                  .robots_count = robots_count,
                                  .objects = objects,
@@ -146,7 +148,7 @@ int run_report(struct run *r)
         return mu_exit_for(written);
     }
     if (r->options.json) {
-        json_print(r->folder);
+        run_summary_print(r->folder);
     } else {
         text_print(r, &input, result);
     }

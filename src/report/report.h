@@ -35,9 +35,11 @@ struct report_input {
     const struct experiment *experiment;
     const struct world *world; /* its outline is drawn */
     uint64_t seed;
-    const char *hash;                  /* or "none" */
-    double sim_time_s, wall_time_s;    /* from the first to the last step */
-    const char *command;               /* how to run it again */
+    const char *hash;               /* or "none" */
+    double sim_time_s, wall_time_s; /* from the first to the last step */
+    const char *command;            /* how to run it again */
+    const char *const *overrides;   /* of --set, "key=value" */
+    size_t overrides_count;
     const struct report_robot *robots; /* in the order of run.csv */
     size_t robots_count;
     const struct report_object *objects;

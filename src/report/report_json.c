@@ -82,6 +82,12 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_string(&j, "experiment", input->experiment->name);
     mu_json_uint(&j, "seed", input->seed);
     mu_json_string(&j, "hash", input->hash);
+    mu_json_string(&j, "command", input->command);
+    mu_json_list(&j, "overrides");
+    for (size_t i = 0; i < input->overrides_count; i++) {
+        mu_json_string(&j, NULL, input->overrides[i]);
+    }
+    mu_json_end(&j);
     mu_json_real(&j, "sim_time_s", input->sim_time_s);
     mu_json_real(&j, "wall_time_s", input->wall_time_s);
     mu_json_real(&j, "real_time_factor",
