@@ -39,6 +39,8 @@ enum bus_topic {
     BUS_PART_STATUS,
     BUS_BROKER_EVENT,
     BUS_BEACON,
+    BUS_SCENE,
+    BUS_FRAME,
     BUS_TOPICS, /* how many */
 };
 
@@ -129,6 +131,26 @@ bool bus_is_lone_broker(const struct bus *bus, int domain);
 /** Writes one sample.  @return MU_OK; MU_BUSY: the network does not keep up, try again;
  * MU_FAULT_DDS */
 MU_MUST_USE mu_result bus_write(const struct bus_writer *writer, const void *sample);
+
+/* A sample as bytes, in memory that is used again for the next one. */
+struct bus_bytes {
+    const unsigned char *data; /* with the four bytes of the encapsulation before it */
+    size_t size;
+    unsigned char *room; /* DDS's own */
+    uint32_t room_size;
+};
+
+/**
+ * Turns a sample into the bytes that would go out for it: CDR, little-endian, version 1, with its
+ * encapsulation, for whoever keeps samples in a file.
+ *
+ * @param to  zero at first; data is good until the next call with it
+ * @return MU_OK; MU_MALFORMED: an enumeration has a value that its type does not know
+ */
+MU_MUST_USE mu_result bus_encode(enum bus_topic topic, const void *sample, struct bus_bytes *to);
+
+/** Gives the memory of bytes back. */
+void bus_bytes_free(struct bus_bytes *bytes);
 
 /** Takes an instance back; only the key of the sample is read. */
 void bus_dispose(const struct bus_writer *writer, const void *sample);
