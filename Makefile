@@ -54,7 +54,7 @@ USES_sim     := world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_experiment := core
+USES_experiment := world core
 USES_report  := experiment world core
 USES_ctl     := report experiment world runtime bus core
 LIBS_core    :=
@@ -66,7 +66,7 @@ LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_experiment := -lcyaml -lyaml -lm
+LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))

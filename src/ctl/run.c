@@ -6,6 +6,7 @@
  * with the time of the run at which it is due, so that no clock of ours decides when they arrive.
  */
 #include "ctl/run.h"
+#include "ctl/chaos.h"
 #include "ctl/receivers.h"
 
 #include "core/clock.h"
@@ -175,6 +176,7 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
     MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
                            fault));
     struct experiment *e = r->experiment;
+    r->options.free = r->options.free || e->free;
     e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
     e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
     for (unsigned i = 0; i < e->robots_count && !r->options.free; i++) {
@@ -203,6 +205,7 @@ static mu_result files_prepare(struct run *r)
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
     done = done == MU_OK ? run_place(r, &fault) : done;
+    done = done == MU_OK ? chaos_prepare(r, &fault) : done;
     done = done == MU_OK && r->options.seeds_count == 0 ? folder_prepare(r, &fault) : done;
     if (done != MU_OK) {
         mu_fault_print(&fault);
@@ -280,6 +283,7 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
+    MU_TRY(chaos_open(r));
     struct mu_handlers handlers = {.self = r,
                                    .on_registered = on_registered,
                                    .on_receipt = on_receipt,
@@ -443,6 +447,7 @@ static int round_live(struct run *r)
     mu_result spun = mu_process_spin(r->process, ROUND_NS);
     statuses_take(r);
     run_observer_look(r);
+    chaos_look(r);
     supervise_look(&r->children);
     progress_show(r);
     if (run_signal) {
@@ -544,8 +549,9 @@ static int watch(struct run *r)
                             .seq = 1,
                             .order = muster_RUN_GO,
                             .name = none,
-                            .file = none};
-    if (bus_write(&r->command, &go) != MU_OK) {
+                            .file = none,
+                            .when = none};
+    if (chaos_send(r) != MU_OK || bus_write(&r->command, &go) != MU_OK) {
         return MU_EXIT_DDS;
     }
     int code = -1;

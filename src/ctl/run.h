@@ -32,6 +32,7 @@ struct run_options {
 };
 
 struct run_observer;
+struct chaos;
 
 struct run {
     struct run_options options;
@@ -43,6 +44,7 @@ struct run {
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
+    struct chaos *chaos;          /* NULL: the experiment has none */
     struct bus_reader status, broker_status;
     struct bus_writer command;
     char simulator[MU_PROCESS_MAX + 1]; /* known once it has said something */
@@ -54,6 +56,7 @@ struct run {
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
+    struct report_mail mail_before[EXPERIMENT_BROKERS_MAX]; /* of lives that chaos ended */
     bool registered, name_refused;
     bool command_refused; /* by the trust policy, before the run has begun */
     bool command_unknown; /* nobody fits what a command of the observer is for */
@@ -82,6 +85,13 @@ void run_child_name(const struct run *r, unsigned index, char *name);
  * anything starts.  Robots with a random place get their pose.
  */
 MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
+
+/** Starts a child once more that has ended: a broker or robots.  @return MU_OK; MU_REFUSED: it is
+ * neither; or a fault, explained */
+MU_MUST_USE mu_result run_restart(struct run *r, const char *child);
+
+/** Keeps what a broker has counted, because it is about to die. */
+void run_mail_keep(struct run *r, const char *child);
 
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */

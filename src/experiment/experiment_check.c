@@ -17,24 +17,24 @@
 #include <unistd.h>
 
 enum {
-    CHECK_DURATION_MAX_S = 1000000,
+    CHECK_DURATION_MAX_S = EXPERIMENT_DURATION_MAX_S,
     CHECK_STEP_MAX_MS = 10000,
     CHECK_INTERVAL_MAX_MS = 60000,
     CHECK_SUBSTEP_MS = 20,
     CHECK_NAME_MAX = 63
 };
 
-static int check_section(struct experiment_source *s, const char *key)
+int experiment_section(struct experiment_source *s, const char *key)
 {
     return yaml_tree_child(s->tree, yaml_tree_root(s->tree), key);
 }
 
-static int check_item(struct experiment_source *s, const char *key, size_t index)
+int experiment_item(struct experiment_source *s, const char *key, size_t index)
 {
-    return yaml_tree_item(s->tree, check_section(s, key), index);
+    return yaml_tree_item(s->tree, experiment_section(s, key), index);
 }
 
-static const struct experiment_robot *check_find_robot(const struct experiment *e, const char *name)
+const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name)
 {
     for (unsigned i = 0; i < e->robots_count; i++) {
         if (strcmp(e->robots[i].name, name) == 0) {
@@ -44,7 +44,7 @@ static const struct experiment_robot *check_find_robot(const struct experiment *
     return NULL;
 }
 
-static bool check_overridden(const struct experiment_source *s, const void *field)
+bool experiment_overridden(const struct experiment_source *s, const void *field)
 {
     for (size_t i = 0; i < s->overrides_count; i++) {
         if (s->overrides[i].field == field) {
@@ -89,14 +89,14 @@ static mu_result check_resolvers(struct experiment_source *s)
     const struct experiment *e = s->experiment;
     for (unsigned i = 0; i < e->resolvers_count; i++) {
         if (!check_scheme(e->resolvers[i])) {
-            return experiment_fault(s, NULL, check_item(s, "resolvers", i),
+            return experiment_fault(s, NULL, experiment_item(s, "resolvers", i),
                                     "expected a scheme of addresses: role, task or near, not "
                                     "'%.80s'",
                                     e->resolvers[i]);
         }
         for (unsigned k = 0; k < i; k++) {
             if (strcmp(e->resolvers[k], e->resolvers[i]) == 0) {
-                return experiment_fault(s, NULL, check_item(s, "resolvers", i),
+                return experiment_fault(s, NULL, experiment_item(s, "resolvers", i),
                                         "'%s' stands here a second time", e->resolvers[i]);
             }
         }
@@ -105,7 +105,7 @@ static mu_result check_resolvers(struct experiment_source *s)
 }
 
 /* @return the index of a broker, or how many there are */
-static unsigned check_find_broker(const struct experiment *e, const char *name)
+unsigned experiment_find_broker(const struct experiment *e, const char *name)
 {
     unsigned i = 0;
     while (i < e->brokers_count && strcmp(e->brokers[i], name) != 0) {
@@ -121,47 +121,47 @@ static mu_result check_top(struct experiment_source *s)
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
     size_t len = strlen(e->name);
     if (e->name[strspn(e->name, letters)] || len > CHECK_NAME_MAX || strchr(".-", e->name[0])) {
-        return experiment_fault(s, &e->name, check_section(s, "name"),
+        return experiment_fault(s, &e->name, experiment_section(s, "name"),
                                 "expected a name of at most %d letters, digits, _ . - that begins "
                                 "with a letter, digit or _, not '%.80s'",
                                 CHECK_NAME_MAX, e->name);
     }
     if (!(e->duration > 0) || e->duration > CHECK_DURATION_MAX_S) {
-        return experiment_fault(s, &e->duration, check_section(s, "duration"),
+        return experiment_fault(s, &e->duration, experiment_section(s, "duration"),
                                 "expected a duration of more than 0 and at most %d s, not %g",
                                 CHECK_DURATION_MAX_S, e->duration);
     }
     if (e->step_ms < 1 || e->step_ms > CHECK_STEP_MAX_MS) {
-        return experiment_fault(s, &e->step_ms, check_section(s, "step_ms"),
+        return experiment_fault(s, &e->step_ms, experiment_section(s, "step_ms"),
                                 "expected a control step of 1 to %d ms, not %g", CHECK_STEP_MAX_MS,
                                 e->step_ms);
     }
     if (fmod(e->step_ms, CHECK_SUBSTEP_MS) != 0.0) {
-        return experiment_fault(s, &e->step_ms, check_section(s, "step_ms"),
+        return experiment_fault(s, &e->step_ms, experiment_section(s, "step_ms"),
                                 "expected a multiple of %d ms, the step of the physics, not %g",
                                 CHECK_SUBSTEP_MS, e->step_ms);
     }
     for (unsigned i = 0; i < e->brokers_count; i++) {
         if (!mu_name_valid(e->brokers[i]) || mu_name_reserved(e->brokers[i])) {
-            return experiment_fault(s, NULL, check_item(s, "brokers", i),
+            return experiment_fault(s, NULL, experiment_item(s, "brokers", i),
                                     "'%.80s' cannot be a broker's name", e->brokers[i]);
         }
-        if (check_find_broker(e, e->brokers[i]) != i) {
-            return experiment_fault(s, NULL, check_item(s, "brokers", i),
+        if (experiment_find_broker(e, e->brokers[i]) != i) {
+            return experiment_fault(s, NULL, experiment_item(s, "brokers", i),
                                     "a second broker with the name '%s'", e->brokers[i]);
         }
     }
     double interval_ms = e->broker.delivery_interval_ms;
     if (!(interval_ms >= 0 && interval_ms <= CHECK_INTERVAL_MAX_MS)) {
-        int broker = check_section(s, "broker");
+        int broker = experiment_section(s, "broker");
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, broker, "delivery-interval"),
                                 "expected an interval of 0 to %d ms, not %g", CHECK_INTERVAL_MAX_MS,
                                 interval_ms);
     }
     mu_result checked =
-        e->policy ? check_file(s, &e->policy, check_section(s, "policy"), "policy") : MU_OK;
+        e->policy ? check_file(s, &e->policy, experiment_section(s, "policy"), "policy") : MU_OK;
     return checked != MU_OK ? checked
-                            : check_file(s, &e->world, check_section(s, "world"), "world");
+                            : check_file(s, &e->world, experiment_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */
@@ -247,7 +247,7 @@ static mu_result check_broker(struct experiment_source *s, struct experiment_rob
         return MU_OK;
     }
     int place = yaml_tree_child(s->tree, node, "broker");
-    if (check_find_broker(s->experiment, robot->broker) == s->experiment->brokers_count) {
+    if (experiment_find_broker(s->experiment, robot->broker) == s->experiment->brokers_count) {
         return experiment_fault(s, NULL, place, "no broker '%.80s' in this experiment's brokers",
                                 robot->broker);
     }
@@ -282,7 +282,7 @@ static mu_result check_place(struct experiment_source *s, const struct experimen
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
-    int node = check_item(s, "robots", index);
+    int node = experiment_item(s, "robots", index);
     int name = yaml_tree_child(s->tree, node, "name");
     if (!mu_name_valid(robot->name)) {
         return experiment_fault(s, NULL, name,
@@ -293,7 +293,7 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     if (mu_name_reserved(robot->name)) {
         return experiment_fault(s, NULL, name, "the name '%s' is reserved", robot->name);
     }
-    if (check_find_robot(s->experiment, robot->name) != robot) {
+    if (experiment_find_robot(s->experiment, robot->name) != robot) {
         return experiment_fault(s, NULL, name, "a second robot with the name '%s'", robot->name);
     }
     mu_result result = check_place(s, robot, node);
@@ -317,20 +317,20 @@ static bool check_target(const struct experiment *e, const char *target)
     if (strchr(target, ':')) {
         return mu_address_valid(target);
     }
-    return check_find_robot(e, target) != NULL;
+    return experiment_find_robot(e, target) != NULL;
 }
 
 static mu_result check_command(struct experiment_source *s, size_t index)
 {
     const struct experiment_command *command = &s->experiment->observer[index];
     const struct experiment *e = s->experiment;
-    int node = check_item(s, "observer", index);
+    int node = experiment_item(s, "observer", index);
     int at = yaml_tree_child(s->tree, node, "at");
     if (command->at < 0) {
         return experiment_fault(s, NULL, at, "expected a time from 0, not %g", command->at);
     }
     /* A run that is cut short on purpose leaves out its later commands. */
-    if (command->at > e->duration && !check_overridden(s, &e->duration)) {
+    if (command->at > e->duration && !experiment_overridden(s, &e->duration)) {
         return experiment_fault(s, NULL, at, "expected a time of at most the duration, %g s",
                                 e->duration);
     }
@@ -343,123 +343,6 @@ static mu_result check_command(struct experiment_source *s, size_t index)
                                     "robots, or all, robots, special, group:NAME, SCHEME:REST",
                                     command->targets[i]);
         }
-    }
-    return MU_OK;
-}
-
-/* What is judged from a time on must be judged at all, unless the run is cut short. */
-static mu_result check_from(struct experiment_source *s,
-                            const struct experiment_expectation *expect, int node)
-{
-    const struct experiment *e = s->experiment;
-    if (expect->from_s >= e->duration && !check_overridden(s, &e->duration)) {
-        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
-                                "expected a time before the end of the run, %g s", e->duration);
-    }
-    return MU_OK;
-}
-
-static mu_result check_near(struct experiment_source *s, struct experiment_expectation *expect,
-                            int node)
-{
-    const struct experiment *e = s->experiment;
-    int near = yaml_tree_child(s->tree, node, "near");
-    const char *names[] = {expect->near_robot, expect->near_mate};
-    for (size_t i = 0; i < 2; i++) {
-        if (!check_find_robot(e, names[i])) {
-            return experiment_fault(s, NULL, yaml_tree_item(s->tree, near, i),
-                                    "no robot '%.80s' in this experiment", names[i]);
-        }
-    }
-    if (strcmp(names[0], names[1]) == 0) {
-        return experiment_fault(s, NULL, near, "expected two different robots");
-    }
-    if (!(expect->within_m > 0)) {
-        int within = yaml_tree_child(s->tree, node, "within");
-        return experiment_fault(s, NULL, within ? within : node,
-                                "expected within: a distance of more than 0 m");
-    }
-    if (!yaml_tree_child(s->tree, node, "to")) {
-        expect->to_s = CHECK_DURATION_MAX_S;
-    }
-    if (expect->from_s < 0 || !(expect->to_s > expect->from_s)) {
-        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
-                                "expected from: a time from 0, and to: a later one");
-    }
-    MU_TRY(check_from(s, expect, node));
-    if (!(expect->share > 0) || expect->share > 1) {
-        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "share"),
-                                "expected a share of more than 0 and at most 1, not %g",
-                                expect->share);
-    }
-    return MU_OK;
-}
-
-static mu_result check_objects(struct experiment_source *s,
-                               const struct experiment_expectation *expect, int node)
-{
-    if (!expect->at) {
-        return experiment_fault(s, NULL, node, "expected at: [X, Y] beside 'objects'");
-    }
-    if (!(expect->within_m > 0)) {
-        int within = yaml_tree_child(s->tree, node, "within");
-        return experiment_fault(s, NULL, within ? within : node,
-                                "expected within: a distance of more than 0 m");
-    }
-    int count = yaml_tree_child(s->tree, node, "count");
-    if (count && expect->count == 0) {
-        return experiment_fault(s, NULL, count, "expected a count of 1 or more");
-    }
-    if (!(expect->from_s >= 0)) {
-        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
-                                "expected from: a time from 0");
-    }
-    return check_from(s, expect, node);
-}
-
-/* @return MU_OK, or what is wrong: a key that belongs to another expectation */
-static mu_result check_beside(struct experiment_source *s,
-                              const struct experiment_expectation *expect, int node)
-{
-    static const struct {
-        const char *key;
-        bool near, objects; /* beside which it may stand */
-    } keys[] = {{"within", true, true}, {"from", true, true}, {"to", true, false},
-                {"share", true, false}, {"at", false, true},  {"count", false, true}};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        int child = yaml_tree_child(s->tree, node, keys[i].key);
-        bool may = (expect->near_robot && keys[i].near) || (expect->objects && keys[i].objects);
-        if (child && !may) {
-            const char *beside = keys[i].near ? "near" : "objects";
-            return experiment_fault(s, NULL, child, "expected '%s' beside '%s' only", keys[i].key,
-                                    beside);
-        }
-    }
-    return MU_OK;
-}
-
-static mu_result check_expectation(struct experiment_source *s, size_t index)
-{
-    struct experiment_expectation *expect = &s->experiment->expect[index];
-    int node = check_item(s, "expect", index);
-    int stall = yaml_tree_child(s->tree, node, "stall-max");
-    int inside = yaml_tree_child(s->tree, node, "inside");
-    if ((expect->near_robot != NULL) + (inside != 0) + (stall != 0) + (expect->objects != NULL) !=
-        1) {
-        return experiment_fault(s, NULL, node, "expected one of near, inside, stall-max, objects");
-    }
-    MU_TRY(check_beside(s, expect, node));
-    if (expect->near_robot) {
-        return check_near(s, expect, node);
-    }
-    if (expect->objects) {
-        return check_objects(s, expect, node);
-    }
-    if (inside && strcmp(expect->inside, "arena") != 0) {
-        return experiment_fault(s, NULL, inside, "expected arena, not '%.80s'", expect->inside);
-    }
-    if (stall && !(expect->stall_max_s > 0)) {
-        return experiment_fault(s, NULL, stall, "expected a time of more than 0 s");
     }
     return MU_OK;
 }
@@ -477,7 +360,10 @@ mu_result experiment_check(struct experiment_source *source)
         result = check_command(source, i);
     }
     for (size_t i = 0; i < e->expect_count && result == MU_OK; i++) {
-        result = check_expectation(source, i);
+        result = experiment_check_expectation(source, i);
+    }
+    for (size_t i = 0; i < e->chaos_count && result == MU_OK; i++) {
+        result = experiment_check_chaos(source, i);
     }
     return result;
 }

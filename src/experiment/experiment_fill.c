@@ -5,6 +5,7 @@
 #include "muster/limits.h"
 #include "muster/memory.h"
 
+#include <math.h>
 #include <string.h>
 
 static int fill_section(struct experiment_source *s, const char *key, size_t index)
@@ -81,6 +82,12 @@ static mu_result fill_expectation(struct experiment_source *s,
     if (!yaml_tree_child(s->tree, node, "share")) {
         expect->share = 1.0;
     }
+    if (!yaml_tree_child(s->tree, node, "at_least")) {
+        expect->at_least = -INFINITY;
+    }
+    if (!yaml_tree_child(s->tree, node, "at_most")) {
+        expect->at_most = INFINITY;
+    }
     return MU_OK;
 }
 
@@ -107,6 +114,7 @@ static void fill_absent(struct experiment_source *s)
 {
     struct experiment *e = s->experiment;
     int root = yaml_tree_root(s->tree);
+    e->file = mu_startup_string(s->path);
     if (!e->name) {
         e->name = fill_name(s->path);
     }
@@ -131,6 +139,9 @@ mu_result experiment_fill(struct experiment_source *source)
     }
     for (size_t i = 0; i < e->expect_count && result == MU_OK; i++) {
         result = fill_expectation(source, &e->expect[i], fill_section(source, "expect", i));
+    }
+    for (size_t i = 0; i < e->chaos_count && result == MU_OK; i++) {
+        result = experiment_fill_chaos(source, i);
     }
     return result;
 }

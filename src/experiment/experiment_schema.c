@@ -68,16 +68,63 @@ static const cyaml_schema_field_t schema_expectation_fields[] = {
                .data_size = sizeof(double),
                .sequence = {.entry = &schema_real, .min = 2, .max = 2}}},
     CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_expectation, count),
+    TEXT("statistic", MAY, struct experiment_expectation, statistic),
+    NUMBER("at_least", at_least),
+    NUMBER("at_most", at_most),
+    CYAML_FIELD_SEQUENCE("sequence", MAY, struct experiment_expectation, sequence, &schema_name, 1,
+                         EXPERIMENT_SEQUENCE_MAX),
+    NUMBER("within_s", within_s),
+    TEXT("never", MAY, struct experiment_expectation, never),
     CYAML_FIELD_END};
+
+#undef NUMBER
 
 static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(
     CYAML_FLAG_DEFAULT, struct experiment_expectation, schema_expectation_fields)};
+
+#define NUMBER(key, member) \
+    CYAML_FIELD_FLOAT(key, CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment_chaos, member)
+static const cyaml_schema_field_t schema_chaos_fields[] = {
+    NUMBER("at", at),
+    TEXT("when", MAY, struct experiment_chaos, when),
+    TEXT("push", MAY, struct experiment_chaos, push),
+    {.key = "force",
+     .data_offset = offsetof(struct experiment_chaos, force),
+     .value = {.type = CYAML_SEQUENCE_FIXED,
+               .flags = (enum cyaml_flag)MAY,
+               .data_size = sizeof(double),
+               .sequence = {.entry = &schema_real, .min = 2, .max = 2}}},
+    NUMBER("torque", torque_nm),
+    TEXT("place", MAY, struct experiment_chaos, place),
+    {.key = "pose",
+     .data_offset = offsetof(struct experiment_chaos, pose),
+     .value = {.type = CYAML_SEQUENCE_FIXED,
+               .flags = (enum cyaml_flag)MAY,
+               .data_size = sizeof(double),
+               .sequence = {.entry = &schema_real, .min = 3, .max = 3}}},
+    TEXT("block", MAY, struct experiment_chaos, block),
+    TEXT("sensor", MAY, struct experiment_chaos, sensor),
+    TEXT("kill", MAY, struct experiment_chaos, kill),
+    TEXT("restart", MAY, struct experiment_chaos, restart),
+    TEXT("stop", MAY, struct experiment_chaos, stop),
+    TEXT("continue", MAY, struct experiment_chaos, go_on),
+    CYAML_FIELD_IGNORE("cut", CYAML_FLAG_OPTIONAL),
+    CYAML_FIELD_IGNORE("lose", CYAML_FLAG_OPTIONAL),
+    NUMBER("share", share),
+    CYAML_FIELD_IGNORE("delay", CYAML_FLAG_OPTIONAL),
+    NUMBER("by_ms", by_ms),
+    NUMBER("for", for_s),
+    CYAML_FIELD_END};
+
+static const cyaml_schema_value_t schema_chaos = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_chaos, schema_chaos_fields)};
 
 static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
 
 static const cyaml_schema_field_t schema_broker_fields[] = {
     CYAML_FIELD_FLOAT("delivery-interval", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL,
                       struct experiment_broker, delivery_interval_ms),
+    CYAML_FIELD_BOOL("store", CYAML_FLAG_OPTIONAL, struct experiment_broker, store),
     CYAML_FIELD_END};
 
 static const cyaml_schema_field_t schema_fields[] = {
@@ -102,6 +149,9 @@ static const cyaml_schema_field_t schema_fields[] = {
                          EXPERIMENT_COMMANDS_MAX),
     CYAML_FIELD_SEQUENCE("expect", MAY, struct experiment, expect, &schema_expectation, 0,
                          EXPERIMENT_EXPECTATIONS_MAX),
+    CYAML_FIELD_SEQUENCE("chaos", MAY, struct experiment, chaos, &schema_chaos, 0,
+                         EXPERIMENT_CHAOS_MAX),
+    CYAML_FIELD_BOOL("free", CYAML_FLAG_OPTIONAL, struct experiment, free),
     CYAML_FIELD_END};
 
 const cyaml_schema_value_t experiment_schema = {

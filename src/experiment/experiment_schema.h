@@ -44,6 +44,25 @@ MU_MUST_USE mu_result experiment_multiply(struct experiment_source *source);
 /** Checks what no schema can: names, ranges, times, files; makes paths absolute. */
 MU_MUST_USE mu_result experiment_check(struct experiment_source *source);
 
+/* What checks share: a section of the file, an item of it, a robot by name, a broker by name (its
+ * index, or how many there are), and whether --set has set a field. */
+int experiment_section(struct experiment_source *s, const char *key);
+int experiment_item(struct experiment_source *s, const char *key, size_t index);
+const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name);
+unsigned experiment_find_broker(const struct experiment *e, const char *name);
+bool experiment_overridden(const struct experiment_source *s, const void *field);
+
+/** Checks one expectation, in experiment_expect.c, and notes the events that it is about. */
+MU_MUST_USE mu_result experiment_check_expectation(struct experiment_source *s, size_t index);
+
+/** Fills and checks one piece of chaos, in experiment_chaos.c. */
+MU_MUST_USE mu_result experiment_fill_chaos(struct experiment_source *s, size_t index);
+MU_MUST_USE mu_result experiment_check_chaos(struct experiment_source *s, size_t index);
+
+/** Checks a condition.  @return MU_OK, or the fault at node */
+MU_MUST_USE mu_result experiment_check_condition(struct experiment_source *s, const char *text,
+                                                 int node);
+
 /**
  * Fills the fault for a wrong value.
  *

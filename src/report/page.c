@@ -8,7 +8,7 @@ static const char page_style[] =
     "--code:#f3f5f7;--good:#1a7f37;--bad:#c0271d}\n"
     "@media(prefers-color-scheme:dark){:root{--ink:#e4e8ec;--soft:#9aa5b0;--line:#363d45;"
     "--ground:#15191d;--code:#20262c;--good:#4cc26a;--bad:#ff7b72}}\n"
-    "body{margin:0 auto;max-width:60rem;padding:1.5rem 1rem 4rem;color:var(--ink);"
+    "body{margin:0 auto;max-width:70rem;padding:1.5rem 1rem 4rem;color:var(--ink);"
     "background:var(--ground);font:16px/1.5 system-ui,Helvetica,Arial,sans-serif}\n"
     "h1{margin:.2em 0 0;font-size:1.8rem}h2{margin:2.2em 0 .5em;font-size:1.2rem}\n"
     ".soft{color:var(--soft)}\n"

@@ -2,7 +2,8 @@
 /**
  * @file report.h
  * What a run leaves in its folder: summary.json, tracks.svg, bearing.svg, report.html, made from
- * the run.csv that the simulator wrote there and from what the processes said at the end.
+ * the run.csv that the simulator wrote there, from events.csv, if the experiment expects events,
+ * and from what the processes said at the end.
  */
 #ifndef MUSTER_REPORT_H
 #define MUSTER_REPORT_H
@@ -31,6 +32,13 @@ struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
 
+/* What became of a piece of chaos, in the order of the experiment. */
+struct report_chaos {
+    bool done;
+    double at_s;        /* simulated, when it was done */
+    const char *reason; /* why not; "": its time, or its condition, has not come */
+};
+
 struct report_input {
     const struct experiment *experiment;
     const struct world *world; /* its outline is drawn */
@@ -45,6 +53,9 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
+    const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
+    uint64_t packets_struck;          /* lost or late by it */
+    const char *versions;             /* of what the run is made of */
 };
 
 /* What one robot did, from run.csv. */
@@ -65,8 +76,8 @@ struct report_result {
      * summary.json leaves it out. */
     bool judged[EXPERIMENT_EXPECTATIONS_MAX];
     bool met[EXPERIMENT_EXPECTATIONS_MAX];
-    char texts[EXPERIMENT_EXPECTATIONS_MAX][128];
-    char measured[EXPERIMENT_EXPECTATIONS_MAX][64];
+    char texts[EXPERIMENT_EXPECTATIONS_MAX][256];
+    char measured[EXPERIMENT_EXPECTATIONS_MAX][160];
     bool all_met;
 };
 

@@ -42,6 +42,7 @@ struct report_data {
     size_t stride;               /* every how many steps there is a sample */
     struct report_track *tracks; /* of each robot */
     const char **colors;         /* of each robot, CSS, fit for a white ground */
+    struct report_events *events;
 };
 
 /* --- report_read.c: run.csv, row by row ------------------------------------------------------- */
@@ -93,15 +94,39 @@ struct report_expect *report_expect_open(const struct report_input *input);
 /** Takes one row; when its time is a new one, the step before is over. */
 void report_expect_row(struct report_expect *x, const struct report_row *row);
 
-/** Judges every expectation; the robots' results must be complete. */
-void report_expect_close(struct report_expect *x, const struct report_input *input,
-                         struct report_result *result);
+/** Judges every expectation; the robots' results and the events must be complete. */
+void report_expect_close(struct report_expect *x, struct report_data *data);
+
+/* What came true when: times of the experiment's events, from events.csv. */
+enum { REPORT_EVENTS_MAX = 1 << 16 };
+
+struct report_events {
+    struct report_event {
+        float time_s;
+        uint16_t event;      /* its number in the experiment */
+    } at[REPORT_EVENTS_MAX]; /* by time; more are left out */
+    size_t count;
+};
+
+/** Reads folder/events.csv, if the experiment has events.  @return as report_write */
+MU_MUST_USE mu_result report_events_read(struct report_data *data, const char *folder,
+                                         struct mu_fault *fault);
+
+/** @return the number of the next occurrence of an event, from `from` on; count: there is none */
+size_t report_events_next(const struct report_events *events, unsigned event, size_t from);
+
+/** @return a statistic of experiment_statistic_find, as summary.json has it */
+double report_statistic(const struct report_data *data, enum experiment_statistic statistic,
+                        int robot);
 
 /* --- what is written; errors stay with the FILE ----------------------------------------------- */
 
 void report_write_json(FILE *file, const struct report_data *data);
 void report_write_tracks(FILE *file, const struct report_data *data);
 void report_write_bearing(FILE *file, const struct report_data *data);
+
+/** What the observer commanded, what went wrong on purpose and what was expected, over time. */
+void report_write_timeline(FILE *file, const struct report_data *data);
 
 /** @param folder  for links to files that are there */
 void report_write_html(FILE *file, const struct report_data *data, const char *folder);

@@ -194,24 +194,159 @@ static void expect_judge_objects(const struct report_expect *x, unsigned i,
     }
 }
 
-void report_expect_close(struct report_expect *x, const struct report_input *input,
-                         struct report_result *result)
+/* What is expected from a time on says nothing of a run that was cut short before. */
+static void expect_judge_cut(const struct report_data *data, unsigned i)
 {
+    const struct experiment *e = data->input->experiment;
+    struct report_result *result = data->result;
+    result->judged[i] = e->expect[i].from_s < e->duration;
+    if (!result->judged[i]) {
+        result->met[i] = true;
+        mu_text_copy(result->measured[i], sizeof result->measured[i],
+                     "not reached: the run was cut short");
+    }
+}
+
+static void expect_judge_statistic(const struct report_data *data, unsigned i)
+{
+    const struct experiment *e = data->input->experiment;
+    const struct experiment_expectation *expect = &e->expect[i];
+    struct report_result *result = data->result;
+    int robot;
+    enum experiment_statistic statistic = experiment_statistic_find(e, expect->statistic, &robot);
+    double value = report_statistic(data, statistic, robot);
+    struct mu_text text;
+    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
+    mu_text_format(&text, "%s", expect->statistic);
+    if (isfinite(expect->at_least)) {
+        mu_text_format(&text, " at least %g", expect->at_least);
+    }
+    if (isfinite(expect->at_most)) {
+        mu_text_format(&text, "%s at most %g", isfinite(expect->at_least) ? " and" : "",
+                       expect->at_most);
+    }
+    result->met[i] = value >= expect->at_least && value <= expect->at_most;
+    snprintf(result->measured[i], sizeof result->measured[i], "%.6g", value);
+}
+
+/* Follows a sequence from one occurrence of its first event on, always to the next that fits.
+ * @return how many events of it came; last_s is the time of the last of these */
+static unsigned expect_follow(const struct report_data *data, unsigned i, size_t first,
+                              struct mu_text *when, double *last_s)
+{
+    const struct experiment *e = data->input->experiment;
+    size_t at = first;
+    unsigned came = 0;
+    mu_text_clear(when);
+    while (came < e->expect[i].sequence_count) {
+        unsigned event = experiment_event_find(e, e->expect[i].sequence[came]);
+        at = report_events_next(data->events, event, at);
+        if (at == data->events->count) {
+            break;
+        }
+        *last_s = (double)data->events->at[at].time_s;
+        mu_text_format(when, "%s%.1f", came ? ", " : "", *last_s);
+        at++;
+        came++;
+    }
+    return came;
+}
+
+static void expect_judge_sequence(const struct report_data *data, unsigned i)
+{
+    const struct experiment *e = data->input->experiment;
+    const struct experiment_expectation *expect = &e->expect[i];
+    struct report_result *result = data->result;
+    unsigned first_event = experiment_event_find(e, expect->sequence[0]), best = 0;
+    char when_bytes[120];
+    struct mu_text text, when;
+    mu_text_init(&when, when_bytes, sizeof when_bytes);
+    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
+    for (unsigned k = 0; k < expect->sequence_count; k++) {
+        mu_text_format(&text, "%s%s", k ? ", then " : "", expect->sequence[k]);
+    }
+    if (expect->within_s > 0) {
+        mu_text_format(&text, ", within %g s", expect->within_s);
+    }
+    size_t at = 0;
+    result->met[i] = false;
+    while (!result->met[i] &&
+           (at = report_events_next(data->events, first_event, at)) < data->events->count) {
+        double first_s = (double)data->events->at[at].time_s, last_s = first_s;
+        unsigned came =
+            first_s < expect->from_s - 1e-6 ? 0 : expect_follow(data, i, at, &when, &last_s);
+        best = came > best ? came : best;
+        result->met[i] = came == expect->sequence_count &&
+                         (expect->within_s <= 0 || last_s - first_s <= expect->within_s + 1e-6);
+        at++;
+    }
+    if (result->met[i]) {
+        snprintf(result->measured[i], sizeof result->measured[i], "at %s s", when_bytes);
+    } else if (best == expect->sequence_count) {
+        mu_text_copy(result->measured[i], sizeof result->measured[i], "never so soon");
+    } else {
+        snprintf(result->measured[i], sizeof result->measured[i], "no: %.100s",
+                 expect->sequence[best]);
+    }
+}
+
+static void expect_judge_never(const struct report_data *data, unsigned i)
+{
+    const struct experiment *e = data->input->experiment;
+    struct report_result *result = data->result;
+    unsigned event = experiment_event_find(e, e->expect[i].never), times = 0;
+    double first_s = 0;
+    size_t at = 0;
+    while ((at = report_events_next(data->events, event, at)) < data->events->count) {
+        double time_s = (double)data->events->at[at++].time_s;
+        if (time_s >= e->expect[i].from_s - 1e-6) {
+            first_s = times ? first_s : time_s;
+            times++;
+        }
+    }
+    snprintf(result->texts[i], sizeof result->texts[i], "never: %.200s", e->expect[i].never);
+    result->met[i] = times == 0;
+    if (times > 0) {
+        snprintf(result->measured[i], sizeof result->measured[i], "%u times, first at %.1f s",
+                 times, first_s);
+    } else {
+        mu_text_copy(result->measured[i], sizeof result->measured[i], "it never was");
+    }
+}
+
+static void expect_judge(struct report_expect *x, const struct report_data *data, unsigned i)
+{
+    const struct experiment_expectation *expect = &data->input->experiment->expect[i];
+    struct report_result *result = data->result;
+    if (expect->near_robot) {
+        expect_judge_near(x, i, result);
+    } else if (expect->objects) {
+        expect_judge_objects(x, i, result);
+    } else if (expect->inside) {
+        expect_judge_inside(x, i, result);
+    } else if (expect->statistic) {
+        expect_judge_statistic(data, i);
+        expect_judge_cut(data, i);
+    } else if (expect->never) {
+        expect_judge_never(data, i);
+        expect_judge_cut(data, i);
+    } else if (expect->sequence_count > 0) {
+        expect_judge_sequence(data, i);
+        expect_judge_cut(data, i);
+    } else {
+        expect_judge_stall(x, i, result);
+    }
+}
+
+void report_expect_close(struct report_expect *x, struct report_data *data)
+{
+    struct report_result *result = data->result;
     if (x->any) {
         expect_end_step(x);
     }
     result->all_met = true;
-    for (unsigned i = 0; i < input->experiment->expect_count; i++) {
-        const struct experiment_expectation *expect = &input->experiment->expect[i];
-        if (expect->near_robot) {
-            expect_judge_near(x, i, result);
-        } else if (expect->objects) {
-            expect_judge_objects(x, i, result);
-        } else if (expect->inside) {
-            expect_judge_inside(x, i, result);
-        } else {
-            expect_judge_stall(x, i, result);
-        }
+    for (unsigned i = 0; i < data->input->experiment->expect_count; i++) {
+        expect_judge(x, data, i);
         result->all_met = result->all_met && result->met[i];
     }
 }

@@ -100,6 +100,8 @@ static void html_facts(FILE *file, const struct report_data *data)
              mail->duplicated);
     html_fact(file, "mail", text);
     html_fact(file, "world", input->world->file);
+    html_fact(file, "experiment", input->experiment->file ? input->experiment->file : "");
+    html_fact(file, "made with", input->versions ? input->versions : "muster " MU_VERSION);
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
     fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);
@@ -107,8 +109,8 @@ static void html_facts(FILE *file, const struct report_data *data)
 
 static void html_files(FILE *file, const char *folder)
 {
-    static const char *const names[] = {"summary.json", "run.csv", "tracks.svg", "bearing.svg",
-                                        "run.mcap"};
+    static const char *const names[] = {"summary.json", "run.csv",     "events.csv",
+                                        "tracks.svg",   "bearing.svg", "run.mcap"};
     fputs("<h2>Files</h2>\n<p>", file);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char path[REPORT_PATH_MAX];
@@ -120,10 +122,48 @@ static void html_files(FILE *file, const char *folder)
     fputs("</p>\n", file);
 }
 
+/* Commands, chaos and expectations beside each other; without any there is nothing to see. */
+static void html_timeline(FILE *file, const struct report_data *data)
+{
+    const struct experiment *e = data->input->experiment;
+    if (e->observer_count + e->chaos_count + e->expect_count > 0) {
+        fputs("<h2>What happened when</h2>\n<figure>\n", file);
+        report_write_timeline(file, data);
+        fputs("</figure>\n", file);
+    }
+}
+
+/* What was to go wrong, and what became of it. */
+static void html_chaos(FILE *file, const struct report_data *data)
+{
+    const struct experiment *e = data->input->experiment;
+    if (e->chaos_count == 0) {
+        return;
+    }
+    fputs("<h2>Chaos</h2>\n<table class=\"text\">\n<tr><th>what</th><th>at</th>"
+          "<th>done</th></tr>\n",
+          file);
+    for (unsigned i = 0; i < e->chaos_count; i++) {
+        const struct report_chaos *fate = &data->input->chaos[i];
+        fputs("<tr><td>", file);
+        svg_escape(file, e->chaos[i].text);
+        if (fate->done) {
+            fprintf(file, "</td><td>%.1f s</td><td class=\"met\">done</td></tr>\n", fate->at_s);
+        } else {
+            fputs("</td><td></td><td class=\"soft\">", file);
+            svg_escape(file, fate->reason[0] ? fate->reason : "its time has not come");
+            fputs("</td></tr>\n", file);
+        }
+    }
+    fputs("</table>\n", file);
+}
+
 void report_write_html(FILE *file, const struct report_data *data, const char *folder)
 {
     html_head(file, data);
     html_expectations(file, data);
+    html_chaos(file, data);
+    html_timeline(file, data);
     fputs("<h2>Tracks</h2>\n<figure>\n", file);
     report_write_tracks(file, data);
     fputs("</figure>\n<h2>Bearing</h2>\n<figure>\n", file);

@@ -3,6 +3,8 @@
 #include "core/json.h"
 #include "report/report_data.h"
 
+#include <math.h>
+
 static void json_write_robots(struct mu_json *j, const struct report_data *data)
 {
     mu_json_list(j, "robots");
@@ -73,6 +75,27 @@ static void json_write_expectations(struct mu_json *j, const struct report_data 
     mu_json_end(j);
 }
 
+static void json_write_chaos(struct mu_json *j, const struct report_input *input)
+{
+    if (input->experiment->chaos_count == 0) {
+        return;
+    }
+    mu_json_list(j, "chaos");
+    for (unsigned i = 0; i < input->experiment->chaos_count; i++) {
+        const struct report_chaos *chaos = &input->chaos[i];
+        mu_json_object(j, NULL);
+        mu_json_real(j, "at_s", chaos->done ? chaos->at_s : (double)NAN);
+        mu_json_string(j, "text", input->experiment->chaos[i].text);
+        mu_json_bool(j, "done", chaos->done);
+        if (!chaos->done && chaos->reason[0]) {
+            mu_json_string(j, "reason", chaos->reason);
+        }
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+    mu_json_uint(j, "packets_struck", input->packets_struck);
+}
+
 void report_write_json(FILE *file, const struct report_data *data)
 {
     const struct report_input *input = data->input;
@@ -97,6 +120,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
     json_write_mail(&j, &input->mail);
+    json_write_chaos(&j, input);
     json_write_expectations(&j, data);
     mu_json_end(&j);
 }

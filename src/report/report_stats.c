@@ -107,7 +107,7 @@ static void stats_finish(struct stats *s)
         }
     }
     result->explored_fraction = report_explored_fraction(s->explored);
-    report_expect_close(s->expect, input, result);
+    report_expect_close(s->expect, s->data);
 }
 
 static void stats_init(struct stats *s, size_t rows_max)
@@ -146,6 +146,7 @@ mu_result report_stats(struct report_data *data, const char *folder, struct mu_f
     if (result != MU_DONE) {
         return result;
     }
+    MU_TRY(report_events_read(data, folder, fault));
     stats_finish(&s);
     return MU_OK;
 }

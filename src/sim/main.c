@@ -27,9 +27,10 @@ struct settings {
     double duration_s, rate, step_ms, silence_s;
     int64_t watchers, threads;
     bool free, waits_for_go, verbose;
-    const char *csv, *restore;
-    struct mu_option_list robots; /* names; none: all of the world */
-    struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
+    const char *csv, *restore, *events;
+    struct mu_option_list conditions; /* that go into events */
+    struct mu_option_list robots;     /* names; none: all of the world */
+    struct mu_option_list places;     /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
 
 static struct settings set;
@@ -102,6 +103,16 @@ static struct mu_option option_table[] = {
      .unit = "FILE",
      .help = "record tracks here",
      .target = &set.csv},
+    {.name = "events",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record here when each --event comes true",
+     .target = &set.events},
+    {.name = "event",
+     .kind = MU_OPTION_LIST,
+     .unit = "CONDITION",
+     .help = "such as 'red stalled', 'red near blue 0.5', 'red told hello'",
+     .target = &set.conditions},
     {.name = "robots",
      .kind = MU_OPTION_LIST,
      .unit = "NAME",
@@ -235,7 +246,9 @@ static int session_live(struct session *s)
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    if (s->recorder && recorder_close(s->recorder) != MU_OK) {
+    bool whole = !s->recorder || recorder_close(s->recorder) == MU_OK;
+    whole = script_close(s->script) == MU_OK && whole;
+    if (!whole) {
         return MU_EXIT_WRITE;
     }
     return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
@@ -292,6 +305,12 @@ int main(int argc, char **argv)
     }
     if (!robots_choose(s, &set.robots)) {
         return MU_EXIT_USAGE;
+    }
+    mu_result recorded = set.events ? script_record(s->script, set.events, set.conditions.items,
+                                                    set.conditions.count)
+                                    : MU_OK;
+    if (recorded != MU_OK) {
+        return recorded == MU_FAULT_OS ? MU_EXIT_WRITE : MU_EXIT_USAGE;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);

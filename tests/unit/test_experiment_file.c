@@ -321,6 +321,152 @@ static void test_other_faults(void)
     CHECK_BAD(cases);
 }
 
+static void test_expectations(void)
+{
+    CU_ASSERT_EQUAL_FATAL(load(BASE "expect:\n"
+                                    "  - {statistic: red.distance_m, at_least: 5}\n"
+                                    "  - {statistic: robots.final.x_m, at_most: -1, from: 3}\n"
+                                    "  - {sequence: [red stalled, red told x], within_s: 4}\n"
+                                    "  - {never: red stalled}\n"
+                                    "  - {never: 'red near puck 1'}\n",
+                               NULL),
+                          MU_OK);
+    CU_ASSERT_EQUAL(e->expect_count, 5);
+    CU_ASSERT(e->expect[0].at_least >= 5 && e->expect[0].at_most > 1e300);
+    CU_ASSERT(e->expect[1].at_most <= -1 && e->expect[1].at_least < -1e300);
+    CU_ASSERT_EQUAL(e->expect[2].sequence_count, 2);
+    /* Each event once. */
+    CU_ASSERT_EQUAL(e->events_count, 3);
+    CU_ASSERT_EQUAL(experiment_event_find(e, "red stalled"), 0);
+    CU_ASSERT_EQUAL(experiment_event_find(e, "red near puck 1"), 2);
+    CU_ASSERT_EQUAL(experiment_event_find(e, "blue stalled"), EXPERIMENT_EVENTS_MAX);
+    int robot;
+    CU_ASSERT_EQUAL(experiment_statistic_find(e, "blue.stalls", &robot), STATISTIC_STALLS);
+    CU_ASSERT_EQUAL(robot, 1);
+    CU_ASSERT_EQUAL(experiment_statistic_find(e, "mail.lost", &robot), STATISTIC_LOST);
+    CU_ASSERT_EQUAL(robot, EXPERIMENT_NO_ROBOT);
+    CU_ASSERT_EQUAL(experiment_statistic_find(e, "robots.final.y_m", &robot), STATISTIC_FINAL_Y);
+    CU_ASSERT_EQUAL(robot, EXPERIMENT_ALL_ROBOTS);
+    CU_ASSERT_EQUAL(experiment_statistic_find(e, "red.mail.lost", &robot), STATISTICS);
+    CU_ASSERT_EQUAL(experiment_statistic_find(e, "stalls", &robot), STATISTICS);
+}
+
+static void test_expectation_faults(void)
+{
+    static const struct bad_case cases[] = {
+        {BASE "expect:\n  - {statistic: red.speed, at_least: 1}\n", 7, 17,
+         "no statistic 'red.speed'"},
+        {BASE "expect:\n  - {statistic: pink.stalls, at_least: 1}\n", 7, 17, "no statistic"},
+        {BASE "expect:\n  - {statistic: red.stalls}\n", 7, 5, "expected at_least or at_most"},
+        {BASE "expect:\n  - {statistic: red.stalls, at_least: 2, at_most: 1}\n", 7, 51,
+         "no less than at_least, 2"},
+        {BASE "expect:\n  - {statistic: red.stalls, at_least: 1, within: 3}\n", 7, 50,
+         "'within' beside 'near' only"},
+        {BASE "expect:\n  - {statistic: red.stalls, at_least: 1, from: 300}\n", 7, 48,
+         "before the end"},
+        {BASE "expect:\n  - {inside: arena, at_least: 3}\n", 7, 31,
+         "'at_least' beside 'statistic' only"},
+        {BASE "expect:\n  - {sequence: [red stalled, red likes blue]}\n", 7, 30,
+         "near, at, stalled, told or fired"},
+        {BASE "expect:\n  - {sequence: [pink stalled]}\n", 7, 17, "no robot 'pink'"},
+        {BASE "expect:\n  - {sequence: []}\n", 7, 16, "expected"},
+        {BASE "expect:\n  - {sequence: [red stalled], within_s: 0}\n", 7, 41, "more than 0 s"},
+        {BASE "expect:\n  - {sequence: [red stalled], never: red stalled}\n", 7, 5,
+         "expected one of near"},
+        {BASE "expect:\n  - {never: red near blue}\n", 7, 13, "NAME near NAME METRES"},
+        {BASE "expect:\n  - {never: 'red.stalls > x'}\n", 7, 13, "expected a number, not x"},
+    };
+    CHECK_BAD(cases);
+}
+
+static void test_limit_events(void)
+{
+    char text[EXPERIMENT_BYTES_MAX / 64];
+    struct mu_text t;
+    mu_text_init(&t, text, sizeof text);
+    mu_text_add(&t, BASE "expect:\n");
+    for (int i = 0; i < EXPERIMENT_EVENTS_MAX / 4; i++) {
+        mu_text_format(&t,
+                       "  - {sequence: [red told a%d, red told b%d, red told c%d, "
+                       "red told d%d]}\n",
+                       i, i, i, i);
+    }
+    CU_ASSERT_FALSE(t.cut);
+    CU_ASSERT_EQUAL(load(text, NULL), MU_OK);
+    mu_text_add(&t, "  - {never: red told more}\n");
+    CU_ASSERT_EQUAL(load(text, NULL), MU_FAULT_FILE);
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "at most 64 different events"));
+}
+
+static void test_chaos(void)
+{
+    CU_ASSERT_EQUAL_FATAL(load(BASE
+                               "brokers: [a, b]\nfree: true\nchaos:\n"
+                               "  - {at: 10, push: red, force: [40, 0], for: 0.5}\n"
+                               "  - {when: 'red.stalled_s > 2', place: red, pose: [1, 2, 90]}\n"
+                               "  - {at: 1, block: blue, sensor: sonar, for: 3}\n"
+                               "  - {at: 2, kill: broker, for: 2}\n"
+                               "  - {at: 3, stop: red}\n"
+                               "  - {at: 4, continue: red}\n"
+                               "  - {at: 5, restart: b}\n"
+                               "  - {at: 6, cut: [red, b], for: 1}\n"
+                               "  - {at: 7, lose: [red, all], share: 0.1}\n"
+                               "  - {at: 8, delay: [simulator, red], by_ms: 20}\n",
+                               NULL),
+                          MU_OK);
+    static const char *const texts[] = {"push red with 40, 0 N for 0.5 s",
+                                        "place red at 1, 2, 90 degrees when red.stalled_s > 2",
+                                        "block blue's sonar for 3 s",
+                                        "kill broker for 2 s",
+                                        "stop red",
+                                        "continue red",
+                                        "restart b",
+                                        "cut between red and b for 1 s",
+                                        "lose between red and all: 10 % of the packets",
+                                        "delay between simulator and red: 20 ms"};
+    CU_ASSERT(e->free);
+    CU_ASSERT_EQUAL_FATAL(e->chaos_count, sizeof texts / sizeof texts[0]);
+    for (unsigned i = 0; i < e->chaos_count; i++) {
+        CU_ASSERT_STRING_EQUAL(e->chaos[i].text, texts[i]);
+        CU_ASSERT_EQUAL(e->chaos[i].line, (int)i + 9);
+    }
+    CU_ASSERT_EQUAL(e->chaos[1].kind, CHAOS_PLACE);
+    CU_ASSERT_STRING_EQUAL(e->chaos[9].whom, "red");
+}
+
+#define CHAOS(text) BASE "chaos:\n  - {" text "}\n"
+
+static void test_chaos_faults(void)
+{
+    static const struct bad_case cases[] = {
+        {CHAOS("at: 1"), 7, 5, "expected one of push, place, block, kill"},
+        {CHAOS("at: 1, kill: red, stop: red"), 7, 30, "expected only one of push"},
+        {CHAOS("kill: red"), 7, 5, "expected either at: a time, or when: a condition"},
+        {CHAOS("at: 1, when: red stalled, kill: red"), 7, 5, "expected either at"},
+        {CHAOS("at: -1, kill: red"), 7, 10, "a time from 0"},
+        {CHAOS("at: 121, kill: red"), 7, 10, "at most the duration"},
+        {CHAOS("when: red likes, kill: red"), 7, 12, "near, at, stalled, told or fired"},
+        {CHAOS("at: 1, kill: pink"), 7, 19, "no part 'pink'"},
+        {CHAOS("at: 1, block: simulator, sensor: sonar"), 7, 20, "no robot 'simulator'"},
+        {CHAOS("at: 1, block: red"), 7, 5, "expected 'sensor' beside 'block'"},
+        {CHAOS("at: 1, block: red, sensor: nose"), 7, 33, "expected sonar, laser, camera"},
+        {CHAOS("at: 1, push: red"), 7, 5, "expected force: [X, Y] or torque"},
+        {CHAOS("at: 1, push: red, force: [1]"), 7, 31, "expected 2 in this list"},
+        {CHAOS("at: 1, place: red"), 7, 5, "expected 'pose' beside 'place'"},
+        {CHAOS("at: 1, kill: red, force: [1, 2]"), 7, 24, "'force' says nothing beside 'kill'"},
+        {CHAOS("at: 1, cut: red"), 7, 18, "expected two parts"},
+        {CHAOS("at: 1, cut: [red]"), 7, 18, "expected two parts"},
+        {CHAOS("at: 1, cut: [red, red]"), 7, 18, "two different parts"},
+        {CHAOS("at: 1, cut: [red, pink]"), 7, 24, "no part 'pink'"},
+        {CHAOS("at: 1, cut: [all, red]"), 7, 19, "no part 'all'"},
+        {CHAOS("at: 1, lose: [red, blue]"), 7, 5, "expected 'share' beside 'lose'"},
+        {CHAOS("at: 1, lose: [red, blue], share: 1.5"), 7, 39, "a share of more than 0"},
+        {CHAOS("at: 1, delay: [red, blue], by_ms: 0"), 7, 40, "a delay of more than 0"},
+        {CHAOS("at: 1, stop: red, for: 0"), 7, 29, "a time of more than 0"},
+    };
+    CHECK_BAD(cases);
+}
+
 static void test_overrides(void)
 {
     CU_ASSERT_EQUAL_FATAL(load(BASE "observer: [{at: 60, do: red, line: (a)}]\n", "duration=30"),
@@ -493,6 +639,11 @@ int main(void)
         {"many robots", test_many_robots},
         {"faults of many robots", test_faults_of_many_robots},
         {"faults of the rest", test_other_faults},
+        {"expectations", test_expectations},
+        {"expectation faults", test_expectation_faults},
+        {"limit: events", test_limit_events},
+        {"chaos", test_chaos},
+        {"chaos faults", test_chaos_faults},
         {"overrides", test_overrides},
         {"faults of overrides", test_override_faults},
         {"unreadable files", test_unreadable_files},
