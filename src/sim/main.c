@@ -28,12 +28,13 @@ struct settings {
     double duration_s, rate, step_ms, silence_s;
     int64_t watchers, threads;
     bool free, waits_for_go, verbose;
-    const char *csv, *record, *restore;
+    const char *csv, *restore, *events, *record;
     bool without_percepts;
-    struct mu_option_list files;  /* "NAME=PATH" */
-    struct mu_option_list notes;  /* "KEY=VALUE" */
-    struct mu_option_list robots; /* names; none: all of the world */
-    struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
+    struct mu_option_list files;      /* "NAME=PATH" */
+    struct mu_option_list notes;      /* "KEY=VALUE" */
+    struct mu_option_list conditions; /* that go into events */
+    struct mu_option_list robots;     /* names; none: all of the world */
+    struct mu_option_list places;     /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
 
 static struct settings set;
@@ -125,6 +126,16 @@ static struct mu_option option_table[] = {
      .unit = "KEY=VALUE",
      .help = "say something about the run in the recording",
      .target = &set.notes},
+    {.name = "events",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record here when each --event comes true",
+     .target = &set.events},
+    {.name = "event",
+     .kind = MU_OPTION_LIST,
+     .unit = "CONDITION",
+     .help = "such as 'red stalled', 'red near blue 0.5', 'red told hello'",
+     .target = &set.conditions},
     {.name = "robots",
      .kind = MU_OPTION_LIST,
      .unit = "NAME",
@@ -263,12 +274,13 @@ static int session_live(struct session *s)
 
 /* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
  * the disk */
-static int records_close(struct recorder *recorder, struct runfile *runfile, int code)
+static int records_close(struct session *s, struct runfile *runfile, int code)
 {
-    bool tracks = !recorder || recorder_close(recorder) == MU_OK;
+    bool tracks = !s->recorder || recorder_close(s->recorder) == MU_OK;
+    bool events = script_close(s->script) == MU_OK;
     bool run = !runfile || runfile_close(runfile) == MU_OK;
     bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
-    return (tracks && run) || !counts ? code : MU_EXIT_WRITE;
+    return (tracks && events && run) || !counts ? code : MU_EXIT_WRITE;
 }
 
 int main(int argc, char **argv)
@@ -331,6 +343,12 @@ int main(int argc, char **argv)
     if (!robots_choose(s, &set.robots)) {
         return MU_EXIT_USAGE;
     }
+    mu_result recorded = set.events ? script_record(s->script, set.events, set.conditions.items,
+                                                    set.conditions.count)
+                                    : MU_OK;
+    if (recorded != MU_OK) {
+        return recorded == MU_FAULT_OS ? MU_EXIT_WRITE : MU_EXIT_USAGE;
+    }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
@@ -338,7 +356,7 @@ int main(int argc, char **argv)
         runfile_listen(runfile, s);
     }
     mu_memory_seal();
-    int code = records_close(recorder, runfile, session_live(s));
+    int code = records_close(s, runfile, session_live(s));
     bus_close(&s->bus);
     return code;
 }
