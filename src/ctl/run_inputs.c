@@ -5,6 +5,7 @@
  */
 #include "ctl/run_inputs.h"
 
+#include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
 
@@ -20,6 +21,12 @@ struct sender {
     bool refused;
 };
 
+/* Whoever did something to the world. */
+struct hand {
+    char source[MU_PROCESS_MAX + 1];
+    uint64_t last; /* the number of what was done last */
+};
+
 struct run_inputs {
     struct recording recording;
     mu_process *process;
@@ -28,6 +35,8 @@ struct run_inputs {
     const char *simulator;
     struct sender senders[INPUTS_SENDERS_MAX];
     size_t senders_count;
+    struct hand hands[INPUTS_SENDERS_MAX];
+    size_t hands_count;
     const muster_Frame *frame; /* whose mails are handed over; NULL: none yet, or all are */
     uint32_t mail, order;      /* of the frame: the next ones */
     bool begun, refused;
@@ -127,17 +136,55 @@ static bool mail_tell(struct run_inputs *in, const muster_Mail *m)
     return sent == MU_OK || sent == MU_MALFORMED;
 }
 
-/* What was done to the world at the end of the frame's step.  The experiment's own chaos comes of
- * the experiment. */
+/* @return whether an order is one that a person gave, and that changes the world.  What an
+ * experiment's chaos does comes of the experiment; what the simulator undoes by itself has a number
+ * that there was already. */
+static bool order_counts(struct run_inputs *in, const muster_RunCommand *c)
+{
+    bool changes = c->order == muster_RUN_PLACE || c->order == muster_RUN_PUSH ||
+                   c->order == muster_RUN_RESET || c->order == muster_RUN_SENSOR;
+    if (!changes || strncmp(c->source, "chaos.", 6) == 0) {
+        return false;
+    }
+    for (size_t i = 0; i < in->hands_count; i++) {
+        if (strcmp(in->hands[i].source, c->source) == 0) {
+            return c->seq > in->hands[i].last;
+        }
+    }
+    return true;
+}
+
+static void order_note(struct run_inputs *in, const muster_RunCommand *c)
+{
+    size_t i = 0;
+    while (i < in->hands_count && strcmp(in->hands[i].source, c->source) != 0) {
+        i++;
+    }
+    if (i == INPUTS_SENDERS_MAX) {
+        in->refused = true;
+        return;
+    }
+    in->hands_count = i == in->hands_count ? i + 1 : in->hands_count;
+    mu_text_copy(in->hands[i].source, sizeof in->hands[i].source, c->source);
+    in->hands[i].last = c->seq;
+}
+
+/* What was done to the world at the end of the frame's step. */
 static bool order_tell(struct run_inputs *in, const muster_RunCommand *recorded)
 {
+    static char none[1];
     muster_RunCommand c = *recorded;
-    if (strncmp(c.source, "chaos.", 6) == 0) {
+    if (!order_counts(in, &c)) {
         return true;
     }
     c.simulator = (char *)(uintptr_t)in->simulator;
     c.due_ns = in->frame->time_ns;
-    return bus_write(in->orders, &c) == MU_OK;
+    c.when = none;
+    bool told = bus_write(in->orders, &c) == MU_OK;
+    if (told) {
+        order_note(in, &c);
+    }
+    return told;
 }
 
 /* @return whether all of a frame was handed over */

@@ -121,7 +121,7 @@ static bool record_is(const struct run *r, const char *level)
 
 static void recording_add(const struct run *r)
 {
-    char command[2048];
+    char command[2048], here[PATH_MAX];
     size_t count = 0;
     if (record_is(r, "none")) {
         return;
@@ -138,6 +138,7 @@ static void recording_add(const struct run *r)
     word_add("--note=rate=%.17g", r->options.rate);
     word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
     word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    word_add("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
     for (size_t i = 0; i < r->options.set_count; i++) {
         word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }

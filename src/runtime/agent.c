@@ -338,8 +338,12 @@ mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *m
     if (!follows && a->outbox.first_seq != a->outbox.next_seq) {
         return MU_BUSY;
     }
-    outbox_continue(&a->outbox, seq - 1);
-    MU_ASSERT(seq == a->outbox.next_seq);
+    if (!follows) { /* what waits would be numbered anew */
+        outbox_continue(&a->outbox, seq - 1);
+    }
+    if (seq != a->outbox.next_seq) {
+        return MU_MALFORMED;
+    }
     a->replays = true;
     return mu_agent_send(a, mail, NULL);
 }

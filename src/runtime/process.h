@@ -151,7 +151,8 @@ void agent_progress(struct mu_agent *a);
  * Sends a mail of a recording with the number that it had; from now on all mails of this agent are
  * a recording's.  Numbers must grow.
  *
- * @return as mu_agent_send; MU_BUSY: what it sent before has no answer yet, and must have one
+ * @return as mu_agent_send, MU_MALFORMED also of a number that was had; MU_BUSY: what it sent
+ *         before has no answer yet, and must have one
  */
 MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail);
 
