@@ -213,7 +213,8 @@ bool differ_find(struct recording *one, struct recording *other, struct differen
         a = recording_next(one);
         b = recording_next(other);
     }
-    if (!differs && (a || b)) {
+    bool ends = mcap_reader_whole(one->reader);
+    if (!differs && (a || (b && ends))) {
         *d = (struct difference){.step = a ? a->step : b->step};
         differs = numbers(d, "", "there is such a step", a != NULL, b != NULL);
     }

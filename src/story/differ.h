@@ -22,6 +22,7 @@ struct difference {
  * Compares two recordings from their first steps on: poses and motion bit by bit, commands, mails,
  * rules fired, what came from outside, and minds' diaries where both have them.
  *
+ * @param one  when it has no end, what the other has beyond it is no difference
  * @param d  out: the first difference
  * @return false: there is none
  */
