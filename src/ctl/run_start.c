@@ -5,6 +5,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { WORDS_MAX = 4 * MU_ROBOTS_MAX + 32, WORDS_TEXT = 256 * 1024 };
@@ -97,6 +98,13 @@ static void places_add(const struct experiment *e)
     }
 }
 
+/* What one processor is enough for, is kept on one. */
+static bool simulator_is_wide(const struct experiment *e)
+{
+    uint64_t threads = e->simulator.threads;
+    return threads > 1 || (threads == 0 && getenv("MUSTER_SIM_THREADS"));
+}
+
 static mu_result simulator_start(struct run *r)
 {
     const struct experiment *e = r->experiment;
@@ -112,11 +120,15 @@ static mu_result simulator_start(struct run *r)
     if (r->options.free) {
         word_add("--free");
     }
+    if (e->simulator.threads > 0) {
+        word_add("--threads=%llu", (unsigned long long)e->simulator.threads);
+    }
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
     places_add(e);
-    return supervise_start(&r->children, "simulator", "muster-sim", words_end());
+    return (simulator_is_wide(e) ? supervise_start_wide : supervise_start)(
+        &r->children, "simulator", "muster-sim", words_end());
 }
 
 /* What robots bear that share an entry of the experiment, they share here, too. */
