@@ -39,6 +39,7 @@ static inline void physics_clear(void)
 {
     memset(physics_shapes, 0, sizeof physics_shapes);
     memset(physics_robots, 0, sizeof physics_robots);
+    memset(physics_sonars, 0, sizeof physics_sonars);
     memset(physics_objects, 0, sizeof physics_objects);
     physics_world = (struct world){
         .shapes = physics_shapes, .robots = physics_robots, .objects = physics_objects};
