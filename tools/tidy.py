@@ -16,12 +16,13 @@ MAY_INCLUDE = {
     "bus": {"core"},
     "runtime": {"core", "bus"},
     "broker": {"core", "bus"},
-    "sim": {"core", "world", "bus"},
+    "sim": {"core", "world", "bus", "mcap"},
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
     "story": {"core", "bus", "mcap"},
     "record": {"core", "bus", "mcap"},
+    "replay": {"core", "bus", "mcap"},
     "ctl": {"core", "world", "bus", "runtime", "mcap", "story"},
 }
 # Foreign headers, and the only files that may include them.

@@ -91,6 +91,7 @@ static const struct verb verbs[] = {
      "world files: check, draw, import; the world of a run: place, push, reset, ..."},
     {"record", record_verb, NULL, "[TOPIC...]", "topics into a file, until interrupted"},
     {"why", why_verb, NULL, "[FILE] ROBOT [...]", "why a recorded robot stalled, drove, believed"},
+    {"replay", NULL, "muster-replay", "FILE", "a recording on DDS again"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 
