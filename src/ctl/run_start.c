@@ -6,6 +6,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -148,6 +149,13 @@ static void recording_add(const struct run *r)
     }
 }
 
+/* What one processor is enough for, is kept on one. */
+static bool simulator_is_wide(const struct experiment *e)
+{
+    uint64_t threads = e->simulator.threads;
+    return threads > 1 || (threads == 0 && getenv("MUSTER_SIM_THREADS"));
+}
+
 static mu_result simulator_start(struct run *r)
 {
     const struct experiment *e = r->experiment;
@@ -163,6 +171,9 @@ static mu_result simulator_start(struct run *r)
     if (r->options.free) {
         word_add("--free");
     }
+    if (e->simulator.threads > 0) {
+        word_add("--threads=%llu", (unsigned long long)e->simulator.threads);
+    }
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
@@ -173,6 +184,10 @@ static mu_result simulator_start(struct run *r)
     }
     for (unsigned i = 0; i < e->events_count; i++) {
         word_add("--event=%s", e->events[i]);
+    }
+    if (simulator_is_wide(e)) {
+        chaos_child(r, "simulator");
+        return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
     }
     return child_start(r, "simulator", "muster-sim");
 }

@@ -111,6 +111,19 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
+/* 0 stands for what nobody said. */
+static mu_result check_simulator(struct experiment_source *s)
+{
+    const uint64_t *threads = &s->experiment->simulator.threads;
+    int node = yaml_tree_child(s->tree, experiment_section(s, "simulator"), "threads");
+    bool said = node != 0 || experiment_overridden(s, threads);
+    if ((said && *threads == 0) || *threads > EXPERIMENT_THREADS_MAX) {
+        return experiment_fault(s, threads, node, "expected 1 to %d threads, not %llu",
+                                EXPERIMENT_THREADS_MAX, (unsigned long long)*threads);
+    }
+    return MU_OK;
+}
+
 /* @return the index of a broker, or how many there are */
 unsigned experiment_find_broker(const struct experiment *e, const char *name)
 {
@@ -358,6 +371,7 @@ mu_result experiment_check(struct experiment_source *source)
 {
     const struct experiment *e = source->experiment;
     mu_result result = check_top(source);
+    result = result == MU_OK ? check_simulator(source) : result;
     result = result == MU_OK ? check_resolvers(source) : result;
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);
