@@ -106,9 +106,14 @@ static struct mu_option option_table[] = {
      .kind = MU_OPTION_STRING,
      .unit = "none|run|full",
      .environment = "MUSTER_RECORD",
-     .help = "what run.mcap has: nothing, all but what robots sensed, or all (default: full to 64 "
+     .help = "what run.mcap has: nothing; poses, commands and mails; what robots sensed and "
+             "thought, too (default: full to 64 "
              "robots, run beyond)",
      .target = &chosen.record},
+    {.name = "no-diary",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave what goes on in minds out of the recording",
+     .target = &chosen.no_diary},
     {.name = "inputs",
      .kind = MU_OPTION_STRING,
      .unit = "FILE",

@@ -22,7 +22,7 @@ struct run_options {
     int64_t seed, domain; /* < 0: the file's; the first free one */
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
-    bool free, quiet, json, no_spread;
+    bool free, quiet, json, no_spread, no_diary;
     const char *out, *record, *inputs, *root;
     const char *const *set;
     size_t set_count;

@@ -207,6 +207,9 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
