@@ -101,7 +101,10 @@ ENGINE_OWN := \
   DecrementIntegerCount RemoveEphemeralAtoms MultifieldInstall MultifieldDeinstall AtomInstall \
   AtomDeinstall \
   InitializeFactHashTable HashFact AddHashedFact RemoveHashedFact FactWillBeAsserted \
-  HandleFactDuplication
+  HandleFactDuplication \
+  CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
+  NetworkAssert \
+  EvaluateExpression EnvRtnArgCount
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
@@ -235,6 +238,10 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 	@$(MAKE) --no-print-directory BUILD=asan build/asan/test/test_agent_fuzz
 	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
 	  build/asan/test/test_agent_fuzz; done
+
+.PHONY: soak-engine
+soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
 
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py

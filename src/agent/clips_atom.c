@@ -6,6 +6,8 @@
  */
 #include "agent/clips_engine.h"
 
+enum { FLOAT_PLACES_LEAST = 256, FLOAT_PLACES_MOST = 8192 }; /* powers of two */
+
 /* Every hash table begins its entries like that. */
 typedef struct genericHashNode atom;
 
@@ -56,10 +58,61 @@ static inline void atom_begin(atom *a, unsigned long bucket)
     a->bucket = (unsigned int)bucket & 0x1FFFFFFF;
 }
 
+/*
+ * The engine has 8191 lists of floats, so that each of the hundred new ones of a step reads memory
+ * that nothing else does.  A mind begins with few lists, and has more when it has more floats.
+ */
+static inline uint32_t atom_places(const struct mind *m)
+{
+    return m ? m->float_places : FLOAT_PLACES_MOST;
+}
+
+static inline struct floatHashNode **atom_float_list(void *env, unsigned long bucket,
+                                                     uint32_t places)
+{
+    return &SymbolData(env)->FloatTable[bucket & (places - 1)];
+}
+
+static void atom_spread_floats(void *env, struct mind *m, uint32_t places)
+{
+    struct floatHashNode **table = SymbolData(env)->FloatTable, *all = NULL, *next;
+    for (size_t i = 0; i < FLOAT_HASH_SIZE; i++) {
+        for (struct floatHashNode *f = table[i]; f; f = next) {
+            next = f->next;
+            f->next = all;
+            all = f;
+        }
+        table[i] = NULL;
+    }
+    m->floats = 0;
+    m->float_places = places;
+    for (struct floatHashNode *f = all; f; f = next) {
+        struct floatHashNode **list = atom_float_list(env, f->bucket, places);
+        next = f->next;
+        f->next = *list;
+        *list = f;
+        m->floats++;
+    }
+}
+
+void clips_atom_install(struct mind *m)
+{
+    atom_spread_floats(m->env, m, FLOAT_PLACES_LEAST);
+}
+
+/* Once for every float more. */
+static inline void atom_count_float(void *env, struct mind *m)
+{
+    if (m && ++m->floats > m->float_places && m->float_places < FLOAT_PLACES_MOST) {
+        atom_spread_floats(env, m, 2 * m->float_places);
+    }
+}
+
 void *EnvAddDouble(void *env, double number)
 {
+    struct mind *m = ((struct environmentData *)env)->context;
     unsigned long bucket = atom_tally(number) % FLOAT_HASH_SIZE;
-    struct floatHashNode **end = &SymbolData(env)->FloatTable[bucket];
+    struct floatHashNode **end = atom_float_list(env, bucket, atom_places(m));
     for (; *end; end = &(*end)->next) {
         if ((*end)->contents == number) {
             return *end;
@@ -72,6 +125,7 @@ void *EnvAddDouble(void *env, double number)
     made->contents = number;
     frame->ephemeralFloatList = atom_mark(env, (atom *)made, frame->ephemeralFloatList);
     frame->dirty = TRUE;
+    atom_count_float(env, m);
     return made;
 }
 
@@ -123,10 +177,9 @@ void DecrementIntegerCount(void *env, struct integerHashNode *number)
     atom_release(env, (atom *)number, offsetof(struct garbageFrame, ephemeralIntegerList));
 }
 
-/* Takes it out of its table. */
-static inline void atom_unlink(void *env, const atom *a, atom **table)
+/* Takes it out of its list. */
+static inline void atom_unlink(void *env, const atom *a, atom **at)
 {
-    atom **at = &table[a->bucket];
     while (*at != a) {
         clips_engine_assert(env, *at != NULL, "SYMBOL", 11);
         at = &(*at)->next;
@@ -135,28 +188,33 @@ static inline void atom_unlink(void *env, const atom *a, atom **table)
 }
 
 /*
- * Ends the list of a frame: what is used is ephemeral no more, and what is not goes.  An entry
- * below zero would stay; there is none.
+ * Ends the list of a frame: what is used is ephemeral no more, and what is not goes.  The mask says
+ * which bits of an atom's bucket tell its list.
+ *
+ * @return how many have gone
  */
-static inline void atom_sweep(void *env, struct ephemeron **list, atom **table, size_t bytes,
-                              void (*end)(void *env, atom *a))
+static inline uint32_t atom_sweep(void *env, struct ephemeron **list, atom **table, uint32_t mask,
+                                  size_t bytes, void (*end)(void *env, atom *a))
 {
     struct ephemeron *next;
+    uint32_t gone = 0;
     for (struct ephemeron *mark = *list; mark; mark = next) {
         atom *a = mark->associatedValue;
         next = mark->next;
         if (a->count > 0) {
             a->markedEphemeral = FALSE;
         } else {
-            atom_unlink(env, a, table);
+            atom_unlink(env, a, &table[a->bucket & mask]);
             if (end) {
                 end(env, a);
             }
             clips_engine_give(env, a, bytes);
+            gone++;
         }
         clips_engine_give(env, mark, sizeof *mark);
     }
     *list = NULL;
+    return gone;
 }
 
 static void atom_end_symbol(void *env, atom *a)
@@ -181,6 +239,16 @@ static void atom_end_address(void *env, atom *a)
     }
 }
 
+static void atom_sweep_floats(void *env, struct ephemeron **list)
+{
+    struct mind *m = ((struct environmentData *)env)->context;
+    uint32_t gone = atom_sweep(env, list, (atom **)SymbolData(env)->FloatTable, atom_places(m) - 1,
+                               sizeof(struct floatHashNode), NULL);
+    if (m) {
+        m->floats -= gone;
+    }
+}
+
 void RemoveEphemeralAtoms(void *env)
 {
     struct garbageFrame *frame = UtilityData(env)->CurrentGarbageFrame;
@@ -188,16 +256,15 @@ void RemoveEphemeralAtoms(void *env)
     if (!frame->dirty) {
         return;
     }
-    atom_sweep(env, &frame->ephemeralSymbolList, (atom **)tables->SymbolTable,
+    atom_sweep_floats(env, &frame->ephemeralFloatList);
+    atom_sweep(env, &frame->ephemeralSymbolList, (atom **)tables->SymbolTable, UINT32_MAX,
                sizeof(struct symbolHashNode), atom_end_symbol);
-    atom_sweep(env, &frame->ephemeralFloatList, (atom **)tables->FloatTable,
-               sizeof(struct floatHashNode), NULL);
-    atom_sweep(env, &frame->ephemeralIntegerList, (atom **)tables->IntegerTable,
+    atom_sweep(env, &frame->ephemeralIntegerList, (atom **)tables->IntegerTable, UINT32_MAX,
                sizeof(struct integerHashNode), NULL);
-    atom_sweep(env, &frame->ephemeralBitMapList, (atom **)tables->BitMapTable,
+    atom_sweep(env, &frame->ephemeralBitMapList, (atom **)tables->BitMapTable, UINT32_MAX,
                sizeof(struct bitMapHashNode), atom_end_bits);
     atom_sweep(env, &frame->ephemeralExternalAddressList, (atom **)tables->ExternalAddressTable,
-               sizeof(struct externalAddressHashNode), atom_end_address);
+               UINT32_MAX, sizeof(struct externalAddressHashNode), atom_end_address);
 }
 
 void MultifieldInstall(void *env, struct multifield *fields)
