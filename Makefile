@@ -104,7 +104,8 @@ ENGINE_OWN := \
   HandleFactDuplication \
   CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
   NetworkAssert \
-  EvaluateExpression EnvRtnArgCount
+  EvaluateExpression EnvRtnArgCount \
+  EnvPrintRouter PrintLongInteger
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
