@@ -105,7 +105,7 @@ ENGINE_OWN := \
   CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
   NetworkAssert \
   EvaluateExpression EnvRtnArgCount \
-  EnvPrintRouter PrintLongInteger
+  EnvPrintRouter PrintLongInteger PrintFloat FloatToString
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@

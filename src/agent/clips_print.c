@@ -4,8 +4,10 @@
  * thousand facts is five thousand words, and a robot lists them between two steps.
  */
 #include "agent/clips_engine.h"
+#include "agent/clips_number.h"
 
 #include <router.h>
+#include <stdio.h>
 
 static bool print_is_for(void *env, const struct router *r, const char *name)
 {
@@ -48,4 +50,17 @@ void PrintLongInteger(void *env, const char *name, long long number)
         *--at = '-';
     }
     EnvPrintRouter(env, name, at);
+}
+
+/* The engine makes a symbol of each number that it prints. */
+void PrintFloat(void *env, const char *name, double number)
+{
+    char bytes[CLIPS_NUMBER_BYTES];
+    EnvPrintRouter(env, name, clips_number_print(number, bytes));
+}
+
+const char *FloatToString(void *env, double number)
+{
+    char bytes[CLIPS_NUMBER_BYTES];
+    return ValueToString(EnvAddSymbol(env, clips_number_print(number, bytes)));
 }
