@@ -5,6 +5,7 @@
 #include "core/network.h"
 #include "core/options.h"
 #include "muster/memory.h"
+#include "sim/runfile.h"
 #include "sim/session.h"
 #include "sim/snapshot.h"
 
@@ -27,7 +28,10 @@ struct settings {
     double duration_s, rate, step_ms, silence_s;
     int64_t watchers, threads;
     bool free, waits_for_go, verbose;
-    const char *csv, *restore;
+    const char *csv, *record, *restore;
+    bool without_percepts;
+    struct mu_option_list files;  /* "NAME=PATH" */
+    struct mu_option_list notes;  /* "KEY=VALUE" */
     struct mu_option_list robots; /* names; none: all of the world */
     struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
@@ -102,6 +106,25 @@ static struct mu_option option_table[] = {
      .unit = "FILE",
      .help = "record tracks here",
      .target = &set.csv},
+    {.name = "record",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record the run here, as MCAP: docs/recording.md",
+     .target = &set.record},
+    {.name = "without-percepts",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave out what the robots sensed",
+     .target = &set.without_percepts},
+    {.name = "attach",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME=PATH",
+     .help = "put a file that the run was made of into the recording",
+     .target = &set.files},
+    {.name = "note",
+     .kind = MU_OPTION_LIST,
+     .unit = "KEY=VALUE",
+     .help = "say something about the run in the recording",
+     .target = &set.notes},
     {.name = "robots",
      .kind = MU_OPTION_LIST,
      .unit = "NAME",
@@ -235,10 +258,17 @@ static int session_live(struct session *s)
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    if (s->recorder && recorder_close(s->recorder) != MU_OK) {
-        return MU_EXIT_WRITE;
-    }
     return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+}
+
+/* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
+ * the disk */
+static int records_close(struct recorder *recorder, struct runfile *runfile, int code)
+{
+    bool tracks = !recorder || recorder_close(recorder) == MU_OK;
+    bool run = !runfile || runfile_close(runfile) == MU_OK;
+    bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
+    return (tracks && run) || !counts ? code : MU_EXIT_WRITE;
 }
 
 int main(int argc, char **argv)
@@ -266,6 +296,14 @@ int main(int argc, char **argv)
     if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {
         return MU_EXIT_WRITE;
     }
+    struct runfile *runfile = NULL;
+    struct runfile_options recording = {.path = set.record,
+                                        .files = &set.files,
+                                        .notes = &set.notes,
+                                        .without_percepts = set.without_percepts};
+    if (set.record && runfile_open(&runfile, &recording) != MU_OK) {
+        return MU_EXIT_WRITE;
+    }
     struct bus_options bus = {.domain = (int)set.network.domain,
                               .place = BUS_SIMULATOR,
                               .name = "simulator",
@@ -278,7 +316,8 @@ int main(int argc, char **argv)
     if (opened != MU_OK) {
         return MU_EXIT_DDS;
     }
-    struct session_options options = {.step_ns = step_ns,
+    struct session_options options = {.seed = (uint64_t)set.seed,
+                                      .step_ns = step_ns,
                                       .broker = set.network.broker,
                                       .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
                                       .rate = set.rate,
@@ -295,8 +334,11 @@ int main(int argc, char **argv)
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
+    if (runfile) {
+        runfile_listen(runfile, s);
+    }
     mu_memory_seal();
-    int code = session_live(s);
+    int code = records_close(recorder, runfile, session_live(s));
     bus_close(&s->bus);
     return code;
 }
