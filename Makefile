@@ -116,7 +116,9 @@ ENGINE_OWN := \
   CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
   NetworkAssert \
   EvaluateExpression EnvRtnArgCount \
-  EnvPrintRouter PrintLongInteger PrintFloat FloatToString
+  EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
+  gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList EnvCreateMultifield FlushMultifields \
+  PushProcParameters PopProcParameters
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
