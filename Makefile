@@ -27,7 +27,8 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
 # Foreign headers are system headers: their warnings are not ours.
-override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+CLIPS_VERSION := $(shell sed -n 's/^#define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h 2>/dev/null)
+override CPPFLAGS += -DMU_CLIPS_VERSION='"$(CLIPS_VERSION)"'  -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
@@ -51,14 +52,17 @@ USES_mcap    := core
 USES_bus     := core
 USES_runtime := bus core
 USES_broker  := bus core
-USES_sim     := world bus core
+USES_sim     := mcap world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_story   := core
+USES_story   := mcap bus core
 USES_record  := mcap bus core
+USES_replay  := mcap bus core
+USES_experiment := world core
+USES_report  := experiment world core
 USES_desk    := runtime bus core
-USES_ctl     := desk story mcap world runtime bus core
+USES_ctl     := desk story mcap report experiment world runtime bus core
 USES_web     := desk runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
@@ -66,22 +70,25 @@ LIBS_mcap    := -lz
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
 LIBS_broker  := -lddsc -lsqlite3
-LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
+LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_story   :=
+LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz
+LIBS_replay  := -lddsc -lz -lm
+LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 LIBS_web     := -lmicrohttpd -lddsc -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
-                $(if $(filter web,$(1)),$(ASSETS))
+                $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record muster-web)
+            muster-resolver muster-host muster-record muster-replay muster-web)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -89,6 +96,7 @@ MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
 MAIN_muster-record := record
+MAIN_muster-replay := replay
 MAIN_muster-web    := web
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
@@ -108,6 +116,24 @@ deps: ## install what is missing (DEPS=skip: never touch the system)
 $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAIN_$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(MAIN_$*))
+
+# The engine, with functions of ours in the place of its own: src/agent/clips_engine.h.
+ENGINE_OWN := \
+  HashSymbol HashFloat EnvAddDouble EnvAddLong DecrementSymbolCount DecrementFloatCount \
+  DecrementIntegerCount RemoveEphemeralAtoms MultifieldInstall MultifieldDeinstall AtomInstall \
+  AtomDeinstall \
+  InitializeFactHashTable HashFact AddHashedFact RemoveHashedFact FactWillBeAsserted \
+  HandleFactDuplication \
+  CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
+  NetworkAssert \
+  EvaluateExpression EnvRtnArgCount \
+  EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
+  gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList EnvCreateMultifield FlushMultifields \
+  PushProcParameters PopProcParameters
+$(O)/libclips.a: Makefile | deps
+	@mkdir -p $(@D); echo "  COPY  $@"
+	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
+$(patsubst %.c,$(O)/%.o,$(wildcard src/agent/clips_*.c)): CFLAGS += -fno-strict-aliasing # as it
 
 $(O)/libmuster.a: $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  AR    $@"
@@ -231,6 +257,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-verify
+soak-verify: all ## twenty recordings that go the same way again, and every stall of ten runs explained
+	@BUILD=$(BUILD) tests/soak/verify.py
+
 .PHONY: soak-worlds
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
@@ -253,6 +283,10 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
 	  build/asan/test/test_agent_fuzz; done
 
+.PHONY: soak-engine
+soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -267,9 +301,9 @@ $(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
+$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
 $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -288,7 +322,7 @@ bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers a
 	@BUILD=$(BUILD) bench/web $(ARGS)
 
 .PHONY: bench-minds
-bench-minds: $(O)/test/clips ## the engine in a robot against the program clips: manners and waltz
+bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control cycle; the engine in a robot against the program clips
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.

@@ -6,12 +6,15 @@
  * with the time of the run at which it is due, so that no clock of ours decides when they arrive.
  */
 #include "ctl/run.h"
+#include "ctl/chaos.h"
 #include "ctl/receivers.h"
+#include "ctl/run_inputs.h"
 
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/options.h"
 #include "core/text.h"
+#include "ctl/series.h"
 #include "ctl/verbs.h"
 #include "desk/runs.h"
 #include "muster/directory.h"
@@ -46,6 +49,7 @@ static void signal_note(int number)
 /* What the command line says; a negative number: nothing. */
 static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
 static struct mu_option_list chosen_set;
+static const char *chosen_seeds;
 
 static struct mu_option option_table[] = {
     {.name = "seed",
@@ -55,6 +59,19 @@ static struct mu_option option_table[] = {
      .help = "seed of the run (default: the file's, else 1)",
      .target = &chosen.seed,
      .max = 1e15},
+    {.name = "seeds",
+     .kind = MU_OPTION_STRING,
+     .unit = "N..M",
+     .help = "a run for each of these seeds, such as 1..30 or 1,3,7..9, with a report each; at the "
+             "end a table of means with 95 % intervals",
+     .target = &chosen_seeds},
+    {.name = "jobs",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "with --seeds: so many runs at once; 0: one for each processor",
+     .target = &chosen.jobs,
+     .max = 64},
     {.name = "duration",
      .kind = MU_OPTION_REAL,
      .unit = "S",
@@ -82,8 +99,31 @@ static struct mu_option option_table[] = {
     {.name = "out",
      .kind = MU_OPTION_STRING,
      .unit = "DIR",
-     .help = "folder of the report (default: out/EXPERIMENT-SEED)",
+     .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
+             "go (default: out)",
      .target = &chosen.out},
+    {.name = "record",
+     .kind = MU_OPTION_STRING,
+     .unit = "none|run|full",
+     .environment = "MUSTER_RECORD",
+     .help = "what run.mcap has: nothing; poses, commands and mails; what robots sensed and "
+             "thought, too (default: full to 64 "
+             "robots, run beyond)",
+     .target = &chosen.record},
+    {.name = "no-diary",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave what goes on in minds out of the recording",
+     .target = &chosen.no_diary},
+    {.name = "inputs",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "put in again what came into a recorded run from outside, each at its step",
+     .target = &chosen.inputs},
+    {.name = "root",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .help = "let absolute paths in the experiment start here",
+     .target = &chosen.root},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
      .unit = "D",
@@ -114,6 +154,21 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
+static mu_result seeds_parse(void)
+{
+    static uint64_t seeds[SERIES_RUNS_MAX];
+    chosen.seeds = seeds;
+    chosen.seeds_count = series_seeds(chosen_seeds, seeds);
+    if (chosen.seeds_count == 0) {
+        fprintf(stderr,
+                "muster run: --seeds %s: expected 1 to %d different seeds, such as 1..30 or "
+                "1,3,7..9\n",
+                chosen_seeds, SERIES_RUNS_MAX);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
 static mu_result options_parse(struct run *r, int argc, char **argv)
 {
     static struct mu_options options = {
@@ -131,18 +186,28 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
                         "muster run experiments/follow.yaml\n");
         return MU_FAULT_USAGE;
     }
+    if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
+        strcmp(chosen.record, "full") != 0) {
+        fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
+        return MU_FAULT_USAGE;
+    }
     chosen.file = options.words[0];
     chosen.set = chosen_set.items;
     chosen.set_count = chosen_set.count;
+    parsed = chosen_seeds ? seeds_parse() : MU_OK;
     r->options = chosen;
-    return MU_OK;
+    return parsed;
 }
 
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
 {
+    if (r->options.root) {
+        experiment_root(r->options.root);
+    }
     MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
                            fault));
     struct experiment *e = r->experiment;
+    r->options.free = r->options.free || e->free;
     e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
     e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
     for (unsigned i = 0; i < e->robots_count && !r->options.free; i++) {
@@ -170,8 +235,13 @@ static mu_result files_prepare(struct run *r)
 {
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
+    if (done == MU_OK && r->options.inputs) {
+        r->inputs = run_inputs_open(r->options.inputs, &fault);
+        done = r->inputs ? MU_OK : MU_FAULT_FILE;
+    }
     done = done == MU_OK ? run_place(r, &fault) : done;
-    done = done == MU_OK ? folder_prepare(r, &fault) : done;
+    done = done == MU_OK ? chaos_prepare(r, &fault) : done;
+    done = done == MU_OK && r->options.seeds_count == 0 ? folder_prepare(r, &fault) : done;
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }
@@ -248,6 +318,7 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
+    MU_TRY(chaos_open(r));
     struct mu_handlers handlers = {.self = r,
                                    .on_registered = on_registered,
                                    .on_receipt = on_receipt,
@@ -411,6 +482,7 @@ static int round_live(struct run *r)
     mu_result spun = mu_process_spin(r->process, ROUND_NS);
     statuses_take(r);
     run_observer_look(r);
+    chaos_look(r);
     supervise_look(&r->children);
     progress_show(r);
     if (run_signal) {
@@ -480,6 +552,24 @@ static int pages_gather(struct run *r)
     return code;
 }
 
+/* Hands over what a recording has from outside.  @return -1, or the exit code */
+static int inputs_gather(struct run *r)
+{
+    int code = -1;
+    if (r->inputs) {
+        run_inputs_join(r->inputs, r->process, r->observer, &r->command, r->simulator);
+    }
+    while (code < 0 && r->inputs && !run_inputs_tell(r->inputs)) {
+        code = round_live(r);
+        code = code < 0 ? start_patience(r) : code;
+    }
+    if (code < 0 && r->inputs && run_inputs_refused(r->inputs)) {
+        fprintf(stderr, "muster run: some of what came from outside cannot be put in again\n");
+        return MU_EXIT_REFUSED;
+    }
+    return code;
+}
+
 /* Until all are there and the broker has every command. */
 static int gather(struct run *r)
 {
@@ -500,7 +590,7 @@ static int gather(struct run *r)
         code = code < 0 && r->command_unknown ? MU_EXIT_NO_AGENT : code;
         code = code < 0 ? start_patience(r) : code;
     }
-    return code;
+    return code < 0 ? inputs_gather(r) : code;
 }
 
 static int watch(struct run *r)
@@ -512,8 +602,9 @@ static int watch(struct run *r)
                             .seq = 1,
                             .order = muster_RUN_GO,
                             .name = none,
-                            .file = none};
-    if (bus_write(&r->command, &go) != MU_OK) {
+                            .file = none,
+                            .when = none};
+    if (chaos_send(r) != MU_OK || bus_write(&r->command, &go) != MU_OK) {
         return MU_EXIT_DDS;
     }
     int code = -1;
@@ -577,14 +668,17 @@ int run_verb(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
-    }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
+    if (r->options.seeds_count > 0) {
+        return series_run(&r->options, r->experiment);
+    }
+    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
+        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
+        return MU_EXIT_DDS;
+    }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
     supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
@@ -593,5 +687,8 @@ int run_verb(int argc, char **argv)
     if (r->process) {
         bus_close(&r->process->bus);
     }
-    return code < 0 ? run_report(r) : code;
+    /* A disk that is full ends the recording, not the report. */
+    bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
+    int reported = reports ? run_report(r) : code;
+    return code < 0 ? reported : code;
 }
