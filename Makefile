@@ -61,7 +61,9 @@ USES_record  := mcap bus core
 USES_replay  := mcap bus core
 USES_experiment := world core
 USES_report  := experiment world core
-USES_ctl     := story mcap report experiment world runtime bus core
+USES_desk    := runtime bus core
+USES_ctl     := desk story mcap report experiment world runtime bus core
+USES_web     := desk runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
@@ -77,12 +79,16 @@ LIBS_record  := -lddsc -lz
 LIBS_replay  := -lddsc -lz -lm
 LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_web     := -lmicrohttpd -lddsc -lm
+# The files of the page are part of the program: src/web/assets.c names them.
+ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
-                $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a)
+                $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record muster-replay)
+            muster-resolver muster-host muster-record muster-replay muster-web)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -91,6 +97,7 @@ MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
 MAIN_muster-record := record
 MAIN_muster-replay := replay
+MAIN_muster-web    := web
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
@@ -186,6 +193,10 @@ ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
 $(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
 $(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
 endif
+
+$(ASSETS): $(O)/%.o: % Makefile
+	@mkdir -p $(@D); echo "  EMBED $<"
+	$(Q)ld -r -b binary -z noexecstack -o $@ $<
 
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
@@ -305,6 +316,10 @@ bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a d
 .PHONY: bench-scale
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
+
+.PHONY: bench-web
+bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
+	@BUILD=$(BUILD) bench/web $(ARGS)
 
 .PHONY: bench-minds
 bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control cycle; the engine in a robot against the program clips
