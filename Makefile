@@ -56,10 +56,12 @@ USES_sim     := mcap world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_story   := core
+USES_story   := mcap bus core
 USES_record  := mcap bus core
 USES_replay  := mcap bus core
-USES_ctl     := story mcap world runtime bus core
+USES_experiment := world core
+USES_report  := experiment world core
+USES_ctl     := story mcap report experiment world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
@@ -70,9 +72,11 @@ LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_story   :=
+LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz
 LIBS_replay  := -lddsc -lz -lm
+LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The processes of a run and the words of their command lines. */
 #include "core/text.h"
+#include "ctl/chaos.h"
 #include "ctl/run.h"
 
 #include <stdarg.h>
@@ -67,6 +68,12 @@ void run_child_name(const struct run *r, unsigned index, char *name)
              index ? run_broker(r, index) : "");
 }
 
+static mu_result child_start(struct run *r, const char *name, const char *program)
+{
+    chaos_child(r, name);
+    return supervise_start(&r->children, name, program, words_end());
+}
+
 static mu_result broker_start(struct run *r, unsigned index)
 {
     char name[RUN_CHILD_MAX];
@@ -80,8 +87,12 @@ static mu_result broker_start(struct run *r, unsigned index)
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
-    word_add("--store=none"); /* a run repeats from nothing */
-    return supervise_start(&r->children, name, "muster-broker", words_end());
+    if (r->experiment->broker.store) {
+        word_add("--store=%s/%s.db", r->folder, name);
+    } else {
+        word_add("--store=none"); /* a run repeats from nothing */
+    }
+    return child_start(r, name, "muster-broker");
 }
 
 static void places_add(const struct experiment *e)
@@ -156,7 +167,13 @@ static mu_result simulator_start(struct run *r)
     }
     places_add(e);
     recording_add(r);
-    return supervise_start(&r->children, "simulator", "muster-sim", words_end());
+    if (e->events_count > 0) {
+        word_add("--events=%s/events.csv", r->folder);
+    }
+    for (unsigned i = 0; i < e->events_count; i++) {
+        word_add("--event=%s", e->events[i]);
+    }
+    return child_start(r, "simulator", "muster-sim");
 }
 
 /* What robots bear that share an entry of the experiment, they share here, too. */
@@ -183,9 +200,9 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
         word_add("--service=%s", robot->services[i]);
     }
-    MU_TRY(supervise_start(&r->children, robot->name, "muster-robot", words_end()));
+    MU_TRY(child_start(r, robot->name, "muster-robot"));
     /* In free running a robot may move to a host, or be disposed of: its process ends. */
-    r->children.children[r->children.count - 1].may_leave = r->options.free;
+    supervise_find(&r->children, robot->name)->may_leave = r->options.free;
     return MU_OK;
 }
 
@@ -195,7 +212,25 @@ static mu_result resolver_start(struct run *r, const char *scheme)
     word_add("%s", scheme);
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", run_broker(r, 0));
-    return supervise_start(&r->children, scheme, "muster-resolver", words_end());
+    return child_start(r, scheme, "muster-resolver");
+}
+
+mu_result run_restart(struct run *r, const char *child)
+{
+    char name[RUN_CHILD_MAX];
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        run_child_name(r, i, name);
+        if (strcmp(name, child) == 0) {
+            return broker_start(r, i);
+        }
+    }
+    for (unsigned i = 0; i < r->experiment->crews_count; i++) {
+        const struct experiment_crew *crew = &r->experiment->crews[i];
+        if (strcmp(r->experiment->robots[crew->robot].name, child) == 0) {
+            return crew_start(r, crew);
+        }
+    }
+    return MU_REFUSED;
 }
 
 mu_result run_start(struct run *r)

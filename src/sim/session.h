@@ -15,6 +15,7 @@
 #include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
+#include "sim/script.h"
 #include "sim/view.h"
 #include "wire.h"
 
@@ -111,7 +112,9 @@ struct session {
     uint32_t answers_missing;
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */
-    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
+    struct script *script;   /* those that wait for later, and events */
+    struct condition_names body_names;
+    int64_t pace_step; /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
@@ -160,6 +163,29 @@ void session_take(struct session *s);
 
 /** Takes an order from outside: one that changes the world waits for session_orders_apply. */
 void session_order_take(struct session *s, const muster_RunCommand *c);
+
+/** Answers that an order is not carried out. */
+void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why);
+
+/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
+long session_body_find(const struct session *s, const char *name);
+
+/* What waits for later, session_script.c. */
+
+/** Takes memory. */
+void session_script_open(struct session *s);
+
+/** Notes what an agent did. */
+void session_script_act(struct session *s, size_t robot, const muster_Act *act);
+
+/** Looks whose time has come, at the end of a step. */
+void session_script_look(struct session *s);
+
+/** Has the sensors of an order with a time come back after that. */
+void session_script_undo(struct session *s, const muster_RunCommand *c);
+
+/** In lock step, waits for the word to go on. */
+void session_script_hold(struct session *s);
 
 /** Carries out what came from outside since the last step, and answers for it. */
 void session_orders_apply(struct session *s);
