@@ -336,6 +336,26 @@ def test_a_replay_in_real_time_is_the_recording():
         check(again == first, "every message, in order")
 
 
+def test_who_watches_frames_sees_a_replay():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        experiment_run(out / "o", "--duration", 5)
+        watchers = [processes.start(program("frame_watcher"), domain, which,
+                                    stdout=subprocess.PIPE, text=True)
+                    for which in ("every", "latest")]
+        done = muster("replay", out / "o" / "run.mcap", "--domain", domain, "--rate", 10,
+                      "--topics", "Scene", "--topics", "Frame", "--topics", "RunStatus",
+                      "--wait", 20)
+        check_equal((done.returncode, done.stdout), (0, "53 messages of 3 topics\n"), done.stderr)
+        for watcher in watchers:
+            said, _ = watcher.communicate(timeout=20)
+            lines = said.splitlines()
+            check_equal(lines[0].split()[:2], ["scene", "arena.world"], "the world")
+            steps = [int(l.split()[1]) for l in lines if l.startswith("frame ")]
+            check_equal(steps, list(range(51)), "steps")
+            check_equal(lines[-1].split()[:1], ["end"], "the end")
+
+
 def test_a_replay_is_refused_beside_a_simulator():
     domain = new_domain()
     with folder() as out, Processes() as processes:
