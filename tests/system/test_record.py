@@ -298,6 +298,31 @@ def test_a_full_disk_ends_the_recording_and_not_the_run():
 
 # --- replay ----------------------------------------------------------------------------------------
 
+def sums(path):
+    """Topic and sum of the bytes of each message, in order."""
+    script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
+              "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
+              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
+    home = tool_python(*READERS)
+    return json.loads(subprocess.run([home / "bin" / "python", "-c", script, path],
+                                     capture_output=True, text=True, timeout=60).stdout)
+
+
+def test_a_recorder_hears_what_the_run_records():
+    tool_python(*READERS)
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        record = record_start(processes, domain, out / "heard.mcap", "Frame")
+        _, summary = experiment_run(out / "o", "--duration", 20, "--rate", 10, "--domain", domain)
+        record_end(record)
+        _, alone = experiment_run(out / "alone", "--duration", 20, "--record", "none")
+        check_equal(summary["hash"], alone["hash"], "the hash")
+        frames = iter(s for s in sums(out / "o" / "run.mcap") if s[0] == "Frame")
+        heard = sums(out / "heard.mcap")
+        check(len(heard) > 100, f"frames that were heard: {len(heard)} of 201")
+        check(all(one in frames for one in heard), "each is in the run's recording, in this order")
+
+
 def replay_compare(path, out, *words):
     """Records the replay of a recording; gives what is in the one and in the other."""
     domain = new_domain()
@@ -307,13 +332,7 @@ def replay_compare(path, out, *words):
         done = muster("replay", path, "--domain", domain, "--topics", "all", "--wait", 20, *words)
         check_equal(done.returncode, 0, done.stderr)
         record_end(record)
-    script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
-              "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
-              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
-    home = tool_python(*READERS)
-    return [json.loads(subprocess.run([home / "bin" / "python", "-c", script, file],
-                                      capture_output=True, text=True, timeout=60).stdout)
-            for file in (path, again)]
+    return sums(path), sums(again)
 
 
 def test_a_replay_is_the_recording():
