@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings: what `muster record` hears is in the file, and others can read it."""
 import json
+import os
 import pathlib
 import resource
 import signal
@@ -8,7 +9,7 @@ import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     experiment_run, folder, muster, new_domain, observer_environment, program,
+                     children_of, experiment_run, folder, muster, new_domain, observer_environment, program,
                      tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -401,3 +402,43 @@ def test_a_damaged_recording_is_replayed_as_far_as_it_goes():
         done = muster("replay", out / "no.mcap", "--domain", domain)
         check_equal(done.returncode, 3, done.stderr)
         check("expected an MCAP file" in done.stderr, done.stderr)
+
+
+def test_a_replay_goes_round():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        experiment_run(out / "o", "--duration", 1)
+        p = processes.start(MUSTER, "replay", out / "o" / "run.mcap", "--domain", domain, "--rate",
+                            20, "--wait", 20, "--loop", stdout=subprocess.PIPE, text=True)
+        watch = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
+                                text=True)
+        watch.communicate(timeout=20)  # it ends with the first round
+        again = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
+                                text=True)
+        said, _ = again.communicate(timeout=20)
+        check("\nframe 10 " in said, f"the end of a later round: {said[-500:]}")
+        p.send_signal(signal.SIGINT)
+        said, _ = p.communicate(timeout=20)
+        check_equal(p.returncode, 130, "interrupted")
+        check(int(said.split()[0]) > 26, f"two rounds and more: {said}")
+
+
+def test_a_run_that_breaks_leaves_its_recording():
+    """Whoever dies: what was recorded until then can be read, and looked at again."""
+    for who in ("muster-robot red", "muster-sim"):
+        domain = new_domain()
+        with folder() as out, Processes() as processes:
+            run = processes.start(MUSTER, "run", FOLLOW, "--rate", 20, "--out", out / "o",
+                                  "--domain", domain)
+            path = out / "o" / "run.mcap"
+            wait_for(lambda: path.exists() and path.stat().st_size > 200000, 20, "a part of it")
+            for pid in children_of(run.pid):
+                words = pathlib.Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
+                if words.startswith(who):
+                    os.kill(pid, signal.SIGKILL)
+            run.wait(20)
+            check_equal(run.returncode, 5, who)
+            done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 0)
+            check_equal(done.returncode, 0, f"{who}: {done.stderr}")
+            check_equal("has no end" in done.stderr, who == "muster-sim", f"{who}: its end")
+            check(int(done.stdout.split()[0]) > 20, f"{who}: {done.stdout}")
