@@ -442,3 +442,31 @@ def test_a_run_that_breaks_leaves_its_recording():
             check_equal(done.returncode, 0, f"{who}: {done.stderr}")
             check_equal("has no end" in done.stderr, who == "muster-sim", f"{who}: its end")
             check(int(done.stdout.split()[0]) > 20, f"{who}: {done.stdout}")
+
+
+PYTHON_RECORDER = """
+import sys
+from mcap.writer import CompressionType, Writer
+for name, words in (("plain", {"compression": CompressionType.NONE}),
+                    ("zstd", {"compression": CompressionType.ZSTD}),
+                    ("flat", {"compression": CompressionType.NONE, "use_chunking": False})):
+    w = Writer(sys.argv[1] + "/" + name + ".mcap", **words)
+    w.start()
+    schema = w.register_schema("lab/msg/Reading", "ros2msg", b"string a")
+    channel = w.register_channel("Readings", "cdr", schema)
+    for i in range(100):
+        w.add_message(channel, i, b"abc", i, i)
+    w.finish()
+"""
+
+
+def test_recordings_of_others_are_read_or_refused():
+    home = tool_python(*READERS)
+    with folder() as out:
+        subprocess.run([home / "bin" / "python", "-c", PYTHON_RECORDER, out], check=True, timeout=60)
+        for name, why in (("plain", "Readings is left out: it is no topic of muster"),
+                          ("zstd", "its chunks are compressed"),
+                          ("flat", "its messages are in no chunks")):
+            done = muster("replay", out / f"{name}.mcap", "--domain", new_domain())
+            check_equal(done.returncode, 3, f"{name}: {done.stderr}")
+            check(why in done.stderr, f"{name}: {done.stderr}")
