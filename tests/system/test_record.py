@@ -9,8 +9,8 @@ import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     children_of, experiment_run, folder, muster, new_domain, observer_environment, program,
-                     tool_python, wait_for)
+                     children_of, experiment_run, folder, muster, new_domain, observer_environment,
+                     program, tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
 READERS = ("mcap", "mcap-ros2-support=mcap_ros2")
@@ -200,7 +200,7 @@ def test_a_recorder_that_is_killed_leaves_what_it_heard():
         check(int(done.stdout or 0) > 10, f"messages: {done.stdout} {done.stderr}")
 
 
-# --- run.mcap --------------------------------------------------------------------------------------
+# --- run.mcap -------------------------------------------------------------------------------------
 
 def test_a_run_leaves_its_recording():
     tool_python(*READERS)
@@ -212,7 +212,8 @@ def test_a_run_leaves_its_recording():
         check_equal(got["topics"], {"Scene": 1, "Frame": 101, "RunStatus": 1}, "messages")
         check_equal(got["topics"], got["raw"], "messages that were decoded")
         run, end = got["tables"]["run"], got["tables"]["end"]
-        check_equal((end["hash"], end["steps"], end["state"]), (summary["hash"], "100", "done"), "end")
+        check_equal((end["hash"], end["steps"], end["state"]), (summary["hash"], "100", "done"),
+                    "the end")
         check_equal((run["seed"], run["set.1"]),
                     ("1", "robots.red.rules=../rules/follower.clp"), "how it was started")
         for key in ("muster", "clips", "cyclonedds", "ode", "command", "began_wall_ns"):
@@ -297,7 +298,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_run():
         check((out / "o" / "run.mcap").stat().st_size <= 1 << 20, "the limit")
 
 
-# --- replay ----------------------------------------------------------------------------------------
+# --- replay ---------------------------------------------------------------------------------------
 
 def sums(path):
     """Topic and sum of the bytes of each message, in order."""
@@ -463,7 +464,8 @@ for name, words in (("plain", {"compression": CompressionType.NONE}),
 def test_recordings_of_others_are_read_or_refused():
     home = tool_python(*READERS)
     with folder() as out:
-        subprocess.run([home / "bin" / "python", "-c", PYTHON_RECORDER, out], check=True, timeout=60)
+        subprocess.run([home / "bin" / "python", "-c", PYTHON_RECORDER, out], check=True,
+                       timeout=60)
         for name, why in (("plain", "Readings is left out: it is no topic of muster"),
                           ("zstd", "its chunks are compressed"),
                           ("flat", "its messages are in no chunks")):
