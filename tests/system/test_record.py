@@ -242,8 +242,8 @@ def test_a_recording_has_what_the_run_was_made_of():
                            ("world/worlds/arena.world", ROOT / "worlds/arena.world"),
                            ("world/worlds/pioneer.inc", ROOT / "worlds/pioneer.inc"),
                            ("library/muster.clp", ROOT / "rules/muster.clp"),
-                           (f"rules{out}/mine.clp", out / "mine.clp"),
-                           (f"rules{out}/base.clp", out / "base.clp")):
+                           (f"rules/_{out}/mine.clp", out / "mine.clp"),
+                           (f"rules/_{out}/base.clp", out / "base.clp")):
             check_equal(files.get(name), pathlib.Path(path).read_text(), f"{name} of {list(files)}")
 
 
