@@ -313,6 +313,10 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
 
+.PHONY: bench-recording
+bench-recording: all ## what run.mcap costs a run, in interleaved rounds: ARGS=ROUNDS
+	@BUILD=$(BUILD) bench/recording $(ARGS)
+
 .PHONY: bench-scale
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
