@@ -46,6 +46,11 @@ export function createTrails() {
       });
       drawn = robots.map(() => 0);
     },
+    /** Forgets where they were; they go on from the next frame. */
+    restart() {
+      trails = trails.map(() => createTrail(capacity));
+      drawn = trails.map(() => 0);
+    },
     add(frame) {
       frame.robots.forEach((robot, i) => trails[i] && add(trails[i], robot.x, robot.y));
     },

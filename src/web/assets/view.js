@@ -37,6 +37,12 @@ export function createView(groundCanvas, liveCanvas) {
       stale = true;
     },
 
+    /** Trails begin where the next frame is. */
+    restart() {
+      trails.restart();
+      stale = true;
+    },
+
     paint(name) {
       theme = name;
       colors = scene ? robotColors(scene.robots, theme) : [];
