@@ -7,6 +7,7 @@
 #include "web/mind_json.h"
 #include "web/scene_json.h"
 
+#include <math.h>
 #include <string.h>
 
 /* --- reading it through ----------------------------------------------------------------------- */
@@ -24,15 +25,52 @@ static void stall_take(struct past *p, uint32_t robot, int64_t step)
     }
 }
 
-static void stalls_read(struct past *p)
+static void tracks_init(struct past *p)
 {
-    recording_rewind(&p->recording);
+    struct past_tracks *t = &p->tracks;
+    t->robots = p->recording.scene->robots._length;
+    t->rows_max = t->robots > 0 ? PAST_PLACES_MAX / t->robots + 1 : 0;
+    t->every = t->rows_max > 0 ? p->recording.steps_count / t->rows_max + 1 : 1;
+    t->steps = mu_startup_array(t->rows_max, sizeof *t->steps);
+    t->places = mu_startup_array(t->rows_max * t->robots, sizeof *t->places);
+}
+
+static int32_t millimetres(double metres)
+{
+    double mm = metres * 1e3;
+    return mm > -1e9 && mm < 1e9 ? (int32_t)lround(mm) : 0;
+}
+
+static void tracks_take(struct past_tracks *t, const muster_Frame *f)
+{
+    if (t->rows == t->rows_max || f->robots._length != t->robots) {
+        return;
+    }
+    struct past_place *row = t->places + t->rows * t->robots;
+    for (size_t i = 0; i < t->robots; i++) {
+        const muster_RobotView *r = &f->robots._buffer[i];
+        row[i] = (struct past_place){millimetres(r->x_m), millimetres(r->y_m)};
+    }
+    t->steps[t->rows++] = f->step;
+}
+
+static void stalls_take(struct past *p, const muster_Frame *f)
+{
+    for (uint32_t i = 0; i < f->robots._length && i < MU_ROBOTS_MAX; i++) {
+        if (f->robots._buffer[i].stalled) {
+            stall_take(p, i, f->step);
+        }
+    }
+}
+
+static void robots_read(struct past *p)
+{
     const muster_Frame *f;
-    while ((f = recording_next(&p->recording))) {
-        for (uint32_t i = 0; i < f->robots._length && i < MU_ROBOTS_MAX; i++) {
-            if (f->robots._buffer[i].stalled) {
-                stall_take(p, i, f->step);
-            }
+    recording_rewind(&p->recording);
+    for (size_t n = 0; (f = recording_next(&p->recording)); n++) {
+        stalls_take(p, f);
+        if (n % p->tracks.every == 0) {
+            tracks_take(&p->tracks, f);
         }
     }
 }
@@ -46,7 +84,8 @@ mu_result past_open(struct past *p, const char *path, struct mu_fault *fault)
     if (!p->recording.scene) {
         return mu_fault_at(fault, path, 0, 0, "expected a recording with a Scene");
     }
-    stalls_read(p);
+    tracks_init(p);
+    robots_read(p);
     return MU_OK;
 }
 
@@ -105,6 +144,36 @@ const struct mu_text *past_whole(struct past *p)
     stalls_write(&j, p);
     mu_json_end(&j);
     return &p->text;
+}
+
+static void track_write(struct mu_json *j, const struct past_tracks *t, size_t robot)
+{
+    mu_json_list(j, NULL);
+    for (size_t row = 0; row < t->rows; row++) {
+        mu_json_int(j, NULL, t->places[row * t->robots + robot].x_mm);
+        mu_json_int(j, NULL, t->places[row * t->robots + robot].y_mm);
+    }
+    mu_json_end(j);
+}
+
+const struct mu_text *past_tracks(struct past *p)
+{
+    struct mu_json j;
+    const struct past_tracks *t = &p->tracks;
+    answer_begin(p, &j);
+    mu_json_object(&j, NULL);
+    mu_json_list(&j, "steps");
+    for (size_t row = 0; row < t->rows; row++) {
+        mu_json_int(&j, NULL, t->steps[row]);
+    }
+    mu_json_end(&j);
+    mu_json_list(&j, "robots");
+    for (size_t i = 0; i < t->robots; i++) {
+        track_write(&j, t, i);
+    }
+    mu_json_end(&j);
+    mu_json_end(&j);
+    return p->text.cut ? NULL : &p->text;
 }
 
 /* --- a moment --------------------------------------------------------------------------------- */

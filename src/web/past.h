@@ -19,6 +19,7 @@ enum {
     PAST_STALLS_MAX = 4096,          /* that are shown */
     PAST_LATELY_STEPS = 30,          /* so long mails are shown */
     PAST_MAILS_MAX = 200,            /* of that time, the first ones */
+    PAST_PLACES_MAX = 60000,         /* of all tracks together */
     PAST_GOALS_MAX = 32              /* of so many robots goals are looked for */
 };
 
@@ -28,12 +29,26 @@ struct past_stall {
     int64_t from, to;
 };
 
+/* Where a robot was, whole millimetres. */
+struct past_place {
+    int32_t x_mm, y_mm;
+};
+
+/* Where all robots were: each step, or of a long recording each second, third, ... one. */
+struct past_tracks {
+    size_t robots, every;
+    int64_t *steps;            /* of rows */
+    struct past_place *places; /* row by row, the robots in the order of the Scene */
+    size_t rows, rows_max;
+};
+
 struct past {
     struct recording recording;
     struct past_stall stalls[PAST_STALLS_MAX];
     size_t stalls_count;
     size_t stalls_last[MU_ROBOTS_MAX]; /* of each robot: its last one's index, and 1; 0: none */
     uint64_t stalls_lost;              /* that found no room */
+    struct past_tracks tracks;
     struct goals goals;
     struct mu_text text; /* the last answer */
     const char *name;    /* of the file */
@@ -55,6 +70,16 @@ void past_show(const struct past *p, struct board *board);
  * @return the text, good until the next question
  */
 const struct mu_text *past_whole(struct past *p);
+
+/**
+ * Writes where robots were:
+ *
+ *     steps     those of the places
+ *     robots    of each [x, y, x, y, ...], whole millimetres
+ *
+ * @return the text, good until the next question; NULL: it is too long
+ */
+const struct mu_text *past_tracks(struct past *p);
 
 /**
  * Writes the moment at the end of a step, or of the last one before it that there is:

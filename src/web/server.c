@@ -46,6 +46,7 @@ enum route {
     ROUTE_EVENTS,
     ROUTE_SCENE,
     ROUTE_RECORDING,
+    ROUTE_TRACKS,
     ROUTE_MOMENTS,
     ROUTE_WHY,
     ROUTE_LINES,
@@ -69,7 +70,10 @@ static const struct {
 static const struct {
     const char *path;
     enum route route;
-} looks[] = {{"/events", ROUTE_EVENTS}, {"/scene", ROUTE_SCENE}, {"/recording", ROUTE_RECORDING}};
+} looks[] = {{"/events", ROUTE_EVENTS},
+             {"/scene", ROUTE_SCENE},
+             {"/recording", ROUTE_RECORDING},
+             {"/tracks", ROUTE_TRACKS}};
 
 /* STEP or STEP/NAME, behind a prefix */
 static void moment_find(struct target *t, const char *path, const char *prefix, enum route route)
@@ -335,6 +339,9 @@ static enum MHD_Result recording_answer(struct server *s, struct MHD_Connection 
         return past_answer(c, "application/json",
                            past ? past_moment(past, t->step, t->whose) : NULL);
     }
+    if (t->route == ROUTE_TRACKS) {
+        return past_answer(c, "application/json", past ? past_tracks(past) : NULL);
+    }
     struct mu_text none = {.at = (char *)(uintptr_t) "null\n", .len = 5};
     return past_answer(c, "application/json", past ? past_whole(past) : &none);
 }
@@ -351,6 +358,7 @@ static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, c
         return scene->len ? text_answer(c, MHD_HTTP_OK, "application/json", scene)
                           : line_answer(c, MHD_HTTP_NOT_FOUND, "there is no world yet\n");
     case ROUTE_RECORDING:
+    case ROUTE_TRACKS:
     case ROUTE_MOMENTS:
     case ROUTE_WHY: return recording_answer(s, c, t);
     case ROUTE_NONE:

@@ -7,6 +7,7 @@
  *     GET  /events       the stream of events of one viewer
  *     GET  /scene        the world
  *     GET  /recording    what recording is shown; null: a run is
+ *     GET  /tracks       where robots were in it
  *     GET  /moments/STEP[/NAME]    a moment of it, and what was in that robot's mind
  *     GET  /why/STEP/NAME          why that robot drove as it did
  *     POST /lines/NAME   a text of CLIPS to an agent

@@ -77,6 +77,17 @@ def test_every_moment_is_as_it_was():
         check(goal in facts, f"{goal} in {facts}")
 
 
+def test_tracks():
+    with recording_page("--duration", 30) as (page, out, _):
+        tracks = json.loads(page.ask("GET", "/tracks").text)
+        names = [r["name"] for r in json.loads(page.ask("GET", "/scene").text)["robots"]]
+        check_equal(tracks["steps"], list(range(301)), "each step")
+        for (step, name), row in rows(out).items():
+            track = tracks["robots"][names.index(name)]
+            for at, key in ((2 * step, "x_m"), (2 * step + 1, "y_m")):
+                check(abs(track[at] - 1000 * float(row[key])) <= 1, f"{name} at {step}: {track[at]}")
+
+
 def test_where_there_is_none():
     with recording_page("--duration", 5) as (page, _, _):
         for path, status in (("/moments/", 404), ("/moments/x", 404), ("/moments/1x", 404),
@@ -133,6 +144,7 @@ def test_a_page_of_a_run_has_no_moments():
     with page_open() as (page, _, _):
         check_equal(page.ask("GET", "/recording").text, "null\n", "no recording")
         check_equal(page.ask("GET", "/moments/3/red").status, 404, "no moment")
+        check_equal(page.ask("GET", "/tracks").status, 404, "no tracks")
         check_equal(page.ask("GET", "/why/3/red").status, 404, "no chain")
 
 
@@ -204,6 +216,25 @@ def test_a_person_drags_the_slider():
             browser.wait("document.getElementById('play').textContent === 'Play'")
             browser.click("[data-tab=Robots]")
             browser.wait("+document.querySelector('tbody tr').children[2].textContent > 0")
+            check_equal(browser.said, [], "the page had no fault")
+
+
+GROUND = "document.getElementById('ground').toDataURL()"
+
+
+def test_trails_lead_to_where_the_slider_is():
+    with recording_page("--duration", 60) as (page, _, _):
+        with Browser(page.url) as browser:
+            browser.wait(f"{STEP} === 0 && document.querySelectorAll('tbody tr').length === 4")
+            drag(browser, 0.9)
+            browser.wait(f"Math.abs({STEP} - 540) <= 3")
+            far = browser.value(f"new Promise(r => setTimeout(() => r({GROUND}), 500))")
+            browser.click("[data-tool=trails]")
+            browser.wait(f"{GROUND} !== {json.dumps(far)}")
+            browser.click("[data-tool=trails]")
+            browser.wait(f"{GROUND} === {json.dumps(far)}")
+            drag(browser, 0.2)
+            browser.wait(f"{GROUND} !== {json.dumps(far)}")
             check_equal(browser.said, [], "the page had no fault")
 
 

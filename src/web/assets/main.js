@@ -12,7 +12,7 @@ import {createHeader} from './header.js';
 import {attachKeys} from './keys.js';
 import {createLog} from './log.js';
 import {createMinds} from './minds.js';
-import {createPast, fetchRecording, fetchWhy} from './past.js';
+import {createPast, fetchRecording, fetchTracks, fetchWhy} from './past.js';
 import {attachPointer} from './pointer.js';
 import {createStatistics} from './statistics.js';
 import {createTabs} from './tabs.js';
@@ -23,6 +23,7 @@ const WORDS_MS = 200; /* tables and texts need not change more often */
 const PAN_PX = 60;
 
 const recording = await fetchRecording(); /* null: a run is shown */
+const tracks = recording && await fetchTracks();
 const actor = createActor();
 const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
@@ -124,7 +125,7 @@ function takeMoment({frame, statistics: totals, lately, mind}, goesOn) {
     tween.clear();
     log.clear();
     model.fired.clear();
-    view.restart();
+    view.restart(tracks, frame.step);
   }
   log.takeLately(decodeLately(lately, recording.step_ms).filter(({step}) => step > before));
   if (frame.step !== before) takeFrame(frame);

@@ -14,6 +14,12 @@ export async function fetchRecording() {
   return answer.ok ? answer.json() : null;
 }
 
+/** Where robots were: {steps, robots}. */
+export async function fetchTracks() {
+  const answer = await fetch('/tracks', {cache: 'no-store'});
+  return answer.ok ? answer.json() : {steps: [], robots: []};
+}
+
 async function fetchMoment(step, robot) {
   const answer = await fetch(`/moments/${step}/${encodeURIComponent(robot)}`, {cache: 'no-store'});
   return answer.ok ? answer.json() : null;

@@ -37,9 +37,9 @@ export function createView(groundCanvas, liveCanvas) {
       stale = true;
     },
 
-    /** Trails begin where the next frame is. */
-    restart() {
-      trails.restart();
+    /** After a leap to a step of a recording: trails are as they were then. */
+    restart(tracks, step) {
+      trails.restart(tracks, step);
       stale = true;
     },
 
