@@ -101,6 +101,13 @@ static struct mu_option option_table[] = {
      .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
              "go (default: out)",
      .target = &chosen.out},
+    {.name = "record",
+     .kind = MU_OPTION_STRING,
+     .unit = "none|run|full",
+     .environment = "MUSTER_RECORD",
+     .help = "what run.mcap has: nothing, all but what robots sensed, or all (default: full to 64 "
+             "robots, run beyond)",
+     .target = &chosen.record},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
      .unit = "D",
@@ -161,6 +168,11 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
     if (options.words_count != 1) {
         fprintf(stderr, "muster run: name one experiment file, for example: "
                         "muster run experiments/follow.yaml\n");
+        return MU_FAULT_USAGE;
+    }
+    if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
+        strcmp(chosen.record, "full") != 0) {
+        fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
         return MU_FAULT_USAGE;
     }
     chosen.file = options.words[0];
@@ -634,5 +646,8 @@ int run_verb(int argc, char **argv)
     if (r->process) {
         bus_close(&r->process->bus);
     }
-    return code < 0 ? run_report(r) : code;
+    /* A disk that is full ends the recording, not the report. */
+    bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
+    int reported = reports ? run_report(r) : code;
+    return code < 0 ? reported : code;
 }

@@ -23,7 +23,7 @@ struct run_options {
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
     bool free, quiet, json, no_spread;
-    const char *out;
+    const char *out, *record;
     const char *const *set;
     size_t set_count;
     const uint64_t *seeds; /* of a series */
@@ -85,6 +85,21 @@ void run_child_name(const struct run *r, unsigned index, char *name);
  * anything starts.  Robots with a random place get their pose.
  */
 MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
+
+/* A file that a run is made of. */
+struct run_file {
+    const char *role; /* experiment, world, rules, policy, library */
+    const char *path;
+    const char *name; /* in the recording: where it is from here; of the library, in that */
+};
+
+enum { RUN_FILES_MAX = 512 };
+
+/** Finds the files that a run is made of, in run_files.c; takes memory at start-up. */
+const struct run_file *run_files(const struct run *r, size_t *count);
+
+/** Writes the command that does the run again, without the words that change nothing in it. */
+void run_command_write(const struct run *r, char *buffer, size_t size);
 
 /** Starts a child once more that has ended: a broker or robots.  @return MU_OK; MU_REFUSED: it is
  * neither; or a fault, explained */

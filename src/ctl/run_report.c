@@ -103,7 +103,7 @@ void run_summary_print(const char *folder)
     }
 }
 
-static void command_write(const struct run *r, char *buffer, size_t size)
+void run_command_write(const struct run *r, char *buffer, size_t size)
 {
     struct mu_text t;
     mu_text_init(&t, buffer, size);
@@ -151,7 +151,7 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
 int run_report(struct run *r)
 {
     char command[2048];
-    command_write(r, command, sizeof command);
+    run_command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
     size_t robots_count = robots_fill(r, robots);

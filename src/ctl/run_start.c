@@ -8,7 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WORDS_MAX = 4 * MU_ROBOTS_MAX + 32, WORDS_TEXT = 256 * 1024 };
+enum {
+    WORDS_MAX = 4 * MU_ROBOTS_MAX + RUN_FILES_MAX + 128,
+    WORDS_TEXT = 1024 * 1024,
+    RECORD_FULL_MAX = 64, /* robots whose percepts are recorded unless somebody asks for them */
+};
 
 /* A command line that is put together. */
 struct words {
@@ -31,7 +35,7 @@ static void word_add(const char *format, ...) __attribute__((format(printf, 1, 2
 
 static void word_add(const char *format, ...)
 {
-    char word[PATH_MAX + 256];
+    char word[2 * PATH_MAX + 256];
     va_list args;
     va_start(args, format);
     vsnprintf(word, sizeof word, format, args);
@@ -108,6 +112,41 @@ static void places_add(const struct experiment *e)
     }
 }
 
+/* Percepts of a large team are most of its recording. */
+static bool record_is(const struct run *r, const char *level)
+{
+    const char *usual = r->experiment->robots_count > RECORD_FULL_MAX ? "run" : "full";
+    return strcmp(r->options.record ? r->options.record : usual, level) == 0;
+}
+
+static void recording_add(const struct run *r)
+{
+    char command[2048];
+    size_t count = 0;
+    if (record_is(r, "none")) {
+        return;
+    }
+    run_command_write(r, command, sizeof command);
+    word_add("--record=%s/run.mcap", r->folder);
+    if (record_is(r, "run")) {
+        word_add("--without-percepts");
+    }
+    word_add("--note=command=%s", command);
+    word_add("--note=experiment=%s", r->experiment->name);
+    word_add("--note=seed=%lld", (long long)r->experiment->seed);
+    word_add("--note=duration_s=%.17g", r->experiment->duration);
+    word_add("--note=rate=%.17g", r->options.rate);
+    word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
+    word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    for (size_t i = 0; i < r->options.set_count; i++) {
+        word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
+    }
+    const struct run_file *files = run_files(r, &count);
+    for (size_t i = 0; i < count; i++) {
+        word_add("--attach=%s=%s", files[i].name, files[i].path);
+    }
+}
+
 static mu_result simulator_start(struct run *r)
 {
     const struct experiment *e = r->experiment;
@@ -127,6 +166,7 @@ static mu_result simulator_start(struct run *r)
         word_add("--watchers=%u", e->resolvers_count);
     }
     places_add(e);
+    recording_add(r);
     if (e->events_count > 0) {
         word_add("--events=%s/events.csv", r->folder);
     }

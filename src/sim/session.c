@@ -362,6 +362,7 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
     status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
     status.objects._buffer = s->places;
     status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
+    session_view_status(s, &status);
     return bus_write(&s->status, &status) == MU_OK;
 }
 

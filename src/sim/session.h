@@ -60,13 +60,15 @@ struct session_process {
 enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
 
 /*
- * Who wants every Frame inside this process, such as a recording: the sample, and its bytes as they
- * would stand on the wire.  Both are good until the function returns.
+ * Who wants every Frame inside this process, and how the run ended, such as a recording: the
+ * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
  */
 struct session_listener {
     void *self;
     void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
     void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
+    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
+    bool without_percepts; /* its bytes of Frames leave them out */
 };
 
 struct session_options {
@@ -122,6 +124,7 @@ struct session {
     struct view *view;
     struct tally *tallies;       /* of each robot */
     struct bus_bytes view_bytes; /* of what the listener was told last */
+    bool end_told;               /* to the listener */
     unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
     uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
     uint64_t frames_lost;        /* that the network did not take */
@@ -208,6 +211,9 @@ void session_view_begin(struct session *s, bool last);
 void session_view_act(struct session *s, size_t robot, const muster_Act *act);
 void session_view_outside(struct session *s, const muster_Delivery *d);
 void session_view_order(struct session *s, const muster_RunCommand *order);
+
+/** Tells the listener how the run has ended, once. */
+void session_view_status(struct session *s, const muster_RunStatus *status);
 
 /** Ends the Frame, before the world moves on, and tells who wants it. */
 void session_view_finish(struct session *s);
