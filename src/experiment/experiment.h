@@ -95,6 +95,11 @@ struct experiment_expectation {
     char *never;     /* or: a condition that never comes true */
 };
 
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
+};
+
 enum experiment_chaos_kind {
     CHAOS_NONE,
     /* in the world: */
@@ -128,8 +133,8 @@ struct experiment_chaos {
                                      simulated time, else that of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    int line, column; /* of it in the file */
-    char text[160];   /* what it does, for people */
+    struct experiment_mark mark; /* of it in the file */
+    char text[160];              /* what it does, for people */
 };
 
 /* A process of the run that dies ends the run. */
@@ -168,8 +173,9 @@ struct experiment {
     bool free;           /* it runs free unless somebody says otherwise */
     const char **events; /* conditions of all sequences and nevers, each once */
     unsigned events_count;
-    char *file;       /* its path, for faults */
-    char folder[256]; /* of the file: what relative paths start from */
+    struct experiment_mark *event_marks; /* where the file has each first */
+    char *file;                          /* its path, for faults */
+    char folder[256];                    /* of the file: what relative paths start from */
 };
 
 /* Robots' numbers of summary.json, as statistics name them. */

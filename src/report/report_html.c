@@ -101,7 +101,7 @@ static void html_facts(FILE *file, const struct report_data *data)
     html_fact(file, "mail", text);
     html_fact(file, "world", input->world->file);
     html_fact(file, "experiment", input->experiment->file ? input->experiment->file : "");
-    html_fact(file, "made with", input->versions ? input->versions : "muster " MU_VERSION);
+    html_fact(file, "made with", input->versions ? input->versions : "");
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
     fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);

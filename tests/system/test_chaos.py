@@ -137,7 +137,7 @@ def test_wrong_chaos_is_refused_with_its_place():
         for text, expected in (
                 ("chaos:\n  - {at: 1, push: rad, force: [1, 1]}\n", r"\.yaml:12:5: no robot or thing 'rad'"),
                 ("chaos:\n  - {when: red likes blue, kill: red}\n", r"\.yaml:12:12: expected near"),
-                ("expect:\n  - {never: red near puck 1}\n", r"no robot or thing 'puck'"),
+                ("expect:\n  - {never: red near puck 1}\n", r"\.yaml:12:13: no robot or thing 'puck'"),
                 ("expect:\n  - {statistic: red.speed, at_least: 1}\n",
                  r"\.yaml:12:17: no statistic 'red.speed'")):
             done, _ = run(out, "wrong", text)
