@@ -229,12 +229,16 @@ mu_result chaos_send(struct run *r)
 
 /* --- what is done to processes and packets ---------------------------------------------------- */
 
-/* A killed process, once more.  In free running it finds its place again; in lock step nobody waits
- * for a second life of a robot. */
+/* A killed process, once more.  In free running it finds its place again, and a robot begins anew;
+ * in lock step nobody waits for a second life of a robot. */
 static bool part_restart(struct run *r, struct child *child)
 {
     supervise_await(&r->children, child, PATIENCE_MS);
-    return child->ended && run_restart(r, child->name) == MU_OK;
+    if (!child->ended || run_restart(r, child->name) != MU_OK) {
+        return false;
+    }
+    run_wake(r, child->name);
+    return true;
 }
 
 static bool process_strike(struct run *r, const struct experiment_chaos *c)

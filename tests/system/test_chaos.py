@@ -104,6 +104,20 @@ expect:
         check((out / "a/broker.db").exists(), "its store")
 
 
+def test_a_killed_robot_comes_back_in_free_running():
+    with folder() as out:
+        done, summary = run(out, "a", """  - {at: 6, do: blue, line: "(wander)"}
+free: true
+chaos:
+  - {at: 2, kill: blue, for: 1}
+expect:
+  - {sequence: ["time > 6", "blue told mate-pos"]}
+  - {statistic: blue.distance_m, at_least: 1.2}
+""")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal([c["done"] for c in summary["chaos"]], [True], "it was killed")
+
+
 def test_expectations_on_statistics_and_events():
     with folder() as out:
         done, summary = run(out, "a", """
