@@ -99,6 +99,11 @@ static void html_facts(FILE *file, const struct report_data *data)
              mail->sent, mail->delivered, mail->waiting, mail->expired, mail->refused, mail->lost,
              mail->duplicated);
     html_fact(file, "mail", text);
+    if (data->events->left_out > 0) {
+        snprintf(text, sizeof text, "%zu; %zu that came later are not judged", data->events->count,
+                 data->events->left_out);
+        html_fact(file, "events", text);
+    }
     html_fact(file, "world", input->world->file);
     html_fact(file, "experiment", input->experiment->file ? input->experiment->file : "");
     html_fact(file, "made with", input->versions ? input->versions : "");

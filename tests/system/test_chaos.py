@@ -2,7 +2,7 @@
 """What goes wrong on purpose, and what is expected of a run in spite of it."""
 import re
 
-from support import ROOT, check, check_equal, experiment_run, folder
+from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 TEAM = f"""
 name: chaos
@@ -47,6 +47,8 @@ chaos:
         check("push red with 0, 80 N for 0.5 s" in page, "the report tells of it")
         final = {r["name"]: r["final"] for r in first["robots"]}
         check(final["blue"]["y_m"] > 0, f"blue was put elsewhere: {final}")
+        done = muster("verify", out / "a/run.mcap")
+        check_equal(done.returncode, 0, f"the recording, done again: {done.stdout} {done.stderr}")
 
 
 def test_lost_and_late_packets_change_nothing():

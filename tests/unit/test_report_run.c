@@ -230,6 +230,15 @@ static void test_statistics_and_events(void)
     READS(result.texts[3], "red stalled, then red told </svg>, then red not stalled, within 1 s");
     CU_ASSERT(file_has("report.html", "red told &lt;/svg&gt;"));
     CU_ASSERT_FALSE(file_has("report.html", "told </svg>"));
+    FILE *many = fopen(file_path("events.csv"), "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(many);
+    fputs("time_s,event\n", many);
+    for (size_t i = 0; i < REPORT_EVENTS_MAX + 3; i++) {
+        fputs("1,red stalled\n", many);
+    }
+    CU_ASSERT_EQUAL(fclose(many), 0);
+    CU_ASSERT_EQUAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "262144; 3 that came later are not judged"));
     events_write("time_s,event\n1,blue sings\n");
     CU_ASSERT_EQUAL(write_report(two_robots), MU_FAULT_FILE);
     CU_ASSERT_EQUAL(fault.line, 2);
