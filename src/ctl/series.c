@@ -148,6 +148,9 @@ static void words_make(struct series_words *w, const struct series *s, const str
     if (o->record) {
         word_add(w, "--record=%s", o->record);
     }
+    if (o->root) {
+        word_add(w, "--root=%s", o->root);
+    }
     if (o->no_diary) {
         word_add(w, "--no-diary");
     }
