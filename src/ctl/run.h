@@ -107,6 +107,10 @@ void run_command_write(const struct run *r, char *buffer, size_t size);
  * neither; or a fault, explained */
 MU_MUST_USE mu_result run_restart(struct run *r, const char *child);
 
+/** Takes the robots of a process that was started once more out of standby, as soon as they are
+ * there. */
+void run_wake(struct run *r, const char *child);
+
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);
 

@@ -150,7 +150,9 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
 
 int run_report(struct run *r)
 {
-    char command[2048];
+    char command[2048], versions[128];
+    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", MU_VERSION,
+             bus_version(), MU_CLIPS_VERSION);
     run_command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
@@ -173,6 +175,7 @@ int run_report(struct run *r)
                                  .objects = objects,
                                  .objects_count = r->objects_count,
                                  .mail = mail_of(r),
+                                 .versions = versions,
                                  .chaos = chaos_fates(r),
                                  .packets_struck = chaos_packets(r)};
     struct mu_fault fault;

@@ -96,6 +96,11 @@ struct experiment_expectation {
     char *never;     /* or: a condition that never comes true */
 };
 
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
+};
+
 enum experiment_chaos_kind {
     CHAOS_NONE,
     /* in the world: */
@@ -129,8 +134,8 @@ struct experiment_chaos {
                                      simulated time, else that of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    int line, column; /* of it in the file */
-    char text[160];   /* what it does, for people */
+    struct experiment_mark mark; /* of it in the file */
+    char text[160];              /* what it does, for people */
 };
 
 /* A process of the run that dies ends the run. */
@@ -175,8 +180,9 @@ struct experiment {
     bool free;           /* it runs free unless somebody says otherwise */
     const char **events; /* conditions of all sequences and nevers, each once */
     unsigned events_count;
-    char *file;       /* its path, for faults */
-    char folder[256]; /* of the file: what relative paths start from */
+    struct experiment_mark *event_marks; /* where the file has each first */
+    char *file;                          /* its path, for faults */
+    char folder[256];                    /* of the file: what relative paths start from */
 };
 
 /** Lets absolute paths in experiment files start from a folder, for files that were recorded; the

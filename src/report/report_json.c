@@ -106,6 +106,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_uint(&j, "seed", input->seed);
     mu_json_string(&j, "hash", input->hash);
     mu_json_string(&j, "command", input->command);
+    mu_json_string(&j, "made_with", input->versions);
     mu_json_list(&j, "overrides");
     for (size_t i = 0; i < input->overrides_count; i++) {
         mu_json_string(&j, NULL, input->overrides[i]);

@@ -434,7 +434,7 @@ static void test_chaos(void)
     CU_ASSERT_EQUAL_FATAL(e->chaos_count, sizeof texts / sizeof texts[0]);
     for (unsigned i = 0; i < e->chaos_count; i++) {
         CU_ASSERT_STRING_EQUAL(e->chaos[i].text, texts[i]);
-        CU_ASSERT_EQUAL(e->chaos[i].line, (int)i + 9);
+        CU_ASSERT_EQUAL(e->chaos[i].mark.line, (int)i + 9);
     }
     CU_ASSERT_EQUAL(e->chaos[1].kind, CHAOS_PLACE);
     CU_ASSERT_STRING_EQUAL(e->chaos[9].whom, "red");
