@@ -48,22 +48,26 @@ GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
 USES_world   := core
 USES_bus     := core
-USES_runtime := bus core
+USES_stats   := core
+USES_runtime := stats bus core
 USES_broker  := bus core
 USES_sim     := world bus core
-USES_agent   := world runtime bus core
-USES_resolver := runtime bus core
-USES_host    := agent world runtime bus core
-USES_ctl     := world runtime bus core
+USES_agent   := world runtime stats bus core
+USES_resolver := runtime stats bus core
+USES_host    := agent world runtime stats bus core
+USES_monitor := agent world runtime stats bus core
+USES_ctl     := world runtime stats bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_bus     := -lddsc
-LIBS_runtime := -lddsc
+LIBS_stats   := -lm
+LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
+LIBS_monitor := $(LIBS_agent)
 LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
@@ -103,7 +107,7 @@ $(O)/libmuster.a: $$(call module_objs,runtime)
 $(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
-	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime) -lm
+	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"

@@ -13,13 +13,15 @@ MAY_INCLUDE = {
     "core": set(),
     "world": {"core"},
     "bus": {"core"},
+    "stats": {"core"},
     "runtime": {"core", "bus"},
     "broker": {"core", "bus"},
     "sim": {"core", "world", "bus"},
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
-    "ctl": {"core", "world", "bus", "runtime"},
+    "monitor": {"core", "bus", "runtime", "agent", "stats"},
+    "ctl": {"core", "world", "bus", "runtime", "stats"},
 }
 # Foreign headers, and the only files that may include them.
 ONLY_IN = {
