@@ -80,7 +80,7 @@ struct mu_frame {
     uint64_t time_ns; /* simulated, at the beginning of the step */
     uint64_t wall_ns; /* since the first step */
     uint64_t digest;  /* how the run's hash would begin if it ended here; 0: it has none */
-    uint64_t missed;  /* steps that this watch has not seen since the Frame before */
+    uint64_t missed;  /* steps that this watch has not seen since the Frame before, or the start */
     uint64_t cut;     /* mails of this step that there was no room for */
     size_t robot_count, object_count, act_count, outside_count;
     const struct mu_robot_view *robots;
@@ -99,9 +99,10 @@ enum mu_run_end {
 struct mu_run_result {
     enum mu_run_end end;
     int64_t step;
-    uint64_t time_ns;
-    const char *hash;   /* 64 hexadecimal digits, or "none" */
-    const char *reason; /* "" when done */
+    uint64_t time_ns;     /* simulated, */
+    uint64_t duration_ns; /* of so much that was planned; 0: it is not known */
+    const char *hash;     /* 64 hexadecimal digits, or "none" */
+    const char *reason;   /* "" when done */
 };
 
 /* What a watch tells; any may be NULL.  What they point to is valid in the handler only. */
@@ -150,7 +151,7 @@ MU_MUST_USE mu_result mu_watch_run(mu_watch *w);
 /** Ends mu_watch_run; may be called from handlers and signal handlers. */
 void mu_watch_stop(mu_watch *w);
 
-/** @return how many steps of this run it has not seen since its first Frame */
+/** @return how many steps of this run it has not seen, from the first one to its last Frame */
 uint64_t mu_watch_missed(const mu_watch *w);
 
 /** @return samples that were no Scene, Frame or RunStatus, and were refused */

@@ -52,6 +52,7 @@ static const struct verb verbs[] = {
     {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
     {"world", world_verb, NULL, "check|place|...",
      "world files: check, draw, import; the world of a run: place, push, reset, ..."},
+    {"top", top_verb, NULL, "", "what a run amounts to, live: a line for each robot"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 

@@ -34,4 +34,6 @@ int launch_verb(int argc, char **argv);
 
 int world_verb(int argc, char **argv);
 
+int top_verb(int argc, char **argv);
+
 #endif

@@ -18,7 +18,7 @@ static const uint64_t END_PATIENCE_NS = 1000000000;
 /* That a simulator has left is no sample, and is looked for. */
 static const int64_t ROUND_NS = 50000000;
 
-enum { STEPS_NONE = -1 };
+enum { STEPS_NONE = -1 }; /* the step before the first */
 
 struct mu_watch {
     mu_process *process; /* or NULL: */
@@ -38,7 +38,7 @@ struct mu_watch {
     uint64_t over_ns;
     enum mu_run_end end;
     int64_t last_step; /* of a run that is over */
-    uint64_t last_time_ns;
+    uint64_t last_time_ns, duration_ns;
     char hash[MU_FIELD_MAX + 2];
     char reason[MU_ATTRIBUTES_MAX + 1];
     bool ended; /* in this call */
@@ -110,7 +110,7 @@ static void frame_take(mu_watch *w, const muster_Frame *f)
         return;
     }
     struct mu_frame *frame = watch_frame(w->room, f);
-    frame->missed = w->step >= 0 ? (uint64_t)(f->step - w->step - 1) : 0;
+    frame->missed = (uint64_t)(f->step - w->step - 1);
     w->missed += frame->missed;
     w->step = f->step;
     w->time_ns = f->time_ns;
@@ -131,6 +131,7 @@ static void status_take(mu_watch *w, const muster_RunStatus *s)
     w->end = s->state == muster_RUN_DONE ? MU_RUN_DONE : MU_RUN_FAULT;
     w->last_step = s->step;
     w->last_time_ns = s->time_ns;
+    w->duration_ns = s->duration_ns;
     mu_text_copy(w->hash, sizeof w->hash, s->hash);
     (void)mu_text_copy(w->reason, sizeof w->reason, w->end == MU_RUN_FAULT ? s->waits_for : "");
 }
@@ -180,6 +181,7 @@ static void end_tell(mu_watch *w)
     struct mu_run_result result = {.end = w->over ? w->end : MU_RUN_LOST,
                                    .step = w->over ? w->last_step : w->step,
                                    .time_ns = w->over ? w->last_time_ns : w->time_ns,
+                                   .duration_ns = w->over ? w->duration_ns : 0,
                                    .hash = w->over ? w->hash : "none",
                                    .reason = w->over ? w->reason : "the simulator has gone"};
     w->told = true;
@@ -193,9 +195,6 @@ static void end_tell(mu_watch *w)
 static void end_look(mu_watch *w)
 {
     bool here = bus_reader_matches(&w->frames) > 0;
-    if (here) {
-        simulator_met(w);
-    }
     bool whole = w->over && w->step >= w->last_step;
     bool late = w->over && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
     if (w->met && !w->told && (whole || late || !here)) {
@@ -213,6 +212,9 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
         MU_TRY(mu_process_spin(w->process, most_ns));
     } else {
         bus_wait(w->bus, 1, most_ns);
+    }
+    if (bus_reader_matches(&w->frames) > 0) {
+        simulator_met(w);
     }
     scenes_look(w); /* before how its run goes */
     statuses_look(w);
