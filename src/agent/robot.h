@@ -41,6 +41,8 @@ struct crew {
     struct world *world;   /* that (plan) knows; NULL: none */
     struct router *router; /* over its map; the robots share it */
     bool refused;          /* the broker has refused a name */
+    bool prints;           /* what rules print is the program's answer, as it stands; else it goes
+                              to the log, with the robot's name */
     const char *host;      /* the platform's name; "": the process takes nobody in */
     struct trip trip;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */

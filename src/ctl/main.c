@@ -34,6 +34,7 @@ static const struct verb verbs[] = {
     {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
     {"host", NULL, "muster-host", "NAME", "a platform that agents are launched on and move to"},
     {"resolver", NULL, "muster-resolver", "SCHEME", "addresses such as role:scout or near:2.5"},
+    {"monitor", NULL, "muster-monitor", "--rules FILE", "rules that look at a whole run"},
     {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
     {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
     {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},
