@@ -253,6 +253,14 @@ bool mind_has_layer(const struct mind *m, uint32_t layer);
 bool mind_handle(struct mind *m, const struct mind_mail *mail);
 
 /**
+ * Answers a question of one word by the deffunction (answer-WORD), if there is one without
+ * arguments: the fields that it returns, or one field.  FALSE is no answer.
+ *
+ * @return whether there is an answer; out has it
+ */
+bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out);
+
+/**
  * @return whether a mail that no handler took is one for mind_take_mail: an answer; a speech act
  *         whose performative is empty, KQML's or FIPA's; any of a higher layer with a handler
  */

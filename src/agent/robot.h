@@ -156,6 +156,9 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 /** Answers what it knows: all facts, or those of the relation that is named. */
 enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
 
+/** Answers a question of one word for which rules have a deffunction (answer-WORD). */
+enum mu_take robot_take_question(void *self, mu_agent *a, const struct mu_mail *mail);
+
 /** Moves to the host that the content names: `dispatch` sends it there, `retract` calls it back. */
 enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail);
 

@@ -26,11 +26,18 @@ static void quoted_add(struct mu_text *t, const char *text)
     mu_text_add(t, "\"");
 }
 
+/* In a fact that is told, these begin what is no constant. */
+static bool field_is_plain(const struct clips_field *f)
+{
+    return f->kind != CLIPS_FIELD_BAD &&
+           (f->kind != CLIPS_FIELD_SYMBOL || !strchr("?$=:~&|", f->at[0]));
+}
+
 void facts_add_word(struct mu_text *t, const char *word)
 {
     const char *at = word;
     struct clips_field f = clips_text_field(&at);
-    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(word);
+    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(word) && field_is_plain(&f);
     if (symbol) {
         mu_text_add(t, word);
     } else if (word[0] == '\0') {
@@ -43,10 +50,10 @@ void facts_add_word(struct mu_text *t, const char *word)
 void facts_add_content(struct mu_text *t, const char *language, const char *content)
 {
     bool list = language[0] == '\0' || strcmp(language, "clips") == 0;
-    enum clips_field_kind kind = CLIPS_FIELD_SYMBOL;
-    for (const char *at = content; list && kind != CLIPS_FIELD_END;) {
-        kind = clips_text_field(&at).kind;
-        list = kind != CLIPS_FIELD_BAD;
+    struct clips_field f;
+    const char *at = content;
+    while (list && (f = clips_text_field(&at)).kind != CLIPS_FIELD_END) {
+        list = field_is_plain(&f);
     }
     if (list) {
         mu_text_add(t, content);

@@ -6,11 +6,45 @@ import signal
 import subprocess
 import time
 
-from support import (BUILD, FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder,
+from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
                      members, muster, new_domain, wait_for)
 from terminal import Terminal
 
 WATCHER = str(BUILD / "examples" / "watcher")
+ASKER = str(BUILD / "examples" / "asker")
+STALLS = ROOT / "rules" / "monitor_stalls.clp"
+
+RULES = """
+(defglobal ?*mails* = 0 ?*fired* = 0 ?*steps* = 0)
+(defrule steps (step (number ?)) => (bind ?*steps* (+ ?*steps* 1)))
+(defrule mails (mail-seen (from ?) (outside FALSE)) => (bind ?*mails* (+ ?*mails* 1)))
+(defrule rules (fired ?robot ?) => (bind ?*fired* (+ ?*fired* 1)))
+(defrule first (step (number ?n) (world ?w)) (not (began)) => (assert (began))
+  (printout t "first " ?n " " ?w crlf))
+(defrule robots (run-ended (how ?how) (hash ?hash)) (robot (name ?r) (distance ?d) (sent ?s)
+  (received ?g) (fired ?f)) => (printout t ?r " " ?d " " ?s " " ?g " " ?f crlf))
+(defrule over (declare (salience -1)) (run-ended (how ?how) (hash ?hash))
+  (team (explored ?explored) (most-efficient ?best))
+  => (printout t ?how " " ?hash " " ?explored " " ?best " " ?*steps* " " ?*mails* " " ?*fired* crlf))
+"""
+
+# Sends red home after 2 s, and asks it now and then what it wants.
+INTRUSIVE = """
+(defrule direct (step (time ?t&:(> ?t 2.0))) (not (told)) => (assert (told)) (ask-one red goal))
+(defrule answer ?m <- (mail (from ?who) (content $?content)) => (retract ?m)
+  (printout t ?who " says " ?content crlf))
+"""
+
+# A robot that drives into the wall before it, and stays there.
+BUMP = """
+name: bump
+world: %s
+duration: 30
+robots:
+  - {name: red, rules: %s}
+observer:
+  - {at: 0, do: red, line: "(run)"}
+"""
 
 
 def text_of(path):
@@ -155,3 +189,119 @@ def test_who_watches_and_stops_changes_nothing():
         check_equal(summary["hash"], plain["hash"], "with the same hash")
         watchers[0].send_signal(signal.SIGCONT)
         check(watchers[0].wait(30) in (0, 4), "it ends, too")
+
+
+def test_a_monitor_of_rules_sees_all_and_changes_nothing():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        _, plain = experiment_run(out / "plain", "--domain", domain)
+        rules = out / "all.clp"
+        rules.write_text(RULES)
+
+        def once(to):
+            to.mkdir()
+            monitor = start(processes, to / "out", MUSTER, "monitor", "--rules", rules, "--domain",
+                            domain)
+            time.sleep(0.3)
+            _, summary = experiment_run(to / "report", "--rate", "40", "--domain", domain)
+            check_equal(monitor.wait(30), 0, "it ends with the run")
+            check_equal(summary["hash"], plain["hash"], "the same hash")
+            lines = text_of(to / "out").splitlines()
+            last = lines[-1].split()
+            check_equal(last[:2], ["done", plain["hash"]], "how it ended")
+            robots = {words[0]: [float(w) for w in words[1:]]
+                      for words in (line.split() for line in lines[-5:-1])}
+            for r in summary["robots"]:
+                want = [r["distance_m"] * 1000, r["mail_sent"], r["mail_received"],
+                        r["rule_firings"]]
+                check(all(abs(a - b) < 1e-6 for a, b in zip(robots[r["name"]], want)),
+                      f"{r['name']}: {robots} {want}")
+            check_equal(last[3], summary["most_efficient"], "most efficient")
+            missed = 1201 - int(last[4])
+            if missed == 0:
+                check_equal(lines[0], "first 0 arena.world", "from the first step on")
+                check(abs(float(last[2]) - summary["explored_fraction"]) < 1e-12, "explored")
+                firings = sum(r["rule_firings"] for r in summary["robots"])
+                check(0.9 * firings < int(last[6]) <= firings, f"rules fired: {last}")
+                sent = sum(r["mail_sent"] for r in summary["robots"])
+                check(0.99 * sent < int(last[5]) <= sent, f"mails: {last} {sent}")
+            return summary, missed
+
+        whole_run(out, once)
+
+
+def test_the_example_rules_say_who_is_stalled():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        (out / "red.clp").write_text(
+            "(defrule go (position $?) => (setSpeed 400 0) (update-sensors))\n")
+        file = out / "bump.yaml"
+        file.write_text(BUMP % (ROOT / "worlds/arena.world", out / "red.clp"))
+        monitor = start(processes, out / "out", MUSTER, "monitor", "--rules", STALLS, "--name",
+                        "eye", "--domain", domain)
+        done, summary = experiment_run(out / "report", "--rate", "20", "--domain", domain, file=file)
+        check_equal(monitor.wait(30), 0, f"it ends with the run: {done.stderr}")
+        red = summary["robots"][0]
+        check(red["stalls"] > 0, f"red has hit a wall: {red}")
+        lines = text_of(out / "out").splitlines()
+        check_equal(len([line for line in lines if "red is stalled at" in line]), red["stalls"],
+                    f"each stall is told: {lines}")
+        check_equal(lines[-1], f"done after 30.0 s: {red['distance_m']:.1f} m, most efficient red, "
+                               f"longest stalled red, {red['stalled_s']:.1f} s", "the summary")
+
+
+def test_an_intrusive_monitor_asks_robots():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        _, plain = experiment_run(out / "plain", "--domain", domain)
+        rules = out / "asks.clp"
+        rules.write_text(INTRUSIVE)
+        asker = start(processes, out / "asker", ASKER, domain)
+        monitor = start(processes, out / "monitor", MUSTER, "monitor", "--rules", rules, "--name",
+                        "eye", "--domain", domain)
+        _, summary = experiment_run(out / "report", "--rate", "20", "--domain", domain)
+        check_equal([asker.wait(30), monitor.wait(30)], [0, 0], "they end with the run")
+        text = text_of(out / "asker")
+        check(re.search(r"^red: status red [0-9.]+ ", text, re.M), text)
+        check(re.search(r"^red: goal safe-wander$", text, re.M), text)
+        check(re.search(r"^blue: goal follow$", text, re.M), text)
+        asked, answered = map(int, re.search(r"asked (\d+), answered (\d+)", text).groups())
+        check(answered >= asked - 8 > 50, f"all but the last are answered: {text[-200:]}")
+        check_equal(text_of(out / "monitor"), "red says (goal safe-wander)\n", "rules ask, too")
+        check(summary["hash"] != plain["hash"], "its mails are in the hash")
+
+
+def test_a_monitor_that_is_stopped_or_killed_changes_nothing():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        _, plain = experiment_run(out / "plain", "--domain", domain)
+        rules = out / "all.clp"
+        rules.write_text(RULES)
+        monitors = [start(processes, out / name, MUSTER, "monitor", "--rules", rules, "--name",
+                          name, "--domain", domain) for name in ("stopped", "killed")]
+        run = processes.start(MUSTER, "run", FOLLOW, "--domain", domain, "--out", out / "report",
+                              "--quiet", "--rate", "2")
+        for name in ("stopped", "killed"):
+            wait_for(lambda: "first" in text_of(out / name), 20, "a step")
+        seen = members(domain)
+        check_equal((seen["killed"]["kind"], seen["killed"]["state"]), ("special", "running"),
+                    "an agent with a name")
+        monitors[0].send_signal(signal.SIGSTOP)
+        monitors[1].kill()
+        check_equal(muster("world", "pace", "0", "--domain", domain).returncode, 0, "full speed")
+        check_equal(run.wait(60), 0, "the run ends well")
+        summary = json.loads((out / "report" / "summary.json").read_text())
+        check_equal(summary["hash"], plain["hash"], "with the same hash")
+        monitors[0].send_signal(signal.SIGCONT)
+        check_equal(monitors[0].wait(30), 0, "it ends, too")
+
+
+def test_wrong_use_of_a_monitor_is_explained():
+    with folder() as out:
+        check_equal(muster("monitor").returncode, 2, "it wants rules")
+        check_equal(muster("monitor", "--rules", STALLS, "--name", "all").returncode, 2, "reserved")
+        bad = out / "bad.clp"
+        bad.write_text("(defrule x\n  (robot (nme red)) =>)\n")
+        done = muster("monitor", "--rules", bad)
+        check_equal(done.returncode, 3, "a bad file")
+        check("bad.clp:1" in done.stderr or "bad.clp:2" in done.stderr, done.stderr)
