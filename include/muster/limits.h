@@ -232,6 +232,35 @@
 #define MU_EXPLORED_CELLS_MAX (1u << 20)
 #define MU_EXPLORED_FINE_MAX  (1u << 24)
 
+/** Topics in one recording. */
+#ifndef MU_RECORD_CHANNELS_MAX
+#define MU_RECORD_CHANNELS_MAX 1024
+#endif
+
+/** Bytes of all that a recording says of its topics and their types. */
+#ifndef MU_RECORD_TYPES_BYTES
+#define MU_RECORD_TYPES_BYTES (4u << 20)
+#endif
+
+/** Longest message, and largest file beside them, in a recording, in bytes. */
+#ifndef MU_RECORD_MESSAGE_MAX
+#define MU_RECORD_MESSAGE_MAX (8u << 20)
+#endif
+
+/** Chunks of a recording that is read; one is written each second, or each megabyte. */
+#ifndef MU_RECORD_CHUNKS_MAX
+#define MU_RECORD_CHUNKS_MAX (1u << 20)
+#endif
+
+/** Files in a recording that is read, and tables of keys and values. */
+#define MU_RECORD_FILES_MAX 1024
+
+/** Changes of the world that wait for a time or for a condition. */
+#define MU_ORDERS_LATER_MAX 256
+
+/** Bytes of a condition, such as `red near blue 0.5`. */
+#define MU_CONDITION_MAX 127
+
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200
 

@@ -61,8 +61,22 @@ static _Noreturn void child_become(const char *path, const char *const *argv, in
     _exit(127);
 }
 
-mu_result supervise_start(struct supervise *s, const char *name, const char *program,
-                          const char *const *argv)
+/* One that has ended makes room for the next of its name. */
+static struct child *child_place(struct supervise *s, const char *name)
+{
+    struct child *before = supervise_find(s, name);
+    if (before && before->ended) {
+        if (before->output >= 0) {
+            close(before->output);
+        }
+        return before;
+    }
+    return &s->children[s->count++];
+}
+
+/* @param processors  that it may use; NULL: as we may */
+static mu_result child_launch(struct supervise *s, const char *name, const char *program,
+                              const char *const *argv, const cpu_set_t *processors)
 {
     char path[PATH_MAX];
     int ends[2];
@@ -74,11 +88,10 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
         return MU_FAULT_OS;
     }
     pid_t parent = getpid();
-    cpu_set_t processors = processor_choose(s);
     pid_t pid = fork();
     if (pid == 0) {
-        if (s->spread) {
-            sched_setaffinity(0, sizeof processors, &processors);
+        if (processors) {
+            sched_setaffinity(0, sizeof *processors, processors);
         }
         child_become(path, argv, ends[1], parent);
     }
@@ -89,10 +102,23 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
         return MU_FAULT_OS;
     }
     fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    struct child *child = &s->children[s->count++];
+    struct child *child = child_place(s, name);
     *child = (struct child){.pid = pid, .output = ends[0]};
     mu_text_copy(child->name, sizeof child->name, name);
     return MU_OK;
+}
+
+mu_result supervise_start(struct supervise *s, const char *name, const char *program,
+                          const char *const *argv)
+{
+    cpu_set_t processors = processor_choose(s);
+    return child_launch(s, name, program, argv, s->spread ? &processors : NULL);
+}
+
+mu_result supervise_start_wide(struct supervise *s, const char *name, const char *program,
+                               const char *const *argv)
+{
+    return child_launch(s, name, program, argv, NULL);
 }
 
 /* Keeps the last words, dropping the oldest. */
@@ -143,7 +169,8 @@ void supervise_look(struct supervise *s)
 
 static bool has_left(const struct child *child)
 {
-    return child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
+    return child->struck ||
+           (child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0);
 }
 
 const struct child *supervise_ended(const struct supervise *s)
@@ -177,7 +204,7 @@ static bool all_ended(const struct supervise *s)
     return true;
 }
 
-static void child_signal(struct child *child, int number)
+void supervise_signal(struct child *child, int number)
 {
     if (!child->ended) {
         kill(child->pid, number);
@@ -198,21 +225,21 @@ void supervise_await(struct supervise *s, const struct child *one, int patience_
 
 void supervise_stop(struct supervise *s, struct child *child, int patience_ms)
 {
-    child_signal(child, SIGTERM);
+    supervise_signal(child, SIGTERM);
     supervise_await(s, child, patience_ms);
-    child_signal(child, SIGKILL);
+    supervise_signal(child, SIGKILL);
     supervise_await(s, child, patience_ms);
 }
 
 void supervise_stop_all(struct supervise *s, int patience_ms)
 {
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGTERM);
-        child_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
+        supervise_signal(&s->children[i], SIGTERM);
+        supervise_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
     }
     supervise_await(s, NULL, patience_ms);
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGKILL);
+        supervise_signal(&s->children[i], SIGKILL);
     }
     supervise_await(s, NULL, patience_ms);
 }

@@ -206,6 +206,10 @@ static void test_spread_children_take_turns(void)
     struct child *second = start("second", which_processors);
     await_end(first);
     await_end(second);
+    const char *const argv[] = {"sh", "-c", which_processors, NULL};
+    CU_ASSERT_EQUAL_FATAL(supervise_start_wide(&all, "wide", "/bin/sh", argv), MU_OK);
+    const struct child *wide = &all.children[all.count - 1];
+    await_end(wide);
     bool many = CPU_COUNT(&all.processors) > 1;
     const struct child *const both[] = {first, second};
     for (size_t i = 0; i < 2; i++) { /* one number, no list */
@@ -215,6 +219,7 @@ static void test_spread_children_take_turns(void)
     }
     CU_ASSERT_EQUAL(strcmp(first->words, second->words) != 0, many);
     CU_ASSERT_EQUAL(strcmp(free->words, first->words) != 0, many);
+    CU_ASSERT_STRING_EQUAL(wide->words, free->words);
 }
 
 static void test_spread_without_a_known_processor(void)
@@ -283,6 +288,25 @@ static void test_children_die_with_their_parent(void)
     }
 }
 
+/* A process that chaos has killed is no crash, and the next of its name takes its place. */
+static void test_a_second_life(void)
+{
+    struct child *red = start("red", "sleep 60");
+    struct child *blue = start("blue", "sleep 60");
+    red->struck = true;
+    supervise_signal(red, SIGKILL);
+    await_end(red);
+    CU_ASSERT_PTR_NULL(supervise_ended(&all));
+    (void)start("red", "echo again; exit 1");
+    CU_ASSERT_EQUAL(all.count, 2);
+    CU_ASSERT_PTR_EQUAL(supervise_find(&all, "red"), red);
+    CU_ASSERT_FALSE(red->struck);
+    await_end(red);
+    CU_ASSERT_STRING_EQUAL(red->words, "again\n");
+    CU_ASSERT_PTR_EQUAL(supervise_ended(&all), red);
+    CU_ASSERT_FALSE(blue->ended);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -299,6 +323,7 @@ int main(void)
         {"a program that is missing", test_a_program_that_is_missing},
         {"limit: children", test_limit_children},
         {"children die with their parent", test_children_die_with_their_parent},
+        {"a second life", test_a_second_life},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"ctl/supervise", NULL, NULL, set_up, tear_down, tests},
