@@ -122,7 +122,7 @@ static bool record_is(const struct run *r, const char *level)
 
 static void recording_add(const struct run *r)
 {
-    char command[2048];
+    char command[2048], here[PATH_MAX];
     size_t count = 0;
     if (record_is(r, "none")) {
         return;
@@ -139,6 +139,7 @@ static void recording_add(const struct run *r)
     word_add("--note=rate=%.17g", r->options.rate);
     word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
     word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    word_add("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
     for (size_t i = 0; i < r->options.set_count; i++) {
         word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
@@ -206,6 +207,9 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }

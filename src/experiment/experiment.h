@@ -179,6 +179,10 @@ struct experiment {
     char folder[256]; /* of the file: what relative paths start from */
 };
 
+/** Lets absolute paths in experiment files start from a folder, for files that were recorded; the
+ * text stays the caller's.  "": from where they say */
+void experiment_root(const char *folder);
+
 /* Robots' numbers of summary.json, as statistics name them. */
 enum experiment_statistic {
     STATISTIC_DISTANCE,

@@ -54,13 +54,20 @@ bool experiment_overridden(const struct experiment_source *s, const void *field)
     return false;
 }
 
+static const char *files_root = "";
+
+void experiment_root(const char *folder)
+{
+    files_root = folder;
+}
+
 /* Replaces a path by the absolute one of an existing, readable file. */
 static mu_result check_file(struct experiment_source *s, char **path, int node, const char *what)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     bool relative = (*path)[0] != '/';
-    int len = snprintf(joined, sizeof joined, "%s%s%s", relative ? s->experiment->folder : "",
-                       relative ? "/" : "", *path);
+    int len = snprintf(joined, sizeof joined, "%s%s%s",
+                       relative ? s->experiment->folder : files_root, relative ? "/" : "", *path);
     if (len < 0 || (size_t)len >= sizeof joined) {
         return experiment_fault(s, path, node, "expected a shorter path");
     }
