@@ -35,6 +35,18 @@ INTRUSIVE = """
   (printout t ?who " says " ?content crlf))
 """
 
+# Red goes to a place, and says so in its diary.
+HOME = """
+name: home
+world: %s
+duration: 30
+robots:
+  - {name: red, rules: %s}
+observer:
+  - {at: 2, do: red, line: "(gohome -1000 -4400)"}
+  - {at: 2, do: red, line: "(run)"}
+"""
+
 # A robot that drives into the wall before it, and stays there.
 BUMP = """
 name: bump
@@ -305,3 +317,48 @@ def test_wrong_use_of_a_monitor_is_explained():
         done = muster("monitor", "--rules", bad)
         check_equal(done.returncode, 3, "a bad file")
         check("bad.clp:1" in done.stderr or "bad.clp:2" in done.stderr, done.stderr)
+
+
+def test_a_replay_is_a_run_to_who_watches():
+    """Nothing is missed of it: every figure is that of the report."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        _, summary = experiment_run(out / "report", "--domain", domain)
+        top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
+        monitor = start(processes, out / "monitor", MUSTER, "monitor", "--rules", STALLS,
+                        "--domain", domain)
+        replayed = muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10",
+                          "--domain", domain)
+        check_equal(replayed.returncode, 0, f"the replay: {replayed.stderr}")
+        check_equal([top.wait(20), monitor.wait(20)], [0, 0], "they end with it")
+        seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
+        end = seen[-1]
+        check_equal((end["end"], end["hash"], end["missed"]), ("done", summary["hash"], 0), "the end")
+        check_robots({r["name"]: r for r in seen[:-1] if r["step"] == end["step"]}, summary)
+        check_equal(end["explored_fraction"], summary["explored_fraction"], "explored")
+        check_equal(end["most_efficient"], summary["most_efficient"], "most efficient")
+        check_equal(sum(end["mail_by_performative"].values()),
+                    sum(r["mail_sent"] for r in summary["robots"]), "mail by performative")
+        distance = sum(r["distance_m"] for r in summary["robots"])
+        check_equal(text_of(out / "monitor"), f"done after 120.0 s: {distance:.1f} m, most efficient "
+                                              f"{summary['most_efficient']}\n", "the rules' summary")
+
+
+def test_goals_of_rules_are_timed():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        file = out / "home.yaml"
+        file.write_text(HOME % (ROOT / "worlds/arena.world", ROOT / "rules/follower.clp"))
+        done, summary = experiment_run(out / "report", "--domain", domain, file=file)
+        check_equal(done.returncode, 0, done.stderr)
+        top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
+        muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10", "--domain",
+               domain)
+        check_equal(top.wait(20), 0, "top ends with it")
+        seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
+        red = [r for r in seen if r.get("name") == "red"][-1]
+        rows = [line.split(",") for line in (out / "report/run.csv").read_text().splitlines()[1:]]
+        there = next(float(r[0]) for r in rows
+                     if ((float(r[2]) + 1) ** 2 + (float(r[3]) + 4.4) ** 2) ** 0.5 <= 0.2)
+        check_equal(red["at_goal"], True, f"red is there: {red}")
+        check(abs(red["goal_s"] - (there - 2)) < 0.31, f"{red['goal_s']} s, there at {there} s")
