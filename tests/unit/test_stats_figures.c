@@ -16,7 +16,7 @@ enum { STEPS = 60, CROWD = 1000, FEW = 5, SIDE = 30 };
 static mu_stats *stats;
 static struct mu_figure figures[MU_ROBOTS_MAX];
 static struct mu_robot_view views[MU_ROBOTS_MAX];
-static char names[MU_ROBOTS_MAX][8];
+static char names[MU_ROBOTS_MAX][24];
 static double nearest_m[CROWD][CROWD], nearest_s[CROWD][CROWD];
 
 static const float square[4][8] = {{-1.1F, -1, -1, -1, -1, 9, -1.1F, 9},
@@ -226,7 +226,7 @@ static void test_who_is_most_efficient(void)
 
 static void test_mail_by_performative(void)
 {
-    static char words[80][8];
+    static char words[80][24];
     struct mu_mail mails[80 + 2];
     struct mu_outline walls[4];
     struct mu_scene scene = scene_of(1, walls);
