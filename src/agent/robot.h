@@ -41,6 +41,8 @@ struct crew {
     struct world *world;   /* that (plan) knows; NULL: none */
     struct router *router; /* over its map; the robots share it */
     bool refused;          /* the broker has refused a name */
+    bool prints;           /* what rules print is the program's answer, as it stands; else it goes
+                              to the log, with the robot's name */
     const char *host;      /* the platform's name; "": the process takes nobody in */
     struct trip trip;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
@@ -153,6 +155,9 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 
 /** Answers what it knows: all facts, or those of the relation that is named. */
 enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/** Answers a question of one word for which rules have a deffunction (answer-WORD). */
+enum mu_take robot_take_question(void *self, mu_agent *a, const struct mu_mail *mail);
 
 /** Moves to the host that the content names: `dispatch` sends it there, `retract` calls it back. */
 enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail);

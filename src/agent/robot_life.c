@@ -127,6 +127,8 @@ static const struct mu_layer_handler robot_handlers[] = {
     {MU_LAYER_QUERY, NULL, robot_take_by_rules},
     {MU_LAYER_SPEECH, NULL, robot_take_by_rules},
     {MU_LAYER_QUERY, "facts", robot_take_facts},
+    {MU_LAYER_SPEECH, "ask-one", robot_take_question},
+    {MU_LAYER_SPEECH, "ask-all", robot_take_question},
     {MU_LAYER_SYSTEM, "dispatch", robot_take_dispatch},
     {MU_LAYER_SYSTEM, "retract", robot_take_dispatch},
     {MU_LAYER_SYSTEM, "clone", robot_take_clone},

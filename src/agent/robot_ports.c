@@ -73,7 +73,8 @@ static const char *port_entry(void *self, enum mind_list list, const char *of, s
 static void print_flush(struct robot *r)
 {
     r->print[r->print_len++] = '\n';
-    ssize_t written = write(STDERR_FILENO, r->print, r->print_len);
+    int to = r->crew->prints ? STDOUT_FILENO : STDERR_FILENO;
+    ssize_t written = write(to, r->print, r->print_len);
     (void)written; /* nobody to tell */
     r->print_len = 0;
 }
@@ -87,7 +88,7 @@ static void port_print(void *self, const char *text)
         if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
             print_flush(r);
         }
-        if (r->print_len == 0) {
+        if (r->print_len == 0 && !r->crew->prints) {
             r->print_len = (size_t)snprintf(r->print, sizeof r->print, "%s: ", r->name);
         }
         if (*c == '\n') {

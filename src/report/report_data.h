@@ -67,23 +67,11 @@ MU_MUST_USE mu_result report_reader_next(struct report_reader *r, struct report_
 
 void report_reader_close(struct report_reader *r);
 
-/* --- report_stats.c, report_explored.c: what the rows amount to ------------------------------- */
+/* --- report_stats.c: what the rows amount to -------------------------------------------------- */
 
 /** Reads run.csv and fills data and result.  @return as report_write */
 MU_MUST_USE mu_result report_stats(struct report_data *data, const char *folder,
                                    struct mu_fault *fault);
-
-struct report_explored;
-
-/** @return start-up memory; NULL when the world is empty or too large to be divided into cells */
-struct report_explored *report_explored_open(const struct world *world);
-
-/** Notes that a robot's centre moved along a line.  Nothing happens when e is NULL. */
-void report_explored_cross(struct report_explored *e, double x0_m, double y0_m, double x1_m,
-                           double y1_m);
-
-/** @return the explored fraction, 0 to 1; 0 when e is NULL */
-double report_explored_fraction(struct report_explored *e);
 
 /* --- report_expect.c: what was expected of the run -------------------------------------------- */
 
