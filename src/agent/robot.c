@@ -3,6 +3,7 @@
 #include "agent/body.h"
 
 #include "core/fault.h"
+#include "core/log.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
@@ -21,6 +22,7 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
     for (uint32_t i = 0; i < count; i++) {
         c->robots[i].crew = c;
     }
+    checkpoint_reserve(c);
 }
 
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
@@ -44,26 +46,65 @@ static mu_result globals_set(struct mind *mind, const struct mu_option_list *glo
     return MU_OK;
 }
 
-mu_result robot_think(struct robot *r, const char *folder)
+/* @param folder  of the shared rules; NULL: a capsule has them */
+static struct mind_options options_of(struct robot *r, const char *folder)
 {
     const struct settings *set = r->crew->set;
-    struct mind_options options = {.name = r->name,
-                                   .seed = (uint64_t)set->seed,
-                                   .rules_folder = folder,
-                                   .rules_file = set->rules,
-                                   .firings_max = (uint32_t)set->firings_max,
-                                   .failures_max = (uint32_t)set->failures_max,
-                                   .router = r->crew->router,
-                                   .half_m = robot_map_half_m(r),
-                                   .ports = robot_ports(r)};
+    return (struct mind_options){.name = r->name,
+                                 .seed = (uint64_t)set->seed,
+                                 .rules_folder = folder,
+                                 .rules_file = set->rules,
+                                 .firings_max = (uint32_t)set->firings_max,
+                                 .failures_max = (uint32_t)set->failures_max,
+                                 .router = r->crew->router,
+                                 .half_m = robot_map_half_m(r),
+                                 .ports = robot_ports(r)};
+}
+
+/* @return whether it has a mind, which a checkpoint was made of */
+static bool mind_return(struct robot *r)
+{
+    struct passport p;
     struct mu_fault fault;
-    mu_result made = mind_open(&r->mind, &options, &fault);
+    struct mind_options options = options_of(r, NULL);
+    const char *capsule = checkpoint_read(r->crew, r->name, &p);
+    if (!capsule) {
+        return false;
+    }
+    mu_result made = mind_begin(r->mind, &options, &fault);
+    made = made == MU_OK ? mind_restore(r->mind, capsule, strlen(capsule), &fault) : made;
+    if (made != MU_OK) {
+        mu_log(MU_LOG_WARNING, "checkpoint-refused", "name=%s line=%d %s", r->name, fault.line,
+               fault.text);
+        mind_close(r->mind);
+        return false;
+    }
+    r->returns = true;
+    r->returns_as = p.state;
+    r->passage = p.passage;
+    r->mails = p.mails;
+    return true;
+}
+
+static mu_result mind_make(struct robot *r, const char *folder)
+{
+    const struct settings *set = r->crew->set;
+    struct mind_options options = options_of(r, folder);
+    struct mu_fault fault;
+    mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
     if (made != MU_OK) {
         mu_fault_print(&fault);
         return made;
     }
     return globals_set(r->mind, &set->globals);
+}
+
+mu_result robot_think(struct robot *r, const char *folder)
+{
+    r->mind = mind_reserve();
+    bool returns = r->crew->set->checkpoints.restore && mind_return(r);
+    return returns ? MU_OK : mind_make(r, folder);
 }
 
 static struct mu_handlers robot_handlers_of(struct robot *r)
@@ -80,6 +121,9 @@ static struct mu_handlers robot_handlers_of(struct robot *r)
 
 mu_result robot_join(struct robot *r)
 {
+    if (r->returns) {
+        return robot_arrive(r, &r->passage, MU_ON_ARRIVE);
+    }
     struct mu_handlers handlers = robot_handlers_of(r);
     mu_process *p = r->crew->process;
     MU_TRY(mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers));

@@ -10,6 +10,7 @@
 #ifndef MUSTER_AGENT_ROBOT_H
 #define MUSTER_AGENT_ROBOT_H
 
+#include "agent/checkpoint.h"
 #include "agent/mind.h"
 #include "agent/settings.h"
 #include "agent/trip.h"
@@ -43,6 +44,7 @@ struct crew {
     bool refused;          /* the broker has refused a name */
     const char *host;      /* the platform's name; "": the process takes nobody in */
     struct trip trip;
+    struct checkpoints checkpoints;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
     /** One that has come has its name, or will not get it; NULL: nobody comes. */
     void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
@@ -65,7 +67,10 @@ struct robot {
     bool percept_waits;        /* which the mind has not taken yet */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
     bool arrives;              /* it has not got its name here yet; then it goes on */
-    enum mu_state returns_as;  /* in this state */
+    bool returns;              /* its mind was made of a checkpoint: it goes on where that ends */
+    enum mu_state returns_as;  /* in this state, */
+    struct mu_passage passage; /* from there: of one that has a checkpoint */
+    uint64_t time_ns;          /* of the step that began last */
     bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
@@ -83,14 +88,15 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
                         const char *host);
 
 /**
- * Makes its mind: the shared library, its rules, its globals.
+ * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
+ * library, its rules, its globals.
  *
  * @param folder  of the shared rules
  * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
  */
 MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
-/** Lets it join its crew's process.  @return as mu_agent_join */
+/** Lets it join its crew's process, or come back.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
 
 /** The same for one that comes from elsewhere, or returns.  @return as mu_agent_arrive */

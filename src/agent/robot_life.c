@@ -61,10 +61,20 @@ static void arrive(struct robot *r, bool accepted, const char *reason)
     }
 }
 
+/* Who was here before, and has lost its name since, is out of date. */
+static void return_refused(struct robot *r, const char *reason)
+{
+    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", r->name, reason);
+    r->crew->refused = true;
+}
+
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
     if (r->arrives) {
+        if (!accepted && r->returns) {
+            return_refused(r, reason);
+        }
         arrive(r, accepted, reason);
         return;
     }
@@ -190,6 +200,7 @@ void robot_settle(struct robot *r)
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
+    r->time_ns = p->time_ns;
     robot_console_offer(r); /* what happened to one that does not act */
     if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
         return;

@@ -6,6 +6,7 @@
 #ifndef MUSTER_AGENT_SETTINGS_H
 #define MUSTER_AGENT_SETTINGS_H
 
+#include "agent/checkpoint.h"
 #include "core/network.h"
 #include "core/options.h"
 #include "muster/limits.h"
@@ -23,6 +24,7 @@ struct settings {
     int64_t seed, firings_max, failures_max;
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
+    struct checkpoint_settings checkpoints;
     bool verbose, functions;
 };
 

@@ -115,6 +115,7 @@ void mu_process_close(mu_process *p)
     if (!p) {
         return;
     }
+    p->before_up = NULL; /* how they end is not what they come back as */
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
@@ -366,6 +367,12 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 {
     p->round = round;
     p->round_self = self;
+}
+
+void process_before_up(mu_process *p, void (*before)(void *self), void *self)
+{
+    p->before_up = before;
+    p->before_up_self = self;
 }
 
 bool mu_process_in_lockstep(const mu_process *p)

@@ -39,8 +39,8 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
-    uint64_t since_wall_ns; /* since when it has its name */
-    uint64_t epoch;         /* how often it has set out for another process */
+    uint64_t since_wall_ns;        /* since when it has its name */
+    uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
@@ -108,6 +108,8 @@ struct mu_process {
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;
+    void (*before_up)(void *self); /* what the agents did is about to go out; NULL: nobody */
+    void *before_up_self;
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;
@@ -128,6 +130,12 @@ bool process_takes_steps(const mu_process *p);
 
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
+
+/**
+ * Has before called whenever what the agents have done, or that they have taken mail, is about to
+ * go out: what is on disk by then is never behind what others have heard.
+ */
+void process_before_up(mu_process *p, void (*before)(void *self), void *self);
 
 /** Says every agent to the broker anew; none may send before it has answered. */
 void process_register(mu_process *p);

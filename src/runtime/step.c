@@ -393,8 +393,16 @@ bool step_retry(mu_process *p)
     return true;
 }
 
+static void up_announce(mu_process *p)
+{
+    if (p->before_up) {
+        p->before_up(p->before_up_self);
+    }
+}
+
 static void step_answer(mu_process *p, const muster_Sense *sense)
 {
+    up_announce(p);
     (void)up_fill(p, sense->step);
     p->out_pending = true;
     (void)step_retry(p);
@@ -469,6 +477,9 @@ void step_flush(mu_process *p)
         return; /* what is pending is marked as sent when it has gone, so it must not move before */
     }
     unanswered_again(p);
+    if (is_anything_to_say(p)) {
+        up_announce(p);
+    }
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {
         p->out_pending = true;

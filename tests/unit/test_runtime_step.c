@@ -524,6 +524,21 @@ static void test_the_order_of_a_step(void)
     CU_ASSERT_EQUAL(red->handed, 2);
 }
 
+static void before_up(void *self)
+{
+    mu_text_add(self, process.out_pending ? "late; " : "before; ");
+}
+
+/* What is kept of a step is kept before anybody hears of it. */
+static void test_what_is_done_is_announced(void)
+{
+    (void)join("red", MU_KIND_ROBOT, 0);
+    process_before_up(&process, before_up, &heard);
+    parcel("red", 1, "start", "");
+    (void)answer(&delivery);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red is running; red sees 1.5; red acts 1.5; before; ");
+}
+
 static void on_step_keep(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)a;
@@ -762,6 +777,7 @@ int main(void)
     };
     CU_TestInfo answers[] = {
         {"the order of a step", test_the_order_of_a_step},
+        {"what is done is announced", test_what_is_done_is_announced},
         {"a percept is passed on whole", test_a_percept_is_passed_on_whole},
         {"who does not run stands still", test_who_does_not_run_stands_still},
         {"a speed is a number", test_a_speed_is_a_number},
