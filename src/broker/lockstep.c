@@ -266,7 +266,7 @@ static void step_end(struct broker *b)
 
 static bool step_is_complete(const struct lockstep *l)
 {
-    return l->roster_count > 0 && l->answered == l->roster_count;
+    return l->roster_count > 0 && l->answered == l->roster_count && !l->held;
 }
 
 uint32_t lockstep_missing(const struct lockstep *l)
@@ -418,6 +418,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     struct lockstep *l = &b->lockstep;
     resolve_give_up(b);
     l->on = true;
+    l->held = roster->held;
     l->step = roster->step;
     l->step_ns = roster->step_ns;
     l->simulator = simulator;
@@ -438,6 +439,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 static void lockstep_change(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
+    l->held = roster->held;
     roster_shrink(b, roster);
     roster_grow(b, roster, true);
     if (roster->step > l->step || step_is_complete(l)) {
@@ -471,8 +473,9 @@ void lockstep_set_roster(struct broker *b, const muster_Roster *roster)
         }
         return;
     }
-    bool goes_on = same && roster->step_ns == l->step_ns &&
-                   (roster->step == l->step || roster->step == l->step + 1);
+    /* The simulator may not have heard yet that the step before has ended. */
+    bool goes_on = same && roster->step_ns == l->step_ns && roster->step >= l->step - 1 &&
+                   roster->step <= l->step + 1;
     if (goes_on) {
         lockstep_change(b, roster);
     } else {

@@ -41,6 +41,7 @@ struct turn {
 struct lockstep {
     bool on;
     bool applying; /* a step is ending: what happens now happens in every run */
+    bool held;     /* the step does not end: a process of the roster is to come yet */
     int64_t step;  /* whose Ups are collected */
     uint64_t step_ns;
     uint32_t simulator; /* its place */

@@ -98,13 +98,13 @@ static void bodies_fill(struct session *s)
     }
 }
 
-static bool sense_write(struct session_process *p)
+bool session_write_sense(struct session_process *p)
 {
     p->sample_pending = bus_write(&p->sense, &p->sample) != MU_OK;
     return !p->sample_pending;
 }
 
-static void senses_send(struct session *s, bool last)
+void session_fill_senses(struct session *s, bool last)
 {
     uint32_t next = 0;
     bodies_fill(s);
@@ -119,9 +119,17 @@ static void senses_send(struct session *s, bool last)
         p->sample.step = s->step;
         p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
         p->sample.last = last;
-        (void)sense_write(p);
+    }
+}
+
+static void senses_send(struct session *s, bool last)
+{
+    session_fill_senses(s, last);
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        (void)session_write_sense(&s->processes[i]);
     }
     s->answers_missing = s->process_count;
+    s->sent_step = s->step;
 }
 
 /* @return whether every process has its step */
@@ -130,7 +138,7 @@ static bool senses_retry(struct session *s)
     bool all = true;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        all = (!p->sample_pending || sense_write(p)) && all;
+        all = (!p->sample_pending || session_write_sense(p)) && all;
     }
     return all;
 }
@@ -264,6 +272,14 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         }
         if (s->end || *signal_came) {
             return MU_DONE;
+        }
+        if (session_return_due(s)) {
+            mu_result back = session_return_await(s, signal_came);
+            if (back != MU_OK) {
+                return back;
+            }
+            began_ns = s->last_step_wall_ns;
+            continue;
         }
         if (mu_clock_ns() - began_ns > s->options.silence_ns) {
             return silence_report(s);
