@@ -118,6 +118,13 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
     return at->rostered && !at->answered && step == b->lockstep.step;
 }
 
+bool lockstep_awaits(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return b->lockstep.on && b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
+           !b->places.at[a->process].rostered;
+}
+
 /* --- the end of a step ------------------------------------------------------------------------ */
 
 static int agent_compare(const void *x, const void *y, const void *registry)
@@ -296,6 +303,7 @@ static void place_enter(struct broker *b, uint32_t place)
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent); /* its mail may have waited for this */
     }
 }
 
@@ -327,7 +335,11 @@ static void turns_drop(struct broker *b, uint32_t place)
          agent = tenants_next(&b->registry, &b->places, agent)) {
         struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
-        for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
+        struct mail *m = list_pop(&turn->mails);
+        if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
+            b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
+        }
+        for (; m; m = list_pop(&turn->mails)) {
             router_drop(b, m);
         }
     }

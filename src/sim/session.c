@@ -513,7 +513,7 @@ static void up_take(struct session *s, const muster_Up *up)
         struct session_robot *r = robot_find(s, up->acks._buffer[i].box);
         if (r) {
             const muster_Ack *ack = &up->acks._buffer[i];
-            r->mails_received = r->received_before + ack->handed;
+            r->mails_received = r->returned ? ack->number : ack->handed;
             r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
         }
     }

@@ -35,7 +35,7 @@ struct session_robot {
     uint32_t quiet_steps;  /* since a speed was set */
     unsigned char digest[RUNHASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
-    uint64_t received_before; /* by lives of its controller that have ended */
+    bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
     struct engine_percept percept;
 };
 

@@ -56,7 +56,7 @@ static void process_let_go(struct session *s, uint32_t process)
             mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", r->name,
                    (long long)s->step);
             r->process = -1;
-            r->received_before = r->mails_received;
+            r->returned = true;
         }
     }
 }
@@ -164,6 +164,7 @@ mu_result session_return_await(struct session *s, const volatile sig_atomic_t *s
     session_fill_senses(s, false);
     steps_give(s);
     roster_tell(s, signal_came);
-    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
+    s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns(); /* silence counts from here, */
+    s->pace_step = s->step;                                 /* and the run's pace */
     return MU_OK;
 }

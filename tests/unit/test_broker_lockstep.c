@@ -218,6 +218,21 @@ static void test_a_step_is_held_until_who_died_is_back(void)
     EXPECT("p-red2@0; red #1 green/1 hello; p-green@0; sim@0");
 }
 
+/* What red had said in the step that did not end was never said: its next life has those numbers.
+ */
+static void test_numbers_of_who_died(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "one"), 0);
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 one; p-red@0; sim@0");
+    answer_with(letter("red", 2, "green", "two"), 1);
+    red_dies(1);
+    story_register("red", "p-red2");
+    story_match("p-red2");
+    EXPECT("red 2-2 dropped; red welcome 1");
+}
+
 /* The simulator has all answers to step 0, and the broker has not had red's. */
 static void test_who_died_after_its_answer(void)
 {
@@ -229,9 +244,9 @@ static void test_who_died_after_its_answer(void)
     EXPECT("");
     story_register("red", "p-red2");
     story_match("p-red2");
-    (void)story_collect(); /* what waited for it */
+    EXPECT("red welcome 0"); /* what waits for it is its first step's */
     roster_say(true, 1, "p-green p-red2");
-    EXPECT("p-red2@0");
+    EXPECT("p-red2@0; red #1 green/1 hello");
     story_up_from("p-red2", "red", 1);
     EXPECT("p-green@1; p-red2@1; sim@1");
 }
@@ -240,14 +255,14 @@ static void test_who_died_after_its_answer(void)
 static void test_who_died_when_the_step_had_ended(void)
 {
     run_begin();
-    answer("green", 0);
+    answer_with(letter("green", 1, "red", "hello"), 0);
     answer("red", 0);
-    EXPECT("p-green@0; p-red@0; sim@0");
+    EXPECT("p-red@0; red #1 green/1 hello; p-green@0; sim@0");
     red_dies(0);
     answer("green", 1);
     EXPECT("");
     red_returns(1);
-    EXPECT("p-red2@0");
+    EXPECT("p-red2@0; red #1 green/1 hello"); /* once more, to its next life */
     story_up_from("p-red2", "red", 1);
     EXPECT("p-green@1; p-red2@1; sim@1");
 }
@@ -671,6 +686,7 @@ int main(void)
         {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
         {"the missing one is dropped", test_the_missing_one_is_dropped},
         {"a step is held until who died is back", test_a_step_is_held_until_who_died_is_back},
+        {"numbers of who died", test_numbers_of_who_died},
         {"who died after its answer", test_who_died_after_its_answer},
         {"who died when the step had ended", test_who_died_when_the_step_had_ended},
         {"a process joins a run", test_a_process_joins_a_run},
