@@ -10,10 +10,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+
+enum { CHECKPOINT_VERSION = 1 };
 
 static const char SUFFIX[] = ".capsule";
 
@@ -80,6 +83,12 @@ static bool file_write(const struct checkpoints *k, const char *name)
     return written && rename(beside, path) == 0;
 }
 
+static void head_add(struct mu_text *out, const struct robot *r)
+{
+    mu_text_format(out, "checkpoint %d %" PRId64 "\n", CHECKPOINT_VERSION, r->step);
+    answer_add(out, r->agent);
+}
+
 bool checkpoint_write(struct robot *r, enum mu_state state)
 {
     struct checkpoints *k = &r->crew->checkpoints;
@@ -93,7 +102,12 @@ bool checkpoint_write(struct robot *r, enum mu_state state)
     s->state = state;
     s->tried = true;
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
-    const char *why = trip_write(r, &p, &k->text, &fault);
+    mu_text_clear(&k->text);
+    head_add(&k->text, r);
+    struct mu_text rest;
+    mu_text_init(&rest, k->text.at + k->text.len, k->text.size - k->text.len);
+    const char *why = trip_write(r, &p, &rest, &fault);
+    k->text.len += rest.len;
     if (!why && !file_write(k, r->name)) {
         why = strerror(errno);
     }
@@ -158,13 +172,26 @@ static bool file_read(const char *path, struct mu_text *out)
     return good;
 }
 
-const char *checkpoint_read(struct crew *c, const char *name, struct passport *p)
+bool checkpoint_head_read(const char **text, struct checkpoint_head *out)
+{
+    int version = 0, len = 0;
+    int read = sscanf(*text, "checkpoint %d %" SCNd64 "%n", &version, &out->step, &len);
+    if (read != 2 || version != CHECKPOINT_VERSION || (*text)[len] != '\n') {
+        return false;
+    }
+    *text += len + 1;
+    return answer_read(text, &out->answer);
+}
+
+const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_head *head,
+                            struct passport *p)
 {
     char path[PATH_MAX];
     struct checkpoints *k = &c->checkpoints;
     file_name(k, path, "", name);
     const char *rest = k->text.at;
-    bool read = file_read(path, &k->text) && passport_read(&rest, p) && strcmp(p->name, name) == 0;
+    bool read = file_read(path, &k->text) && checkpoint_head_read(&rest, head) &&
+                passport_read(&rest, p) && strcmp(p->name, name) == 0;
     return read ? rest : NULL;
 }
 
@@ -182,7 +209,7 @@ static bool file_is_one(const char *file, char name[MU_NAME_MAX + 1])
 }
 
 uint32_t checkpoint_each(struct crew *c,
-                         bool (*take)(struct crew *c, const char *name, const struct mu_text *text))
+                         bool (*take)(struct crew *c, const char *name, const char *text))
 {
     struct checkpoints *k = &c->checkpoints;
     char name[MU_NAME_MAX + 1], path[PATH_MAX];
@@ -192,8 +219,10 @@ uint32_t checkpoint_each(struct crew *c,
     while (folder && (entry = readdir(folder))) {
         if (file_is_one(entry->d_name, name)) {
             file_name(k, path, "", name);
-            k->text.len = file_read(path, &k->text) ? k->text.len : 0;
-            count += take(c, name, &k->text);
+            const char *text = k->text.at;
+            struct checkpoint_head head;
+            bool read = file_read(path, &k->text) && checkpoint_head_read(&text, &head);
+            count += take(c, name, read ? text : "");
         }
     }
     if (folder) {

@@ -9,6 +9,7 @@
 
 #include "agent/trip.h"
 #include "core/options.h"
+#include "runtime/answer.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -40,6 +41,12 @@ struct checkpoint_settings {
         .help = "bring back the agents that have a checkpoint there", .target = &(set).restore    \
     }
 
+/* What a file says before the passport. */
+struct checkpoint_head {
+    int64_t step;         /* the last that the agent lived through; -1: none */
+    struct answer answer; /* to that one; it may not have gone out */
+};
+
 /* The file of an agent. */
 struct saved {
     char name[MU_NAME_MAX + 1]; /* "": there is none */
@@ -70,18 +77,25 @@ void checkpoint_round(struct crew *c);
 /**
  * Reads an agent's file into the crew's text; good until the next file is written or read.
  *
- * @param p  out: its passport
+ * @param head  out
+ * @param p     out: its passport
  * @return the capsule behind it; NULL: there is none, or not a whole one
  */
-const char *checkpoint_read(struct crew *c, const char *name, struct passport *p);
+const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_head *head,
+                            struct passport *p);
+
+/** Reads what stands before the passport and moves behind it.  @return false: it is no checkpoint
+ */
+bool checkpoint_head_read(const char **text, struct checkpoint_head *out);
 
 /**
  * The agents that have a file, in the order of the folder, until take says no more.
  *
- * @param take  is given a name and the whole text; @return whether that agent comes back
+ * @param take  is given a name, and its passport and capsule; "": there is no whole one; @return
+ *              whether that agent comes back
  * @return how many come back
  */
-uint32_t checkpoint_each(struct crew *c, bool (*take)(struct crew *c, const char *name,
-                                                      const struct mu_text *text));
+uint32_t checkpoint_each(struct crew *c,
+                         bool (*take)(struct crew *c, const char *name, const char *text));
 
 #endif

@@ -21,6 +21,7 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
     c->robots = mu_startup_array(count, sizeof *c->robots);
     for (uint32_t i = 0; i < count; i++) {
         c->robots[i].crew = c;
+        c->robots[i].step = -1;
     }
     checkpoint_reserve(c);
 }
@@ -64,10 +65,11 @@ static struct mind_options options_of(struct robot *r, const char *folder)
 /* @return whether it has a mind, which a checkpoint was made of */
 static bool mind_return(struct robot *r)
 {
+    struct checkpoint_head head;
     struct passport p;
     struct mu_fault fault;
     struct mind_options options = options_of(r, NULL);
-    const char *capsule = checkpoint_read(r->crew, r->name, &p);
+    const char *capsule = checkpoint_read(r->crew, r->name, &head, &p);
     if (!capsule) {
         return false;
     }
@@ -80,6 +82,12 @@ static bool mind_return(struct robot *r)
         return false;
     }
     r->returns = true;
+    r->saved_step = head.step;
+    r->answer = head.answer;
+    if (head.answer.text) { /* other files are read where this one was */
+        r->answer.text =
+            memcpy(mu_startup_alloc(head.answer.len + 1), head.answer.text, head.answer.len);
+    }
     r->returns_as = p.state;
     r->passage = p.passage;
     r->mails = p.mails;

@@ -67,10 +67,14 @@ struct robot {
     bool percept_waits;        /* which the mind has not taken yet */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
     bool arrives;              /* it has not got its name here yet; then it goes on */
-    bool returns;              /* its mind was made of a checkpoint: it goes on where that ends */
+    bool returns;              /* its mind was made of a checkpoint: it goes on where that ends, */
+    int64_t saved_step;        /* behind this step, */
+    struct answer answer;      /* whose answer was this; text NULL: it is not known */
+    bool repeats;              /* that answer, in the step at hand */
     enum mu_state returns_as;  /* in this state, */
     struct mu_passage passage; /* from there: of one that has a checkpoint */
-    uint64_t time_ns;          /* of the step that began last */
+    int64_t step;              /* that began last; -1: none has */
+    uint64_t time_ns;          /* of that step */
     bool box_full;             /* said once */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */

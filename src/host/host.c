@@ -119,8 +119,12 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
                        const struct arrival *a)
 {
     struct mind *mind = r->mind;
-    *r = (struct robot){
-        .crew = &h->crew, .mind = mind, .out = true, .mails = p->mails, .returns_as = p->state};
+    *r = (struct robot){.crew = &h->crew,
+                        .mind = mind,
+                        .out = true,
+                        .mails = p->mails,
+                        .returns_as = p->state,
+                        .step = -1};
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;
@@ -160,11 +164,12 @@ bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEX
 }
 
 /* @return whether an agent is on its way back */
-static bool agent_restore(struct crew *c, const char *name, const struct mu_text *text)
+static bool agent_restore(struct crew *c, const char *name, const char *text)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "cannot be read";
-    const struct arrival back = {.text = *text};
-    bool taken = text->len > 0 && host_take_in((struct host *)c, &back, why);
+    /* Nobody writes there. */
+    const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)}};
+    bool taken = text[0] && host_take_in((struct host *)c, &back, why);
     if (!taken) {
         fprintf(stderr, "muster host: the checkpoint of %s: %s\n", name, why);
     }

@@ -110,6 +110,7 @@ struct mu_process {
     void *round_self;
     void (*before_up)(void *self); /* what the agents did is about to go out; NULL: nobody */
     void *before_up_self;
+    bool answering; /* it is the answer to a step, which is put together already */
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;

@@ -402,8 +402,10 @@ static void up_announce(mu_process *p)
 
 static void step_answer(mu_process *p, const muster_Sense *sense)
 {
-    up_announce(p);
     (void)up_fill(p, sense->step);
+    p->answering = true;
+    up_announce(p);
+    p->answering = false;
     p->out_pending = true;
     (void)step_retry(p);
 }
