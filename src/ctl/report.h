@@ -27,6 +27,12 @@ struct report_object {
     struct world_pose pose; /* at the end */
 };
 
+/* A process that died and was started again. */
+struct report_restarts {
+    const char *name;
+    uint32_t count;
+};
+
 struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
@@ -43,6 +49,8 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
+    const struct report_restarts *restarts;
+    size_t restarts_count;
 };
 
 /* What one robot did, from run.csv. */

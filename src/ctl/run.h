@@ -84,6 +84,36 @@ MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
  *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
+/* A child, by what it is. */
+enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_CREW };
+
+struct run_part {
+    enum run_kind kind;
+    unsigned index; /* among the brokers, resolvers or crews */
+};
+
+/** @return what a child is; it may have died */
+struct run_part run_part_of(const struct run *r, const struct child *child);
+
+/** Starts a child that has died anew.  @return MU_OK, or a fault, explained */
+MU_MUST_USE mu_result run_start_again(struct run *r, struct child *child);
+
+/* The folder of capsules and stores, in the report's. */
+#define RUN_CHECKPOINTS "checkpoints"
+
+/** @return whether anything of the run may be started again when it dies, in run_restart.c */
+bool run_restarts_any(const struct run *r);
+
+/** @return whether its brokers are: in lock step the mail of a step is theirs alone */
+bool run_restarts_brokers(const struct run *r);
+
+/**
+ * Starts again what has died, is to be started again, and has waited long enough.
+ *
+ * @return a child that has died and is not started again, or NULL
+ */
+const struct child *run_restart_look(struct run *r);
+
 /** @return whether a robot enters its groups and services itself: it is with another broker than
  * the observer, which lock step does not allow */
 bool run_pages_own(const struct run *r, const struct experiment_robot *robot);
