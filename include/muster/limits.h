@@ -16,6 +16,10 @@
 #define MU_PROCESS_MAX 63
 
 /** Longest mail content, in bytes, without the terminating zero. */
+/* Bytes that a recording keeps of what an agent notes in a step. */
+#ifndef MU_NOTE_MAX
+#define MU_NOTE_MAX 16384
+#endif
 #ifndef MU_CONTENT_MAX
 #define MU_CONTENT_MAX 16384
 #endif

@@ -29,6 +29,7 @@ void clips_event_assert(struct mind *m)
     for (size_t i = 0; i < MU_EVENTS; i++) {
         if (m->pending[i]) {
             m->pending[i] = false;
+            clips_diary_cause(m, 'E', event_names[i], "");
             event_fact(m, &event_names[i], 1, &m->events[i]);
         }
     }

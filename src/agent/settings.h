@@ -25,7 +25,7 @@ struct settings {
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
     struct checkpoint_settings checkpoints;
-    bool verbose, functions;
+    bool diary, verbose, functions;
 };
 
 /**

@@ -69,7 +69,8 @@ static bool act_ok(const muster_Act *a)
     /* A speed that is no number is the simulator's to refuse: the answer to the step still counts.
      */
     return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
-           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
+           text_fits(a->diary, MU_NOTE_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
+           mails_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)

@@ -96,6 +96,7 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct passpor
                                    .seed = p->seed,
                                    .rules_folder = launch ? h->folder : NULL,
                                    .firings_max = (uint32_t)h->set->robots.firings_max,
+                                   .diary = h->set->robots.diary,
                                    .ports = robot_ports(r)};
     mind_close(r->mind); /* of who was here before */
     MU_TRY(mind_begin(r->mind, &options, fault));

@@ -38,9 +38,9 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.agent = W("red"), .rules = W("wander")},
-    {.agent = W("blue"), .rules = W("")},
-    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails)},
+    {.agent = W("red"), .rules = W("wander"), .diary = W("")},
+    {.agent = W("blue"), .rules = W(""), .diary = W("")},
+    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails), .diary = W("S\n")},
 };
 static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
     {.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
@@ -180,6 +180,7 @@ static const struct field {
     {"up.act.forward", check_up, &up, &acts[2].forward_m_s, A_SPEED, 0},
     {"up.act.turn", check_up, &up, &acts[2].turn_rad_s, A_SPEED, 0},
     {"up.act.rules", check_up, &up, &acts[2].rules, A_TEXT, RULES_MAX},
+    {"up.act.diary", check_up, &up, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     {"up.act.mails", check_up, &up, &acts[2].mails._length, A_LENGTH, MU_OUTBOX_MAX},
     MAIL("up.act.mail", check_up, &up, mails[2]),
     {"up.first act.agent", check_up, &up, &acts[0].agent, A_NAME, 0},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An answer to a step is written down in one life of a process, and said again in the next. */
+#include "../support/capture.h"
 #include "../support/samples.h"
 #include "../support/suite.h"
 #include "core/text.h"
@@ -132,6 +133,41 @@ static void test_all_of_it_comes_back(void)
     CU_ASSERT_STRING_EQUAL(act->rules, "wander avoid");
 }
 
+static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)self;
+    (void)percept;
+    mails_say();
+    CU_ASSERT_EQUAL(mu_agent_drive(a, 0.5, 0.0), MU_OK);
+}
+
+static void before_up(void *self)
+{
+    CU_ASSERT_FALSE(process->out_pending);
+    answer_add(self, red);
+}
+
+/* What is kept of a step is kept when all is said, and before anybody hears of it. */
+static void test_a_step_is_kept_before_it_goes_out(void)
+{
+    muster_Percept percept = {.robot = words("red")};
+    muster_Sense sense = {.process = words("p1"), .step = 7, .lockstep = true};
+    muster_Delivery delivery = {.process = words("p1"), .step = 6};
+    sense.robots._buffer = &percept;
+    sense.robots._length = 1;
+    red->handlers.on_act = on_act_say;
+    red->registered = true;
+    process_before_up(process, before_up, &text);
+    capture_begin();
+    step_live(process, &sense, &delivery);
+    capture_end();
+    const char *at = text.at;
+    CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+    CU_ASSERT_EQUAL(kept.mails, MAILS);
+    CU_ASSERT(kept.drives && kept.forward_m_s == 0.5);
+    CU_ASSERT_FALSE(process->answering);
+}
+
 static void test_who_did_nothing(void)
 {
     write_down();
@@ -182,6 +218,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"all of it comes back", test_all_of_it_comes_back},
+        {"a step is kept before it goes out", test_a_step_is_kept_before_it_goes_out},
         {"who did nothing", test_who_did_nothing},
         {"between steps there is none", test_between_steps_there_is_none},
         {"damaged ones are refused", test_damaged_ones_are_refused},

@@ -524,21 +524,6 @@ static void test_the_order_of_a_step(void)
     CU_ASSERT_EQUAL(red->handed, 2);
 }
 
-static void before_up(void *self)
-{
-    mu_text_add(self, process.out_pending ? "late; " : "before; ");
-}
-
-/* What is kept of a step is kept before anybody hears of it. */
-static void test_what_is_done_is_announced(void)
-{
-    (void)join("red", MU_KIND_ROBOT, 0);
-    process_before_up(&process, before_up, &heard);
-    parcel("red", 1, "start", "");
-    (void)answer(&delivery);
-    CU_ASSERT_STRING_EQUAL(heard.at, "red is running; red sees 1.5; red acts 1.5; before; ");
-}
-
 static void on_step_keep(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)a;
@@ -614,6 +599,18 @@ static void test_rules_that_fired_are_told(void)
     memset(rules, 'r', sizeof rules - 1);
     mu_agent_fired(red, 4, rules);
     CU_ASSERT_EQUAL(strlen(answer(NULL)->acts._buffer[0].rules), PROCESS_RULES_MAX);
+}
+
+static void test_notes_are_told(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_ROBOT, 0);
+    static char long_note[MU_NOTE_MAX + 100];
+    mu_agent_note(red, "one\n");
+    mu_agent_note(red, "two\n");
+    CU_ASSERT_STRING_EQUAL(answer(NULL)->acts._buffer[0].diary, "one\ntwo\n");
+    memset(long_note, 'n', sizeof long_note - 1);
+    mu_agent_note(red, long_note);
+    CU_ASSERT_EQUAL(strlen(answer(NULL)->acts._buffer[0].diary), MU_NOTE_MAX);
 }
 
 static void test_mail_waits_for_the_verdict(void)
@@ -777,11 +774,11 @@ int main(void)
     };
     CU_TestInfo answers[] = {
         {"the order of a step", test_the_order_of_a_step},
-        {"what is done is announced", test_what_is_done_is_announced},
         {"a percept is passed on whole", test_a_percept_is_passed_on_whole},
         {"who does not run stands still", test_who_does_not_run_stands_still},
         {"a speed is a number", test_a_speed_is_a_number},
         {"rules that fired are told", test_rules_that_fired_are_told},
+        {"notes are told", test_notes_are_told},
         {"mail waits for the verdict", test_mail_waits_for_the_verdict},
         {"limit: mails in one answer", test_limit_mails_in_one_answer},
         {"limit: bytes in one answer", test_limit_bytes_in_one_answer},
