@@ -27,9 +27,10 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
+    c->rules_folder = mu_startup_string(folder);
     MU_TRY(robot_map_open(c));
     for (uint32_t i = 0; i < c->count; i++) {
-        MU_TRY(robot_think(&c->robots[i], folder));
+        MU_TRY(robot_think(&c->robots[i]));
     }
     return MU_OK;
 }

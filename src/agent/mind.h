@@ -165,6 +165,9 @@ MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *opti
 /** Its memory stays. */
 void mind_close(struct mind *m);
 
+/** @return whether it ran out of memory where there is no way back: nothing works any more */
+bool mind_is_broken(const struct mind *m);
+
 /**
  * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
  * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it

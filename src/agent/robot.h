@@ -39,10 +39,11 @@ struct crew {
     mu_process *process;
     struct robot *robots;
     uint32_t count;
-    struct world *world;   /* that (plan) knows; NULL: none */
-    struct router *router; /* over its map; the robots share it */
-    bool refused;          /* the broker has refused a name */
-    const char *host;      /* the platform's name; "": the process takes nobody in */
+    struct world *world;      /* that (plan) knows; NULL: none */
+    struct router *router;    /* over its map; the robots share it */
+    bool refused;             /* the broker has refused a name */
+    const char *rules_folder; /* of the shared rules */
+    const char *host;         /* the platform's name; "": the process takes nobody in */
     struct trip trip;
     struct checkpoints checkpoints;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
@@ -78,6 +79,7 @@ struct robot {
     int64_t step;              /* that began last; -1: none has */
     uint64_t time_ns;          /* of that step */
     bool box_full;             /* said once */
+    int64_t mends;             /* how often it got another mind for one that was broken */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
@@ -93,15 +95,6 @@ struct robot {
 void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
                         const char *host);
 
-/**
- * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
- * library, its rules, its globals.
- *
- * @param folder  of the shared rules
- * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
- */
-MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
-
 /** Lets it join its crew's process, or come back.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
 
@@ -111,6 +104,24 @@ MU_MUST_USE mu_result robot_arrive(struct robot *r, const struct mu_passage *fro
 
 /** It is not here any more; its place is free, and a process without a host ends with the last. */
 void robot_drop(struct robot *r);
+
+/* robot_mind.c */
+
+/**
+ * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
+ * library, its rules, its globals.
+ *
+ * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result robot_think(struct robot *r);
+
+/**
+ * Gives a robot whose mind is broken another one, of its checkpoint or else of its rules, if that
+ * is wanted and was not done too often.  The agent lives on; what its mind had done since is lost.
+ *
+ * @return whether it has; false: its mind is whole, or stays broken
+ */
+bool robot_mend(struct robot *r);
 
 /* robot_map.c */
 

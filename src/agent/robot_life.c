@@ -299,7 +299,9 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     body_act(a, &act);
     body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
-    if (act.enough) {
+    if (robot_mend(r)) {
+        mu_agent_fired(a, 0, ""); /* what it did is lost with it */
+    } else if (act.enough) {
         robot_give_up(r, a, act.enough);
     } else if (act.end == MIND_BREAK) {
         robot_break(r, a, act.why);

@@ -155,6 +155,7 @@ static struct mu_option settings_table[] = {
      .help = "offer a service, likewise, for example 'mapper role=scout'",
      .target = &settings.services},
     CHECKPOINT_OPTIONS(settings.checkpoints),
+    SETTINGS_MEND_OPTION(settings),
     {.name = "functions",
      .kind = MU_OPTION_FLAG,
      .help = "print the functions that rules may call, and exit",

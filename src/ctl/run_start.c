@@ -145,7 +145,11 @@ static mu_result simulator_start(struct run *r)
 
 static void checkpoints_add(const struct run *r, const struct experiment_robot *robot, bool again)
 {
-    if (robot->on_crash != EXPERIMENT_RESTART || robot->checkpoint_s <= 0) {
+    if (robot->on_crash != EXPERIMENT_RESTART) {
+        return;
+    }
+    word_add("--mend=%u", r->experiment->restarts);
+    if (robot->checkpoint_s <= 0) {
         return;
     }
     word_add("--checkpoint=%.17g", robot->checkpoint_s);

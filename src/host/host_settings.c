@@ -32,6 +32,7 @@ static struct mu_option table[] = {
      .min = 1000,
      .max = 1000000},
     CHECKPOINT_OPTIONS(settings.robots.checkpoints),
+    SETTINGS_MEND_OPTION(settings.robots),
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",

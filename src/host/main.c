@@ -57,6 +57,7 @@ int main(int argc, char **argv)
                         "folder that has muster.clp\n");
         return MU_EXIT_FILE;
     }
+    h->crew.rules_folder = h->folder;
     mu_result ready = host_connect(h);
     if (ready != MU_OK) {
         return mu_exit_for(ready);

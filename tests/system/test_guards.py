@@ -116,6 +116,26 @@ def test_what_cannot_be_undone_ends_the_rules_and_not_the_process():
         check(alive(arena.red.pid), "the process lives")
 
 
+def test_a_broken_mind_is_made_anew():
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--mend", "2", "--checkpoint", "0.2", "--folder", out)
+        saved = out / "red.capsule"
+        arena.do("(bind ?*big* 17)")
+        wait_for(lambda: 'y"big" one i17' in saved.read_text(), 10, "a checkpoint")
+        check("the rules are gone" in arena.do("(assert (m 1) (m 2))", 8), "2^28 matches")
+        arena.says("mind-mended name=red of=checkpoint time=1")
+        check("17" in arena.do("?*big*"), "a global is lost")
+        check("(event on-arrive)" in arena.do("(facts)"), "its rules do not hear of it")
+        wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--mend", "1")
+        arena.do("(assert (m 1) (m 2))", 8)
+        arena.says("mind-mended name=red of=rules time=1")
+        wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
+        arena.do("(assert (m 1) (m 2))", 8)
+        wait_for(lambda: arena.line().get("reason") == "its rules are gone: memory", 10, "the end of it")
+
+
 def test_a_file_with_a_deep_expression_is_refused_with_its_line():
     with folder() as out:
         deep = out / "deep.clp"
