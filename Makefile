@@ -47,6 +47,7 @@ IDL     := $(wildcard idl/*.idl)
 GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
 USES_world   := core
+USES_mcap    := core
 USES_bus     := core
 USES_runtime := bus core
 USES_broker  := bus core
@@ -54,9 +55,12 @@ USES_sim     := world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_ctl     := world runtime bus core
+USES_story   := core
+USES_record  := mcap bus core
+USES_ctl     := story mcap world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
+LIBS_mcap    := -lz
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
 LIBS_broker  := -lddsc -lsqlite3
@@ -64,17 +68,20 @@ LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_story   :=
+LIBS_record  := -lddsc -lz
+LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host)
+            muster-resolver muster-host muster-record)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
+MAIN_muster-record := record
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
@@ -113,6 +120,13 @@ $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 $(O)/programs/%: $(O)/tests/programs/%.o $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
+
+# A stranger's types are not among ours.
+$(O)/programs/stranger: $(O)/gen/stranger.o
+$(O)/tests/programs/stranger.o: | $(O)/gen/stranger.h
+$(O)/gen/stranger.c $(O)/gen/stranger.h &: tests/programs/stranger.idl | deps
+	@mkdir -p $(@D); echo "  IDLC  $<"
+	$(Q)idlc -l c -o $(@D) $<
 
 # It counts what the static library allocates.
 $(O)/programs/memory_counter: LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
@@ -207,6 +221,10 @@ soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half 
 
 .PHONY: soak-worlds
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
+.PHONY: soak-recordings
+soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
 
 .PHONY: soak-crush

@@ -286,7 +286,8 @@ int main(int argc, char **argv)
     if (opened != MU_OK) {
         return MU_EXIT_DDS;
     }
-    struct session_options options = {.step_ns = step_ns,
+    struct session_options options = {.seed = (uint64_t)set.seed,
+                                      .step_ns = step_ns,
                                       .broker = set.network.broker,
                                       .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
                                       .rate = set.rate,

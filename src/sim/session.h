@@ -15,6 +15,7 @@
 #include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
+#include "sim/view.h"
 #include "wire.h"
 
 #include <signal.h>
@@ -24,11 +25,13 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled; /* the run waits for its controller; else it is an obstacle */
-    int32_t process; /* index of the process that controls it; -1: none */
-    uint32_t slot;   /* of its controller in that process */
-    bool drives;     /* of the last answer: a speed was set */
+    bool controlled;    /* the run waits for its controller; else it is an obstacle */
+    int32_t process;    /* index of the process that controls it; -1: none */
+    uint32_t slot;      /* of its controller in that process */
+    muster_State state; /* of its controller, by its last word */
+    bool drives;        /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
+    double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
     uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
     uint32_t off;          /* of them, those that somebody has switched off */
@@ -55,7 +58,21 @@ struct session_process {
     bool sample_pending; /* the network has refused it: try again */
 };
 
+/* For whom a Frame is made: bits. */
+enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
+
+/*
+ * Who wants every Frame inside this process, such as a recording: the sample, and its bytes as they
+ * would stand on the wire.  Both are good until the function returns.
+ */
+struct session_listener {
+    void *self;
+    void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
+    void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
+};
+
 struct session_options {
+    uint64_t seed;
     uint64_t step_ns;
     uint64_t duration_ns; /* 0: no end */
     double rate;          /* times real time; 0: as fast as it goes */
@@ -77,6 +94,7 @@ struct session {
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     struct bus_writer roster, status, answers;
+    struct bus_writer scenes, every, latest; /* for who looks: docs/observing.md */
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
@@ -103,6 +121,14 @@ struct session {
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
+    struct session_listener listener;
+    muster_Scene *scene;
+    struct view *view;
+    struct tally *tallies;       /* of each robot */
+    struct bus_bytes view_bytes; /* of what the listener was told last */
+    unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
+    uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
+    uint64_t frames_lost;        /* that the network did not take */
     bool go, end;
     char waits_for[1024];
     char hash_text[RUNHASH_TEXT];
@@ -112,6 +138,9 @@ struct session {
 MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
                                    const struct world *world, struct engine *engine,
                                    struct recorder *recorder);
+
+/** Has somebody told of the Scene and of every Frame, from session_gather on. */
+void session_listen(struct session *s, const struct session_listener *listener);
 
 /**
  * Waits until every robot has a controller that is ready and, if asked, for the word to go.
@@ -145,9 +174,6 @@ MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
 /** Takes who controls or watches what, and who has gone. */
 void session_register(struct session *s, const muster_Registration *r, enum bus_life life);
 
-/** @return whether there is a process of that name */
-bool session_knows(const struct session *s, const char *process);
-
 /** Greets the processes that have come.  @return whether everybody is there; waits_for says who is
  * not */
 bool session_is_complete(struct session *s);
@@ -180,6 +206,31 @@ bool session_return_due(const struct session *s);
  */
 MU_MUST_USE mu_result session_return_await(struct session *s,
                                            const volatile sig_atomic_t *signal_came);
+
+/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
+void session_percept_fill(muster_Percept *to, const struct engine_percept *from);
+
+/* What observers see, session_view.c: each is called at its place in a step. */
+
+/** Opens topics and takes memory. */
+MU_MUST_USE mu_result session_view_open(struct session *s);
+
+/** Says once what stands in the world. */
+void session_view_scene(struct session *s);
+
+/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
+ * follows */
+void session_view_begin(struct session *s, bool last);
+
+void session_view_act(struct session *s, size_t robot, const muster_Act *act);
+void session_view_outside(struct session *s, const muster_Delivery *d);
+void session_view_order(struct session *s, const muster_RunCommand *order);
+
+/** Ends the Frame, before the world moves on, and tells who wants it. */
+void session_view_finish(struct session *s);
+
+/** Waits a little until the last Frames have arrived, and says if some were cut. */
+void session_view_close(struct session *s);
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
 bool session_tell(struct session *s, muster_RunState state, bool always);

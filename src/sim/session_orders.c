@@ -196,6 +196,9 @@ void session_orders_apply(struct session *s)
         if (o.result == muster_ORDER_DONE && order_table[c->order].changes) {
             runhash_order(s->hash, c);
         }
+        if (o.result == muster_ORDER_DONE) {
+            session_view_order(s, c);
+        }
         order_answer(s, c, &o);
     }
 }
