@@ -5,6 +5,9 @@
  */
 #include "agent/clips_mind.h"
 
+/* So many turns of loops may pass without a look at the clock. */
+enum { GUARD_WORK_TICKS = 256 };
+
 static void guard_stop(struct mind *m, const char *why)
 {
     if (!m->stopped) {
@@ -63,6 +66,9 @@ static void guard_tick(void *env)
     if (++m->ticks > CLIPS_TICKS_MAX) {
         guard_stop(m, "ticks");
         return;
+    }
+    if (m->ticks % GUARD_WORK_TICKS == 0 && m->options.ports.work) {
+        m->options.ports.work(m->options.ports.self);
     }
     if (EnvMemUsed(env) > m->memory_max) {
         EnvReleaseMem(env, -1);

@@ -102,6 +102,8 @@ struct mind_ports {
     /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
      * anybody looks; if nobody does it is printed.  May be NULL. */
     bool (*trace)(void *self, const char *text);
+    /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
+    void (*work)(void *self);
 };
 
 struct mind_options {

@@ -248,10 +248,21 @@ static void attach_again(struct console_link *l)
     }
 }
 
+/* Why a line has no answer yet: said once. */
+static void busy_look(struct console_link *l)
+{
+    const struct mu_member *m = mu_process_lookup(l->op.process, l->agent);
+    if (l->pending_count > 0 && l->busy_number != l->lines && m && operator_is_busy(m)) {
+        l->busy_number = l->lines;
+        show_note(l, "[%s is %s]", l->agent, m->reason);
+    }
+}
+
 mu_result console_link_spin(struct console_link *l, int64_t timeout_ns)
 {
     mu_result spun = mu_process_spin(l->op.process, timeout_ns);
     attach_again(l);
+    busy_look(l);
     trace_renew(l);
     return spun;
 }

@@ -90,4 +90,7 @@ int operator_outcome_exit(enum mu_outcome outcome);
 
 void operator_leave(struct operator* o);
 
+/** @return whether the white pages say that the agent is at work, and does not answer meanwhile */
+bool operator_is_busy(const struct mu_member *m);
+
 #endif

@@ -107,7 +107,10 @@ struct mu_process {
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
     bool leaving;                /* one of the agents is, or all are */
-    bool done;                   /* the simulator has ended the run */
+    uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
+    char
+        busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
+    bool done;                  /* the simulator has ended the run */
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;
@@ -140,6 +143,12 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
  * go out: what is on disk by then is never behind what others have heard.
  */
 void process_before_up(mu_process *p, void (*before)(void *self), void *self);
+
+/**
+ * For handlers that may take long: called now and then, it says in the white pages since when the
+ * process has been busy, once that is half a second.  Sends nothing else, and waits for nothing.
+ */
+void process_work(mu_process *p);
 
 /** Says every agent to the broker anew; none may send before it has answered. */
 void process_register(mu_process *p);
