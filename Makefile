@@ -55,7 +55,7 @@ USES_sim     := world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_story   := core
+USES_story   := mcap bus core
 USES_record  := mcap bus core
 USES_ctl     := story mcap world runtime bus core
 LIBS_core    :=
@@ -68,7 +68,7 @@ LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_story   :=
+LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))

@@ -20,7 +20,7 @@ MAY_INCLUDE = {
     "agent": {"core", "world", "bus", "runtime"},
     "resolver": {"core", "bus", "runtime"},
     "host": {"core", "bus", "runtime", "agent"},
-    "story": {"core"},
+    "story": {"core", "bus", "mcap"},
     "record": {"core", "bus", "mcap"},
     "ctl": {"core", "world", "bus", "runtime", "mcap", "story"},
 }

@@ -137,6 +137,7 @@ static struct mu_option settings_table[] = {
      .max = 1000000},
     {.name = "diary",
      .kind = MU_OPTION_FLAG,
+     .environment = "MUSTER_DIARY",
      .help = "let recordings have what goes on in its mind: facts, rules, causes",
      .target = &settings.diary},
     {.name = "global",

@@ -153,6 +153,19 @@ MU_MUST_USE mu_result bus_encode(enum bus_topic topic, const void *sample, struc
 /** Gives the memory of bytes back. */
 void bus_bytes_free(struct bus_bytes *bytes);
 
+/**
+ * Turns such bytes into a sample again, for whoever reads a recording; they are checked as samples
+ * from the network are.
+ *
+ * @param bytes   its numbers are put in this machine's order
+ * @param sample  out: DDS's memory, for bus_decode_free
+ * @return MU_OK; MU_MALFORMED: they are no sample of that topic, or break a rule of the wire
+ */
+MU_MUST_USE mu_result bus_decode(enum bus_topic topic, void *bytes, size_t size, void **sample);
+
+/** Gives a sample back; NULL: nothing to do. */
+void bus_decode_free(enum bus_topic topic, void *sample);
+
 /** Takes an instance back; only the key of the sample is read. */
 void bus_dispose(const struct bus_writer *writer, const void *sample);
 

@@ -36,3 +36,41 @@ void bus_bytes_free(struct bus_bytes *bytes)
     dds_free(bytes->room);
     *bytes = (struct bus_bytes){0};
 }
+
+mu_result bus_decode(enum bus_topic topic, void *bytes, size_t size, void **sample)
+{
+    const struct topic *t = &topic_table[topic];
+    const uint32_t *ops = t->descriptor->m_ops;
+    const unsigned char *head = bytes;
+    char *body = (char *)bytes + sizeof CDR_HEAD;
+    uint32_t read = 0;
+    *sample = NULL;
+    /* Two bytes of options stand behind the kind: how much of the end is padding. */
+    if (size < sizeof CDR_HEAD || size > UINT32_MAX || head[0] != 0 || head[1] > 1) {
+        return MU_MALFORMED;
+    }
+    uint32_t left = (uint32_t)(size - sizeof CDR_HEAD);
+    bool swap = (head[1] == 1) != (DDSRT_ENDIAN == DDSRT_LITTLE_ENDIAN);
+    if (!dds_stream_normalize_data(body, &read, left, swap, CDR_VERSION, ops)) {
+        return MU_MALFORMED;
+    }
+    dds_istream_t in;
+    dds_istream_init(&in, left, body, CDR_VERSION);
+    *sample = dds_alloc(t->descriptor->m_size);
+    memset(*sample, 0, t->descriptor->m_size); /* reading would use again what is there */
+    (void)dds_stream_read(&in, *sample, ops);
+    if (!t->check(*sample)) {
+        bus_decode_free(topic, *sample);
+        *sample = NULL;
+        return MU_MALFORMED;
+    }
+    return MU_OK;
+}
+
+void bus_decode_free(enum bus_topic topic, void *sample)
+{
+    if (sample) {
+        dds_stream_free_sample(sample, topic_table[topic].descriptor->m_ops);
+        dds_free(sample);
+    }
+}

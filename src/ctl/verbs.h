@@ -32,6 +32,8 @@ int service_verb(int argc, char **argv);
 
 int launch_verb(int argc, char **argv);
 
+int why_verb(int argc, char **argv);
+
 int world_verb(int argc, char **argv);
 
 #endif

@@ -75,6 +75,8 @@ static void rule_tell(struct chain *c, int32_t line, int deep)
         if (fact != MINDS_NONE) {
             fact_tell(c, fact, deep + 1);
         } else if (*at != '*') {
+            indent(c, deep + 1);
+            mu_text_format(c->why->out, "f-%lld: the diary does not have it\n", index);
             c->ends |= WHY_UNKNOWN;
         }
         at = memchr(at, ',', (size_t)(end - at));

@@ -272,6 +272,49 @@ static void test_samples_as_bytes(void)
     CU_ASSERT_PTR_NULL(bytes.data);
 }
 
+static muster_BrokerEvent *event_decode(const void *bytes, size_t size)
+{
+    static uint64_t room[32];
+    void *sample;
+    CU_ASSERT_FATAL(size <= sizeof room);
+    memcpy(room, bytes, size);
+    mu_result read = bus_decode(BUS_BROKER_EVENT, room, size, &sample);
+    CU_ASSERT_EQUAL(read == MU_OK, sample != NULL);
+    CU_ASSERT(read == MU_OK || read == MU_MALFORMED);
+    return sample;
+}
+
+/* Any byte of a recording may be wrong. */
+static void test_bytes_as_samples(void)
+{
+    struct bus_bytes bytes = {0};
+    muster_BrokerEvent event = {.broker = words("b1"),
+                                .kind = words("box-full"),
+                                .agent = words("red"),
+                                .sender = words("blue"),
+                                .count = 7,
+                                .wall_ns = 511};
+    CU_ASSERT_EQUAL_FATAL(bus_encode(BUS_BROKER_EVENT, &event, &bytes), MU_OK);
+    muster_BrokerEvent *read = event_decode(bytes.data, bytes.size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(read);
+    CU_ASSERT_STRING_EQUAL(read->sender, "blue");
+    CU_ASSERT_EQUAL(read->count, 7);
+    CU_ASSERT_EQUAL(read->wall_ns, 511);
+    bus_decode_free(BUS_BROKER_EVENT, read);
+    for (size_t cut = 0; cut < bytes.size; cut++) {
+        CU_ASSERT_PTR_NULL(event_decode(bytes.data, cut));
+    }
+    unsigned char wrong[256];
+    for (size_t at = 0; at < bytes.size; at++) {
+        for (unsigned value = 0; value < 256; value++) {
+            memcpy(wrong, bytes.data, bytes.size);
+            wrong[at] = (unsigned char)value;
+            bus_decode_free(BUS_BROKER_EVENT, event_decode(wrong, bytes.size));
+        }
+    }
+    bus_bytes_free(&bytes);
+}
+
 /* A Frame's reader that does not look has the last 64, and its writer never waits. */
 static void test_frames_that_nobody_takes(void)
 {
@@ -404,6 +447,7 @@ int main(void)
         {"waiting", test_waiting},
         {"a descriptor wakes a poll loop", test_a_descriptor_wakes_a_poll_loop},
         {"samples as bytes", test_samples_as_bytes},
+        {"bytes as samples", test_bytes_as_samples},
         {"frames that nobody takes", test_frames_that_nobody_takes},
         {"registrations", test_registrations},
         {"sockets stay on loopback", test_sockets_stay_on_loopback},
