@@ -51,6 +51,7 @@ struct run {
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
+    struct report_mail mail_before; /* of lives of brokers that have ended */
     bool registered, name_refused;
     bool command_refused; /* by the trust policy, before the run has begun */
     bool command_unknown; /* nobody fits what a command of the observer is for */
@@ -144,6 +145,9 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
 
 /** Looks whether lines have all their answers, or have waited too long. */
 void run_observer_look(struct run *r);
+
+/** A broker is started again: what its last life has counted is kept. */
+void run_report_keep(struct run *r, unsigned broker);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -9,17 +9,28 @@
 #include <stdio.h>
 #include <string.h>
 
+static void mail_add(struct report_mail *m, const muster_BrokerStatus *b)
+{
+    m->sent += b->sent;
+    m->delivered += b->delivered;
+    m->waiting += b->waiting;
+    m->expired += b->expired;
+    m->refused +=
+        b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
+}
+
+void run_report_keep(struct run *r, unsigned broker)
+{
+    r->mail[broker].waiting = 0; /* it does not any more */
+    mail_add(&r->mail_before, &r->mail[broker]);
+    r->mail[broker] = (muster_BrokerStatus){.sent = 0};
+}
+
 static struct report_mail mail_of(const struct run *r)
 {
-    struct report_mail m = {0};
+    struct report_mail m = r->mail_before;
     for (unsigned i = 0; i < run_brokers(r); i++) {
-        const muster_BrokerStatus *b = &r->mail[i];
-        m.sent += b->sent;
-        m.delivered += b->delivered;
-        m.waiting += b->waiting;
-        m.expired += b->expired;
-        m.refused +=
-            b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
+        mail_add(&m, &r->mail[i]);
     }
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;

@@ -65,8 +65,12 @@ static bool may_restart(const struct run *r, const struct child *child)
 
 static void death_note(struct run *r, struct child *child)
 {
+    struct run_part part = run_part_of(r, child);
     uint64_t pause = pause_ns(child);
     supervise_explain(child);
+    if (part.kind == RUN_BROKER) {
+        run_report_keep(r, part.index);
+    }
     child->restart_ns = mu_clock_ns() + pause;
     child->restarts++;
     fprintf(stderr, "muster run: %s is started again in %.1f s (%u of %u)\n", child->name,

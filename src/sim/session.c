@@ -375,7 +375,7 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (!s->held || (!p->lost && !p->comes)) {
+        if (!p->let_go && !(s->held && p->comes)) {
             names[count++] = s->processes[i].name;
         }
     }

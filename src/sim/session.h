@@ -47,7 +47,9 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool watches;     /* it sees all bodies, and has none */
-    bool lost;        /* it has died in the middle of a lock step */
+    bool lost;        /* it is dead, or was stopped, in the middle of a lock step */
+    bool followed;    /* another one wants to take its place, */
+    bool let_go;      /* which it may: this one has no part in the run any more */
     bool comes;       /* instead of one that died; it has no step yet */
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
@@ -195,7 +197,10 @@ bool session_write_sense(struct session_process *p);
 /** While steps of a lock step run: notes who dies and, while it is held, who comes. */
 void session_return_hear(struct session *s, const muster_Registration *r, enum bus_life life);
 
-/** @return whether this step waits for a process that has died, and may be started again */
+/** @return how long a step may wait for whoever is silent, by the wall */
+uint64_t session_return_patience_ns(const struct session *s);
+
+/** @return whether this step waits for a process that has died and was started again */
 bool session_return_due(const struct session *s);
 
 /**

@@ -20,6 +20,34 @@ static struct session_process *process_named(struct session *s, const char *name
     return index == MU_NONE ? NULL : &s->processes[index];
 }
 
+static bool is_gone(const struct session_process *p)
+{
+    return p->lost && p->followed;
+}
+
+static void follow_watchers(struct session *s)
+{
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        s->processes[i].followed = s->processes[i].followed || s->processes[i].watches;
+    }
+}
+
+/* Who is stopped may go on; who has a successor does not. */
+static void follow(struct session *s, const muster_Registration *r)
+{
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        uint32_t robot = mu_table_find(&s->robot_names, e->name);
+        int32_t process = robot == MU_NONE ? -1 : s->robots[robot].process;
+        if (process >= 0 && e->state != muster_STATE_ABSENT) {
+            s->processes[process].followed = true;
+        }
+    }
+    if (r->watches) {
+        follow_watchers(s);
+    }
+}
+
 void session_return_hear(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     struct session_process *p = process_named(s, r->process);
@@ -27,8 +55,13 @@ void session_return_hear(struct session *s, const muster_Registration *r, enum b
         return; /* whoever does not answer is found by its silence */
     }
     if (p && !p->comes) {
-        p->lost = p->lost || life != BUS_DATA;
-    } else if (s->held) {
+        p->lost = is_gone(p) || life != BUS_DATA;
+        return;
+    }
+    if (life == BUS_DATA) {
+        follow(s, r);
+    }
+    if (s->held) {
         session_register(s, r, life);
         p = process_named(s, r->process);
         if (p) {
@@ -37,11 +70,21 @@ void session_return_hear(struct session *s, const muster_Registration *r, enum b
     }
 }
 
+uint64_t session_return_patience_ns(const struct session *s)
+{
+    bool lost = false;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        lost = lost || s->processes[i].lost;
+    }
+    bool longer = lost && s->options.return_ns > s->options.silence_ns;
+    return longer ? s->options.return_ns : s->options.silence_ns;
+}
+
 bool session_return_due(const struct session *s)
 {
     bool due = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        due = due || (s->processes[i].lost && s->processes[i].answered < s->step);
+        due = due || (is_gone(&s->processes[i]) && s->processes[i].answered < s->step);
     }
     return due;
 }
@@ -50,6 +93,7 @@ bool session_return_due(const struct session *s)
 static void process_let_go(struct session *s, uint32_t process)
 {
     s->processes[process].watches = false;
+    s->processes[process].let_go = true;
     for (size_t i = 0; i < s->robot_count; i++) {
         struct session_robot *r = &s->robots[i];
         if (r->process == (int32_t)process) {
@@ -61,13 +105,17 @@ static void process_let_go(struct session *s, uint32_t process)
     }
 }
 
-static void lost_let_go(struct session *s)
+/* @return whether there are any whom the broker does not know of yet */
+static bool lost_let_go(struct session *s)
 {
+    bool any = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        if (s->processes[i].lost) {
+        if (is_gone(&s->processes[i]) && !s->processes[i].let_go) {
             process_let_go(s, i);
+            any = true;
         }
     }
+    return any;
 }
 
 /* The broker has ended this step with an answer that has not come here: in it, the robots of
@@ -123,10 +171,10 @@ static bool is_last(const struct session *s)
 static mu_result others_await(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     uint64_t began_ns = mu_clock_ns();
-    bool told = false;
+    bool told = lost_let_go(s) && session_tell_roster(s, true) == MU_OK;
     while (true) {
         session_take(s);
-        lost_let_go(s); /* others may die, too */
+        told = told && !lost_let_go(s); /* others may die, too */
         told = told || session_tell_roster(s, true) == MU_OK;
         bool there = is_last(s) ? s->mail_step >= s->step - 1 : session_is_complete(s);
         if (told && there) {

@@ -243,7 +243,8 @@ static mu_result silence_report(struct session *s)
     struct mu_text who;
     mu_text_init(&who, s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
-                   (unsigned long long)(s->options.silence_ns / 1000000000u), (long long)s->step);
+                   (unsigned long long)(session_return_patience_ns(s) / 1000000000u),
+                   (long long)s->step);
     /* Without the mail of the last step no robot can answer. */
     bool broker_is_late = s->mail_step < s->step - 1;
     if (broker_is_late) {
@@ -290,7 +291,7 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
             began_ns = s->last_step_wall_ns;
             continue;
         }
-        if (mu_clock_ns() - began_ns > s->options.silence_ns) {
+        if (mu_clock_ns() - began_ns > session_return_patience_ns(s)) {
             return silence_report(s);
         }
         bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);
