@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -111,8 +112,11 @@ bool checkpoint_write(struct robot *r, enum mu_state state)
     if (!why && !file_write(k, r->name)) {
         why = strerror(errno);
     }
-    if (why) {
+    if (why && !s->failing) {
         mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", r->name, why);
+    }
+    s->failing = why;
+    if (why) {
         return false;
     }
     (void)mu_text_copy(s->name, sizeof s->name, r->name);
@@ -136,9 +140,9 @@ static bool lives_here(const struct robot *r)
 
 static bool is_due(const struct robot *r, const struct saved *s)
 {
-    double every_ns = r->crew->checkpoints.set->every_s * 1e9;
+    uint64_t every_ns = (uint64_t)llround(r->crew->checkpoints.set->every_s * 1e9);
     uint64_t now_ns = clock_ns(r);
-    bool late = now_ns < s->written_ns || (double)(now_ns - s->written_ns) >= every_ns;
+    bool late = now_ns < s->written_ns || now_ns - s->written_ns >= every_ns;
     return !s->tried || late || mu_agent_state(r->agent) != s->state;
 }
 

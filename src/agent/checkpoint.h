@@ -50,6 +50,7 @@ struct checkpoint_head {
 /* The file of an agent. */
 struct saved {
     char name[MU_NAME_MAX + 1]; /* "": there is none */
+    bool failing;               /* the last time it was not written, and that was said */
     bool tried;                 /* it was written, or that failed, */
     enum mu_state state;        /* in this state, */
     uint64_t written_ns;        /* then, on the crew's clock */
@@ -68,7 +69,7 @@ MU_MUST_USE mu_result checkpoint_settings_check(const struct checkpoint_settings
 /** Takes the memory for a crew's checkpoints, if there are to be any. */
 void checkpoint_reserve(struct crew *c);
 
-/** Writes an agent's file.  @return false: that failed, and was logged */
+/** Writes an agent's file.  @return false: that failed, and was logged, once until it succeeds */
 bool checkpoint_write(struct robot *r, enum mu_state state);
 
 /** Writes what is due; forgets who is not here any more. */

@@ -7,6 +7,7 @@ docs/crashes.md says so.  `make soak-crash`, or tests/soak/crash.py SEED.
 """
 import pathlib
 import random
+import statistics
 import sys
 import time
 
@@ -41,7 +42,7 @@ SENDS = """
 class Soak:
     def __init__(self, seed, processes, out):
         self.dice, self.processes, self.out = random.Random(seed), processes, out
-        self.kills, self.runs, self.longest_s = 0, 0, 0.0
+        self.kills, self.runs, self.back_s = 0, 0, []
 
     def run(self, *words, **kwargs):
         self.runs += 1
@@ -60,7 +61,7 @@ class Soak:
         self.kills += 1
         if agents:
             wait_for(lambda: self.lives(run, agents, pid), 30, f"{agents} again")
-        self.longest_s = max(self.longest_s, time.monotonic() - began)
+            self.back_s.append(time.monotonic() - began)
 
     @staticmethod
     def lives(run, agents, pid):
@@ -160,7 +161,7 @@ def main():
             part()
             print(f"{part.__name__}: {soak.kills} kills so far, {time.monotonic() - began:.0f} s", flush=True)
     print(f"{soak.kills} kills in {soak.runs} runs, {time.monotonic() - began:.0f} s; from a kill to the white pages "
-          f"{soak.longest_s:.1f} s at most")
+          f"{statistics.median(soak.back_s):.1f} s (median), {max(soak.back_s):.1f} s at most")
 
 
 if __name__ == "__main__":
