@@ -229,6 +229,12 @@
 /** Files in a recording that is read, and tables of keys and values. */
 #define MU_RECORD_FILES_MAX 1024
 
+/** Changes of the world that wait for a time or for a condition. */
+#define MU_ORDERS_LATER_MAX 256
+
+/** Bytes of a condition, such as `red near blue 0.5`. */
+#define MU_CONDITION_MAX 127
+
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200
 

@@ -234,6 +234,12 @@ bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
  */
 mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text);
 
+/** Writes the quality of service of a topic as rosbag2 does in its files; 1 kB is enough. */
+void bus_profile(enum bus_topic topic, struct mu_text *text);
+
+/** @return the version of DDS, "0.10.2" */
+const char *bus_version(void);
+
 /** @return the name of a topic on DDS */
 const char *bus_topic_name(enum bus_topic topic);
 

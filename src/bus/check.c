@@ -320,8 +320,9 @@ bool check_run_command(const void *sample)
     const double numbers[] = {c->x_m,       c->y_m,       c->heading_rad, c->force_x_n,
                               c->force_y_n, c->torque_nm, c->time_s,      c->rate};
     return numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) && is_process(c->simulator) &&
-           text_fits(c->source, MU_PROCESS_MAX) && (unsigned)c->order <= muster_RUN_SAVE &&
-           text_fits(c->name, MU_FIELD_MAX) && text_fits(c->file, FILE_TEXT_MAX);
+           text_fits(c->source, MU_PROCESS_MAX) && (unsigned)c->order <= muster_RUN_HOLD &&
+           text_fits(c->name, MU_FIELD_MAX) && text_fits(c->file, FILE_TEXT_MAX) &&
+           text_fits(c->when, MU_CONDITION_MAX);
 }
 
 bool check_run_answer(const void *sample)

@@ -12,7 +12,7 @@
 
 #include "bus/bus.h"
 
-enum { TAP_NAME_MAX = 255, TAP_DEPTH = 1024, TAP_BATCH = 256 };
+enum { TAP_NAME_MAX = 255, TAP_DEPTH = 8192, TAP_BATCH = 256 };
 
 struct tap {
     char name[TAP_NAME_MAX + 1]; /* of the topic */

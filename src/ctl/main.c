@@ -66,6 +66,7 @@ static int topics_verb(int argc, char **argv)
 
 static const struct verb verbs[] = {
     {"run", run_verb, NULL, "FILE", "run an experiment and leave a report"},
+    {"compare", compare_verb, NULL, "DIR...", "several runs: means with intervals, table, plots"},
     {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
     {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},
     {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
@@ -91,6 +92,7 @@ static const struct verb verbs[] = {
      "world files: check, draw, import; the world of a run: place, push, reset, ..."},
     {"record", record_verb, NULL, "[TOPIC...]", "topics into a file, until interrupted"},
     {"why", why_verb, NULL, "[FILE] ROBOT [...]", "why a recorded robot stalled, drove, believed"},
+    {"replay", NULL, "muster-replay", "FILE", "a recording on DDS again"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 

@@ -2,6 +2,7 @@
 /* How a run ends: the report in its folder, and what came out on standard output. */
 #include "core/exits.h"
 #include "core/text.h"
+#include "ctl/chaos.h"
 #include "ctl/run.h"
 #include "muster/memory.h"
 
@@ -19,18 +20,31 @@ static void mail_add(struct report_mail *m, const muster_BrokerStatus *b)
         b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
 }
 
-void run_report_keep(struct run *r, unsigned broker)
+/* What waits in it may wait in its next life, too. */
+void run_mail_keep(struct run *r, const char *child)
 {
-    r->mail[broker].waiting = 0; /* it does not any more */
-    mail_add(&r->mail_before, &r->mail[broker]);
-    r->mail[broker] = (muster_BrokerStatus){.sent = 0};
+    char name[RUN_CHILD_MAX];
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        run_child_name(r, i, name);
+        if (strcmp(name, child) == 0) {
+            mail_add(&r->mail_before[i], &r->mail[i]);
+            r->mail[i] = (muster_BrokerStatus){.broker = NULL};
+        }
+    }
 }
 
 static struct report_mail mail_of(const struct run *r)
 {
-    struct report_mail m = r->mail_before;
+    struct report_mail m = {0};
     for (unsigned i = 0; i < run_brokers(r); i++) {
         mail_add(&m, &r->mail[i]);
+    }
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        const struct report_mail *before = &r->mail_before[i];
+        m.sent += before->sent;
+        m.delivered += before->delivered;
+        m.expired += before->expired;
+        m.refused += before->refused;
     }
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;
@@ -59,14 +73,22 @@ static void text_print(const struct run *r, const struct report_input *in,
     for (size_t i = 0; i < in->restarts_count; i++) {
         printf("  restarted %s, %" PRIu32 " times\n", in->restarts[i].name, in->restarts[i].count);
     }
+    for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
+        char when[32] = "not done";
+        if (in->chaos[i].done) {
+            snprintf(when, sizeof when, "%6.1f s", in->chaos[i].at_s);
+        }
+        printf("  %s  %s%s%s\n", when, in->experiment->chaos[i].text,
+               in->chaos[i].reason[0] ? ": " : "", in->chaos[i].reason);
+    }
     if (r->options.free) {
         printf("skipped %" PRIu64 " samples\n", r->skipped);
     }
     printf("hash   %s\nreport %s/report.html\n", in->hash, r->folder);
 }
 
-/* The summary on one line: a newline in it can only be layout. */
-static void json_print(const char *folder)
+/* A newline in it can only be layout. */
+void run_summary_print(const char *folder)
 {
     char path[PATH_MAX + 32];
     snprintf(path, sizeof path, "%s/summary.json", folder);
@@ -84,7 +106,7 @@ static void json_print(const char *folder)
     }
 }
 
-static void command_write(const struct run *r, char *buffer, size_t size)
+void run_command_write(const struct run *r, char *buffer, size_t size)
 {
     struct mu_text t;
     mu_text_init(&t, buffer, size);
@@ -147,7 +169,7 @@ static size_t restarts_fill(const struct run *r, const struct report_restarts **
 int run_report(struct run *r)
 {
     char command[2048];
-    command_write(r, command, sizeof command);
+    run_command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
     size_t robots_count = robots_fill(r, robots);
@@ -162,11 +184,15 @@ int run_report(struct run *r)
                                  .sim_time_s = (double)r->time_ns / 1e9,
                                  .wall_time_s = (double)r->wall_ns / 1e9,
                                  .command = command,
+                                 .overrides = r->options.set,
+                                 .overrides_count = r->options.set_count,
                                  .robots = robots,
                                  .robots_count = robots_count,
                                  .objects = objects,
                                  .objects_count = r->objects_count,
-                                 .mail = mail_of(r)};
+                                 .mail = mail_of(r),
+                                 .chaos = chaos_fates(r),
+                                 .packets_struck = chaos_packets(r)};
     input.restarts_count = restarts_fill(r, &input.restarts);
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);
@@ -176,7 +202,7 @@ int run_report(struct run *r)
         return mu_exit_for(written);
     }
     if (r->options.json) {
-        json_print(r->folder);
+        run_summary_print(r->folder);
     } else {
         text_print(r, &input, result);
     }

@@ -57,9 +57,14 @@ static uint64_t pause_ns(const struct child *child)
     return pause < PAUSE_MAX_NS ? pause : PAUSE_MAX_NS;
 }
 
+bool run_restarts(const struct run *r, const struct child *child)
+{
+    return part_restarts(r, run_part_of(r, child));
+}
+
 static bool may_restart(const struct run *r, const struct child *child)
 {
-    return part_restarts(r, run_part_of(r, child)) && !is_hopeless(child) &&
+    return run_restarts(r, child) && !is_hopeless(child) &&
            child->restarts < r->experiment->restarts;
 }
 
@@ -69,7 +74,7 @@ static void death_note(struct run *r, struct child *child)
     uint64_t pause = pause_ns(child);
     supervise_explain(child);
     if (part.kind == RUN_BROKER) {
-        run_report_keep(r, part.index);
+        run_mail_keep(r, child->name);
     }
     child->restart_ns = mu_clock_ns() + pause;
     child->restarts++;
@@ -79,7 +84,7 @@ static void death_note(struct run *r, struct child *child)
 
 static void given_up_note(const struct run *r, const struct child *child)
 {
-    if (part_restarts(r, run_part_of(r, child)) && child->restarts > 0) {
+    if (run_restarts(r, child) && child->restarts > 0) {
         fprintf(stderr, "muster run: %s has been started again %u times: no more\n", child->name,
                 (unsigned)child->restarts);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The processes of a run and the words of their command lines. */
 #include "core/text.h"
+#include "ctl/chaos.h"
 #include "ctl/run.h"
 
 #include <errno.h>
@@ -9,7 +10,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { WORDS_MAX = 4 * MU_ROBOTS_MAX + 32, WORDS_TEXT = 256 * 1024 };
+enum {
+    WORDS_MAX = 4 * MU_ROBOTS_MAX + RUN_FILES_MAX + 128,
+    WORDS_TEXT = 1024 * 1024,
+    RECORD_FULL_MAX = 64, /* robots whose percepts are recorded unless somebody asks for them */
+};
 
 /* A command line that is put together. */
 struct words {
@@ -32,7 +37,7 @@ static void word_add(const char *format, ...) __attribute__((format(printf, 1, 2
 
 static void word_add(const char *format, ...)
 {
-    char word[PATH_MAX + 256];
+    char word[2 * PATH_MAX + 256];
     va_list args;
     va_start(args, format);
     vsnprintf(word, sizeof word, format, args);
@@ -54,6 +59,7 @@ static mu_result child_start(struct run *r, struct child *again, const char *nam
                              const char *program)
 {
     const char *const *argv = words_end();
+    chaos_child(r, name);
     return again ? supervise_start_again(&r->children, again, program, argv)
                  : supervise_start(&r->children, name, program, argv);
 }
@@ -74,16 +80,6 @@ void run_child_name(const struct run *r, unsigned index, char *name)
              index ? run_broker(r, index) : "");
 }
 
-/* A run repeats from nothing.  A broker that may be started again has a store for that. */
-static void store_add(const struct run *r, unsigned index)
-{
-    if (run_restarts_brokers(r)) {
-        word_add("--store=%s/" RUN_CHECKPOINTS "/%s.db", r->folder, run_broker(r, index));
-    } else {
-        word_add("--store=none");
-    }
-}
-
 static mu_result broker_start(struct run *r, unsigned index, struct child *again)
 {
     char name[RUN_CHILD_MAX];
@@ -97,7 +93,12 @@ static mu_result broker_start(struct run *r, unsigned index, struct child *again
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
-    store_add(r, index);
+    /* A run repeats from nothing, but for a broker that may be started again. */
+    if (r->experiment->broker.store || run_restarts_brokers(r)) {
+        word_add("--store=%s/%s.db", r->folder, name);
+    } else {
+        word_add("--store=none");
+    }
     return child_start(r, again, name, "muster-broker");
 }
 
@@ -115,6 +116,41 @@ static void places_add(const struct experiment *e)
             word_add("--place=%s %s %s %s", robot->name, robot->body ? robot->body : "-", pose,
                      robot->color ? robot->color : "-");
         }
+    }
+}
+
+/* Percepts of a large team are most of its recording. */
+static bool record_is(const struct run *r, const char *level)
+{
+    const char *usual = r->experiment->robots_count > RECORD_FULL_MAX ? "run" : "full";
+    return strcmp(r->options.record ? r->options.record : usual, level) == 0;
+}
+
+static void recording_add(const struct run *r)
+{
+    char command[2048];
+    size_t count = 0;
+    if (record_is(r, "none")) {
+        return;
+    }
+    run_command_write(r, command, sizeof command);
+    word_add("--record=%s/run.mcap", r->folder);
+    if (record_is(r, "run")) {
+        word_add("--without-percepts");
+    }
+    word_add("--note=command=%s", command);
+    word_add("--note=experiment=%s", r->experiment->name);
+    word_add("--note=seed=%lld", (long long)r->experiment->seed);
+    word_add("--note=duration_s=%.17g", r->experiment->duration);
+    word_add("--note=rate=%.17g", r->options.rate);
+    word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
+    word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    for (size_t i = 0; i < r->options.set_count; i++) {
+        word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
+    }
+    const struct run_file *files = run_files(r, &count);
+    for (size_t i = 0; i < count; i++) {
+        word_add("--attach=%s=%s", files[i].name, files[i].path);
     }
 }
 
@@ -140,6 +176,13 @@ static mu_result simulator_start(struct run *r)
         word_add("--return=%.17g", e->return_within_s);
     }
     places_add(e);
+    recording_add(r);
+    if (e->events_count > 0) {
+        word_add("--events=%s/events.csv", r->folder);
+    }
+    for (unsigned i = 0; i < e->events_count; i++) {
+        word_add("--event=%s", e->events[i]);
+    }
     return child_start(r, NULL, "simulator", "muster-sim");
 }
 

@@ -97,6 +97,10 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
 mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                           const char *const *argv)
 {
+    struct child *before = supervise_find(s, name);
+    if (before && before->ended) {
+        return supervise_start_again(s, before, program, argv);
+    }
     if (s->count == SUPERVISE_CHILDREN_MAX) {
         return MU_FULL;
     }
@@ -111,7 +115,12 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
 mu_result supervise_start_again(struct supervise *s, struct child *child, const char *program,
                                 const char *const *argv)
 {
-    MU_ASSERT(child->ended && child->output < 0);
+    MU_ASSERT(child->ended);
+    if (child->output >= 0) {
+        close(child->output);
+        child->output = -1;
+    }
+    child->struck = false;
     return child_start(s, child, program, argv);
 }
 
@@ -164,7 +173,7 @@ void supervise_look(struct supervise *s)
 bool supervise_has_died(const struct child *child)
 {
     bool left = child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
-    return child->ended && !left;
+    return child->ended && !child->struck && !left;
 }
 
 const struct child *supervise_ended(const struct supervise *s)
@@ -198,7 +207,7 @@ static bool all_ended(const struct supervise *s)
     return true;
 }
 
-static void child_signal(struct child *child, int number)
+void supervise_signal(struct child *child, int number)
 {
     if (!child->ended) {
         kill(child->pid, number);
@@ -219,21 +228,21 @@ void supervise_await(struct supervise *s, const struct child *one, int patience_
 
 void supervise_stop(struct supervise *s, struct child *child, int patience_ms)
 {
-    child_signal(child, SIGTERM);
+    supervise_signal(child, SIGTERM);
     supervise_await(s, child, patience_ms);
-    child_signal(child, SIGKILL);
+    supervise_signal(child, SIGKILL);
     supervise_await(s, child, patience_ms);
 }
 
 void supervise_stop_all(struct supervise *s, int patience_ms)
 {
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGTERM);
-        child_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
+        supervise_signal(&s->children[i], SIGTERM);
+        supervise_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
     }
     supervise_await(s, NULL, patience_ms);
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGKILL);
+        supervise_signal(&s->children[i], SIGKILL);
     }
     supervise_await(s, NULL, patience_ms);
 }

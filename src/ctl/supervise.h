@@ -26,6 +26,7 @@ struct child {
     uint32_t restarts;
     uint64_t restart_ns; /* when it is to be started again; 0: it has not died */
     bool returned;       /* it was started again, and not everybody in it was seen yet */
+    bool struck;         /* its end is meant: chaos.c */
     bool ended;
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
@@ -49,7 +50,8 @@ struct supervise {
  */
 void supervise_init(struct supervise *s, bool quiet, bool spread);
 
-/** Starts a program that stands beside ours.  @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
+/** Starts a program that stands beside ours, in the place of a child of that name that has ended.
+ * @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
 MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                                       const char *const *argv);
 
@@ -72,6 +74,9 @@ const struct child *supervise_ended(const struct supervise *s);
 
 /** @return the child of that name, or NULL */
 struct child *supervise_find(struct supervise *s, const char *name);
+
+/** Sends a signal to a child that lives. */
+void supervise_signal(struct child *child, int number);
 
 /** Waits for at most patience_ms until a child has ended; NULL: all of them. */
 void supervise_await(struct supervise *s, const struct child *one, int patience_ms);

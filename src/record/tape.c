@@ -35,8 +35,16 @@ mu_result tape_open(struct tape *t, const char *path, int domain)
     return MU_OK;
 }
 
+/* Version 2 of CDR puts long numbers elsewhere, and lengths between them: no tool that goes by the
+ * definitions knows that. */
+static bool is_plain(const struct tap_sample *s)
+{
+    const unsigned char *bytes = s->data;
+    return s->size >= 4 && bytes[0] == 0 && bytes[1] <= 1;
+}
+
 /* Adds a channel of a tap.  @return its index, or MU_NONE: there is no room */
-static uint32_t channel_add(struct tape *t, struct tap *tap, const char *partition)
+static uint32_t channel_add(struct tape *t, struct tap *tap, const char *partition, bool plain)
 {
     static char schema_bytes[SCHEMA_BYTES];
     char name_bytes[2 * TAP_NAME_MAX], profile_bytes[PROFILE_BYTES];
@@ -45,7 +53,7 @@ static uint32_t channel_add(struct tape *t, struct tap *tap, const char *partiti
     mu_text_init(&name, name_bytes, sizeof name_bytes);
     mu_text_init(&schema, schema_bytes, sizeof schema_bytes);
     mu_text_init(&profile, profile_bytes, sizeof profile_bytes);
-    bool said = tap_schema(tap, &name, &schema) == MU_OK;
+    bool said = plain && tap_schema(tap, &name, &schema) == MU_OK;
     tap_profile(tap, &profile);
     const struct mcap_pair pairs[] = {
         {"offered_qos_profiles", profile.at}, {"dds_type", tap->type}, {"partition", partition}};
@@ -60,7 +68,7 @@ static uint32_t channel_add(struct tape *t, struct tap *tap, const char *partiti
     if (mcap_writer_channel(t->file, &c, &index) != MU_OK) {
         return MU_NONE;
     }
-    t->channels[index] = (struct tape_channel){.tap = tap};
+    t->channels[index] = (struct tape_channel){.tap = tap, .plain = plain};
     (void)mu_text_copy(t->channels[index].partition, TAP_NAME_MAX + 1, partition);
     t->channel_count = index + 1;
     mu_log(MU_LOG_INFO, "channel", "topic=%s partition=%s schema=%s", tap->name, partition,
@@ -68,25 +76,28 @@ static uint32_t channel_add(struct tape *t, struct tap *tap, const char *partiti
     return index;
 }
 
-static uint32_t channel_find(struct tape *t, struct tap *tap, const char *partition)
+static uint32_t channel_find(struct tape *t, struct tap *tap, const char *partition, bool plain)
 {
     for (uint32_t i = 0; i < t->channel_count; i++) {
-        if (t->channels[i].tap == tap && strcmp(t->channels[i].partition, partition) == 0) {
+        const struct tape_channel *c = &t->channels[i];
+        if (c->tap == tap && c->plain == plain && strcmp(c->partition, partition) == 0) {
             return i;
         }
     }
-    return channel_add(t, tap, partition);
+    return channel_add(t, tap, partition, plain);
 }
 
-static uint32_t channel_of(struct tape *t, struct tap *tap, uint64_t writer)
+/* A writer does not change its encoding. */
+static uint32_t channel_of(struct tape *t, struct tap *tap, const struct tap_sample *sample)
 {
+    uint64_t writer = sample->writer;
     size_t slot = (size_t)((writer * 0x9e3779b97f4a7c15u) >> 52) % TAPE_WRITERS;
     if (t->writers[slot].tap == tap && t->writers[slot].writer == writer) {
         return t->writers[slot].channel;
     }
     char partition[TAP_NAME_MAX + 1];
     bool there = tap_partition(tap, writer, partition, sizeof partition);
-    uint32_t channel = channel_find(t, tap, partition);
+    uint32_t channel = channel_find(t, tap, partition, is_plain(sample));
     if (there && channel != MU_NONE) {
         t->writers[slot].writer = writer;
         t->writers[slot].tap = tap;
@@ -98,7 +109,7 @@ static uint32_t channel_of(struct tape *t, struct tap *tap, uint64_t writer)
 void tape_take(void *self, struct tap *tap, const struct tap_sample *sample)
 {
     struct tape *t = self;
-    uint32_t channel = channel_of(t, tap, sample->writer);
+    uint32_t channel = channel_of(t, tap, sample);
     if (channel == MU_NONE) {
         t->lost++;
         return;

@@ -12,10 +12,11 @@
 
 enum { TAPE_WRITERS = 4096 };
 
-/* A channel of the file: a topic in one partition. */
+/* A channel of the file: a topic in one partition, in one encoding. */
 struct tape_channel {
     const struct tap *tap;
     char partition[TAP_NAME_MAX + 1];
+    bool plain;        /* in the first version of CDR, which definitions are for */
     uint32_t sequence; /* of the last message */
 };
 

@@ -51,6 +51,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     }
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
+    session_script_open(s);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
@@ -363,6 +364,7 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
     status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
     status.objects._buffer = s->places;
     status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
+    session_view_status(s, &status);
     return bus_write(&s->status, &status) == MU_OK;
 }
 
@@ -487,6 +489,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);
+    session_script_act(s, (size_t)(r - s->robots), act);
     session_view_act(s, (size_t)(r - s->robots), act);
 }
 
@@ -496,6 +499,7 @@ static void up_show(struct session *s, const muster_Up *up, int32_t process)
     for (uint32_t i = 0; i < up->acts._length; i++) {
         struct session_robot *r = robot_find(s, up->acts._buffer[i].agent);
         if (r && r->process >= 0 && r->process == process) {
+            session_script_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
             session_view_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
         }
     }

@@ -15,6 +15,7 @@
 #include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
+#include "sim/script.h"
 #include "sim/view.h"
 #include "wire.h"
 
@@ -64,13 +65,15 @@ struct session_process {
 enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
 
 /*
- * Who wants every Frame inside this process, such as a recording: the sample, and its bytes as they
- * would stand on the wire.  Both are good until the function returns.
+ * Who wants every Frame inside this process, and how the run ended, such as a recording: the
+ * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
  */
 struct session_listener {
     void *self;
     void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
     void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
+    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
+    bool without_percepts; /* its bytes of Frames leave them out */
 };
 
 struct session_options {
@@ -118,7 +121,9 @@ struct session {
     bool held;               /* the lock step waits for a process that is being started again */
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */
-    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
+    struct script *script;   /* those that wait for later, and events */
+    struct condition_names body_names;
+    int64_t pace_step; /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
@@ -128,6 +133,7 @@ struct session {
     struct view *view;
     struct tally *tallies;       /* of each robot */
     struct bus_bytes view_bytes; /* of what the listener was told last */
+    bool end_told;               /* to the listener */
     unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
     uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
     uint64_t frames_lost;        /* that the network did not take */
@@ -166,6 +172,29 @@ void session_take(struct session *s);
 
 /** Takes an order from outside: one that changes the world waits for session_orders_apply. */
 void session_order_take(struct session *s, const muster_RunCommand *c);
+
+/** Answers that an order is not carried out. */
+void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why);
+
+/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
+long session_body_find(const struct session *s, const char *name);
+
+/* What waits for later, session_script.c. */
+
+/** Takes memory. */
+void session_script_open(struct session *s);
+
+/** Notes what an agent did. */
+void session_script_act(struct session *s, size_t robot, const muster_Act *act);
+
+/** Looks whose time has come, at the end of a step. */
+void session_script_look(struct session *s);
+
+/** Has the sensors of an order with a time come back after that. */
+void session_script_undo(struct session *s, const muster_RunCommand *c);
+
+/** In lock step, waits for the word to go on. */
+void session_script_hold(struct session *s);
 
 /** Carries out what came from outside since the last step, and answers for it. */
 void session_orders_apply(struct session *s);
@@ -230,6 +259,9 @@ void session_view_begin(struct session *s, bool last);
 void session_view_act(struct session *s, size_t robot, const muster_Act *act);
 void session_view_outside(struct session *s, const muster_Delivery *d);
 void session_view_order(struct session *s, const muster_RunCommand *order);
+
+/** Tells the listener how the run has ended, once. */
+void session_view_status(struct session *s, const muster_RunStatus *status);
 
 /** Ends the Frame, before the world moves on, and tells who wants it. */
 void session_view_finish(struct session *s);

@@ -41,6 +41,16 @@ void session_view_scene(struct session *s)
     }
 }
 
+void session_view_status(struct session *s, const muster_RunStatus *status)
+{
+    bool ended = status->state == muster_RUN_DONE || status->state == muster_RUN_FAULT;
+    if (ended && !s->end_told && s->listener.status &&
+        bus_encode(BUS_RUN_STATUS, status, &s->view_bytes) == MU_OK) {
+        s->listener.status(s->listener.self, status, &s->view_bytes);
+        s->end_told = true;
+    }
+}
+
 /* --- what goes into a Frame ------------------------------------------------------------------- */
 
 /* @return for whom the step's Frame is to be made */
@@ -121,6 +131,15 @@ static void robot_finish(struct session *s, size_t robot)
     v->mails_received = r->mails_received;
 }
 
+static void listener_tell(struct session *s, const muster_Frame *frame)
+{
+    muster_Frame part = *frame;
+    part.percepts._length = s->listener.without_percepts ? 0 : part.percepts._length;
+    if (bus_encode(BUS_FRAME, &part, &s->view_bytes) == MU_OK) {
+        s->listener.frame(s->listener.self, frame, &s->view_bytes);
+    }
+}
+
 /* What the network does not take is lost: nobody waits for who looks. */
 static void frame_write(struct session *s, const muster_Frame *frame)
 {
@@ -131,9 +150,8 @@ static void frame_write(struct session *s, const muster_Frame *frame)
         s->latest_wall_ns = mu_clock_ns();
         s->frames_lost += bus_write(&s->latest, frame) != MU_OK;
     }
-    if ((s->view_for & SESSION_FOR_LISTENER) &&
-        bus_encode(BUS_FRAME, frame, &s->view_bytes) == MU_OK) {
-        s->listener.frame(s->listener.self, frame, &s->view_bytes);
+    if (s->view_for & SESSION_FOR_LISTENER) {
+        listener_tell(s, frame);
     }
 }
 

@@ -89,6 +89,32 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         check(crashed["robots"] == summary["robots"], "what the robots did")
 
 
+CHAOS = f"""
+world: {ROOT}/worlds/arena.world
+duration: 20
+on-crash: restart
+checkpoint: 0.1
+robots:
+  - {{name: red, rules: {ROOT}/rules/follower.clp}}
+  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red, line: (wander)}}
+  - {{at: 0, do: blue, line: (follow red)}}
+"""
+
+
+def test_who_comes_back_by_itself_survives_chaos():
+    with folder() as out:
+        calm, wild = out / "calm.yaml", out / "wild.yaml"
+        calm.write_text(CHAOS)
+        wild.write_text(CHAOS + "chaos:\n  - {at: 5, kill: red}\n  - {at: 10, kill: blue}\n")
+        _, first = experiment_run(out / "calm", file=calm)
+        done, second = experiment_run(out / "wild", file=wild)
+        check_equal(done.returncode, 0, done.stderr)
+        check_equal(second["hash"], first["hash"], "the hash")
+        check_equal([s["process"] for s in second["restarts"]], ["red", "blue"], "who came back")
+
+
 COUNTS = """
 (defglobal ?*n* = 0)
 (defrule count (position $?) => (bind ?*n* (+ ?*n* 1)) (setSpeed 50 0) (broadcast n ?*my-name* ?*n*) (update-sensors))

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings: what `muster record` hears is in the file, and others can read it."""
 import json
-import os
 import pathlib
+import resource
+import signal
 import subprocess
+import time
 
-from support import (MUSTER, Processes, broker_start, check, check_equal, folder, muster, new_domain,
-                     observer_environment, program, tool_python, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, muster, new_domain, observer_environment, program,
+                     tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
 READERS = ("mcap", "mcap-ros2-support=mcap_ros2")
@@ -29,7 +32,7 @@ def record_start(processes, domain, path, *words):
 
 
 def record_end(p):
-    p.send_signal(2)
+    p.send_signal(signal.SIGINT)
     out, errors = p.communicate(timeout=20)
     check_equal((p.returncode, errors), (0, ""), "muster record")
     return out
@@ -55,7 +58,7 @@ def test_every_message_of_a_recording_is_decoded():
             check(tell(f"gold{i}"), "the seeker is told")
         heard = lambda: "gold4" in (out / "seeker").read_text()
         wait_for(heard, 10, "the seeker to hear it")
-        record.send_signal(2)
+        record.send_signal(signal.SIGINT)
         said, _ = record.communicate(timeout=20)
         check_equal(record.returncode, 0, "muster record")
         got = decode(path, "Up", "Pages")
@@ -68,7 +71,7 @@ def test_every_message_of_a_recording_is_decoded():
                  for act in up["acts"] for mail in act["mails"]]
         for i in range(5):
             check(any(f"gold{i}" in mail for mail in mails), f"gold{i} in {mails}")
-        times = [time for _, time, _, _ in got["messages"]]
+        times = [at for _, at, _, _ in got["messages"]]
         check_equal(times, sorted(times), "the order of time")
         check_equal(got["tables"]["recording"]["domain"], str(domain), "the domain")
 
@@ -132,11 +135,16 @@ class Reading(IdlStruct, typename="lab.Reading"):
 participant = DomainParticipant(int(sys.argv[1]))
 qos = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepAll,
           Policy.DataRepresentation(use_cdrv0_representation=True))
+other = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepAll,
+            Policy.DataRepresentation(use_xcdrv2_representation=True))
 writer = DataWriter(participant, Topic(participant, "Readings", Reading), qos=qos)
-while not writer.get_matched_subscriptions():
+newer = DataWriter(participant, Topic(participant, "Newer", Reading), qos=other)
+while not writer.get_matched_subscriptions() or not newer.get_matched_subscriptions():
     time.sleep(0.01)
 for i in range(200):
-    writer.write(Reading(sensor="s%d" % (i % 2), number=i, values=[i / 2] * (i % 4)))
+    reading = Reading(sensor="s%d" % (i % 2), number=i, values=[i / 2] * (i % 4))
+    writer.write(reading)
+    newer.write(reading)
 time.sleep(0.5)
 """
 
@@ -153,7 +161,8 @@ def test_a_python_program_is_recorded():
         check_equal(done.returncode, 0, done.stderr)
         record_end(record)
         got = decode(path, "Readings")
-        check_equal(got["raw"], {"Readings": 200}, "samples")
+        check_equal(got["raw"], {"Readings": 200, "Newer": 200}, "samples")
+        check_equal(got["topics"], {"Readings": 200}, "samples that definitions are right for")
         said = [(m["sensor"], m["number"], m["values"]) for _, _, _, m in got["messages"]]
         check_equal(said, [(f"s{i % 2}", i, [i / 2] * (i % 4)) for i in range(200)], "readings")
 
@@ -188,3 +197,168 @@ def test_a_recorder_that_is_killed_leaves_what_it_heard():
         done = subprocess.run([home / "bin" / "python", "-c", script, path], capture_output=True,
                               text=True, timeout=60)
         check(int(done.stdout or 0) > 10, f"messages: {done.stdout} {done.stderr}")
+
+
+# --- run.mcap --------------------------------------------------------------------------------------
+
+def test_a_run_leaves_its_recording():
+    tool_python(*READERS)
+    with folder() as out:
+        done, summary = experiment_run(out / "o", "--duration", 10, "--set",
+                                       "robots.red.rules=../rules/follower.clp")
+        check_equal(done.returncode, 0, done.stderr)
+        got = decode(out / "o" / "run.mcap", "Frame", "Scene", "RunStatus")
+        check_equal(got["topics"], {"Scene": 1, "Frame": 101, "RunStatus": 1}, "messages")
+        check_equal(got["topics"], got["raw"], "messages that were decoded")
+        run, end = got["tables"]["run"], got["tables"]["end"]
+        check_equal((end["hash"], end["steps"], end["state"]), (summary["hash"], "100", "done"), "end")
+        check_equal((run["seed"], run["set.1"]),
+                    ("1", "robots.red.rules=../rules/follower.clp"), "how it was started")
+        for key in ("muster", "clips", "cyclonedds", "ode", "command", "began_wall_ns"):
+            check(run[key], f"{key} in {run}")
+        frames = [(at, frame) for topic, at, _, frame in got["messages"] if topic == "Frame"]
+        check_equal([(at, f["step"], f["time_ns"]) for at, f in frames],
+                    [(10**8 * i, i, 10**8 * i) for i in range(101)], "times of the frames")
+        final = {r["name"]: r["final"] for r in summary["robots"]}
+        for robot in frames[-1][1]["robots"]:
+            at = final[robot["name"]]
+            check(abs(robot["x_m"] - at["x_m"]) < 1e-5 and abs(robot["y_m"] - at["y_m"]) < 1e-5,
+                  f"where {robot['name']} is at the end: {robot} {at}")
+        check(all(len(f["percepts"]) == 4 for _, f in frames), "percepts of four robots")
+        status = [m for topic, _, _, m in got["messages"] if topic == "RunStatus"][0]
+        check_equal(status["hash"], summary["hash"], "the hash in the last message")
+
+
+def test_a_recording_has_what_the_run_was_made_of():
+    tool_python(*READERS)
+    with folder() as out:
+        (out / "mine.clp").write_text('(extends "base.clp")\n(defrule a => (wander))\n')
+        (out / "base.clp").write_text("(defrule b => (now))\n")
+        experiment_run(out / "o", "--duration", 1, "--set", f"robots.red.rules={out}/mine.clp")
+        files = decode(out / "o" / "run.mcap")["files"]
+        for name, path in (("experiment/experiments/follow.yaml", FOLLOW),
+                           ("world/worlds/arena.world", ROOT / "worlds/arena.world"),
+                           ("world/worlds/pioneer.inc", ROOT / "worlds/pioneer.inc"),
+                           ("library/muster.clp", ROOT / "rules/muster.clp"),
+                           (f"rules{out}/mine.clp", out / "mine.clp"),
+                           (f"rules{out}/base.clp", out / "base.clp")):
+            check_equal(files.get(name), pathlib.Path(path).read_text(), f"{name} of {list(files)}")
+
+
+def test_the_example_in_python():
+    home = tool_python(*READERS, "pandas")
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 5)
+        done = subprocess.run([home / "bin" / "python", ROOT / "examples" / "recording.py",
+                               out / "o" / "run.mcap"], capture_output=True, text=True, timeout=120)
+        check_equal(done.returncode, 0, done.stderr)
+        for name in ("red", "blue", "green", "yellow"):
+            check(f"\n{name} " in done.stdout and " 51.0 " in done.stdout, done.stdout)
+
+
+def test_what_is_recorded_changes_nothing():
+    sizes = {}
+    hashes = set()
+    with folder() as out:
+        for level in ("none", "run", "full"):
+            _, summary = experiment_run(out / level, "--duration", 20, "--record", level)
+            hashes.add(summary["hash"])
+            path = out / level / "run.mcap"
+            sizes[level] = path.stat().st_size if path.exists() else 0
+        check_equal(len(hashes), 1, "hashes")
+        check_equal(sizes["none"], 0, "nothing")
+        check(0 < sizes["run"] < sizes["full"], f"percepts take room: {sizes}")
+        done = muster("run", FOLLOW, "--record", "some", "--out", out / "some")
+        check_equal(done.returncode, 2, done.stderr)
+
+
+def test_ten_minutes_of_four_robots_are_not_large():
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 600)
+        size = (out / "o" / "run.mcap").stat().st_size
+        check(10**6 < size < 60 * 10**6, f"{size} bytes")
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run():
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
+
+    with folder() as out:
+        whole, summary = experiment_run(out / "whole")
+        check_equal(whole.returncode, 0, whole.stderr)
+        done = subprocess.run([MUSTER, "run", FOLLOW, "--out", out / "o"], capture_output=True,
+                              text=True, timeout=120, stdin=subprocess.DEVNULL, preexec_fn=limit)
+        check_equal(done.returncode, 9, done.stderr)
+        check("run.mcap: File too large" in done.stderr, done.stderr)
+        cut = json.loads((out / "o" / "summary.json").read_text())
+        check_equal((cut["hash"], cut["sim_time_s"]), (summary["hash"], 120.0), "the run")
+        check((out / "o" / "run.mcap").stat().st_size <= 1 << 20, "the limit")
+
+
+# --- replay ----------------------------------------------------------------------------------------
+
+def replay_compare(path, out, *words):
+    """Records the replay of a recording; gives what is in the one and in the other."""
+    domain = new_domain()
+    again = out / "again.mcap"
+    with Processes() as processes:
+        record = record_start(processes, domain, again)
+        done = muster("replay", path, "--domain", domain, "--topics", "all", "--wait", 20, *words)
+        check_equal(done.returncode, 0, done.stderr)
+        record_end(record)
+    script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
+              "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
+              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
+    home = tool_python(*READERS)
+    return [json.loads(subprocess.run([home / "bin" / "python", "-c", script, file],
+                                      capture_output=True, text=True, timeout=60).stdout)
+            for file in (path, again)]
+
+
+def test_a_replay_is_the_recording():
+    tool_python(*READERS)
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 120)
+        first, again = replay_compare(out / "o" / "run.mcap", out, "--rate", 0)
+        check_equal((len(first), len(again)), (1203, 1203), "messages")
+        check(again == first, "every message, in order")
+
+
+def test_a_replay_in_real_time_is_the_recording():
+    tool_python(*READERS)
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 2)
+        began = time.monotonic()
+        first, again = replay_compare(out / "o" / "run.mcap", out, "--rate", 1)
+        check(time.monotonic() - began >= 2.0, "it takes as long as it took")
+        check_equal((len(first), len(again)), (23, 23), "messages")
+        check(again == first, "every message, in order")
+
+
+def test_a_replay_is_refused_beside_a_simulator():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        experiment_run(out / "o", "--duration", 1)
+        broker_start(processes, domain)
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--domain", domain, "--wait")
+        refused = lambda: muster("replay", out / "o" / "run.mcap", "--domain", domain, "--wait", 0)
+        done = wait_for(lambda: (d := refused()).returncode == 4 and d, 10, "the refusal")
+        check(f"a simulator or another replay is in domain {domain}" in done.stderr, done.stderr)
+
+
+def test_a_damaged_recording_is_replayed_as_far_as_it_goes():
+    domain = new_domain()
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 60)
+        whole = (out / "o" / "run.mcap").read_bytes()
+        (out / "cut.mcap").write_bytes(whole[:len(whole) * 2 // 3])
+        (out / "no.mcap").write_text("time_s,robot\n")
+        done = muster("replay", out / "cut.mcap", "--domain", domain, "--rate", 0, "--wait", 0)
+        check_equal(done.returncode, 0, done.stderr)
+        check("has no end" in done.stderr, done.stderr)
+        count = int(done.stdout.split()[0])
+        check(200 < count < 600, f"messages: {done.stdout}")
+        done = muster("replay", out / "no.mcap", "--domain", domain)
+        check_equal(done.returncode, 3, done.stderr)
+        check("expected an MCAP file" in done.stderr, done.stderr)

@@ -98,7 +98,7 @@ static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {
     .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
 static muster_RunCommand command = {
-    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W("")};
+    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), .when = W("")};
 static muster_RunAnswer run_answer = {
     .simulator = W("sim"), .source = W("operator"), .reason = W("")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
@@ -135,9 +135,10 @@ static muster_Scene scene = {.simulator = W("sim"),
                              .objects = LIST(things)};
 static muster_RobotView views[MU_ROBOTS_MAX + 1] = {
     {.name = W("a")}, {.name = W("b")}, {.name = W("c")}};
-#define AN_ORDER                                                                        \
-    {                                                                                   \
-        .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W("") \
+#define AN_ORDER                                                                         \
+    {                                                                                    \
+        .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), \
+        .when = W("")                                                                    \
     }
 static muster_RunCommand orders[MU_ORDERS_MAX + 1] = {AN_ORDER, AN_ORDER, AN_ORDER};
 static muster_Mail strangers[MU_FRAME_MAILS_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
@@ -300,6 +301,7 @@ static const struct field {
     {"command.source", check_run_command, &command, &command.source, A_TEXT, MU_PROCESS_MAX},
     {"command.name", check_run_command, &command, &command.name, A_TEXT, MU_FIELD_MAX},
     {"command.file", check_run_command, &command, &command.file, A_TEXT, 1023},
+    {"command.when", check_run_command, &command, &command.when, A_TEXT, MU_CONDITION_MAX},
     {"command.x_m", check_run_command, &command, &command.x_m, A_DOUBLE, 0},
     {"command.y_m", check_run_command, &command, &command.y_m, A_DOUBLE, 0},
     {"command.heading_rad", check_run_command, &command, &command.heading_rad, A_DOUBLE, 0},
@@ -580,9 +582,9 @@ static void test_outlines(void)
     CU_ASSERT_FALSE(check_scene(&scene));
     mounts[2].beams = MU_BEAMS_MAX;
     CU_ASSERT_TRUE(check_scene(&scene));
-    orders[1].order = muster_RUN_SAVE + 1;
+    orders[1].order = muster_RUN_HOLD + 1;
     CU_ASSERT_FALSE(check_frame(&frame));
-    orders[1].order = muster_RUN_SAVE;
+    orders[1].order = muster_RUN_HOLD;
     CU_ASSERT_TRUE(check_frame(&frame));
 }
 

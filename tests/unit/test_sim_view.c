@@ -247,6 +247,7 @@ static void test_orders(void)
                                .order = muster_RUN_PLACE,
                                .name = words("robot0"),
                                .file = words(""),
+                               .when = words(""),
                                .x_m = 1.5};
     view_begin(view, 0, 0);
     view_add_order(view, &order);
