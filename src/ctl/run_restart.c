@@ -9,7 +9,8 @@
 #include <string.h>
 #include <sys/wait.h>
 
-static const uint64_t PAUSE_NS = 100000000; /* before the first time; doubled for each one more */
+static const uint64_t PAUSE_NS = 500000000; /* before the first time: who died is missed after a
+                                              second; doubled for each one more */
 static const uint64_t PAUSE_MAX_NS = 2000000000;
 
 static bool crew_restarts(const struct run *r, unsigned crew)

@@ -85,7 +85,7 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         check_equal(crashed["hash"], summary["hash"], "the hash")
         check_equal(crashed["restarts"], [{"process": "red", "count": 1}], "who was started again")
         said = r.said.read_text()
-        check("red was killed by signal 9" in said and "red is started again in 0.1 s (1 of 5)" in said, said)
+        check("red was killed by signal 9" in said and "red is started again in 0.5 s (1 of 5)" in said, said)
         check(crashed["robots"] == summary["robots"], "what the robots did")
 
 
