@@ -175,4 +175,4 @@ def test_who_is_busy_says_since_when():
         check(f"red is {busy}" in asked.stderr, asked.stderr)
         check_equal(members(domain)["red"]["state"], "standby", "its state meanwhile")
         check(f"[red is {busy}]" in console.communicate(timeout=60)[0], "the console says nothing")
-        wait_for(lambda: "reason" not in members(domain)["red"], 10, "that it is not busy any more")
+        wait_for(lambda: "reason" not in members(domain)["red"], 30, "that it is not busy any more")
