@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -128,7 +129,7 @@ static bool record_is(const struct run *r, const char *level)
 
 static void recording_add(const struct run *r)
 {
-    char command[2048];
+    char command[2048], here[PATH_MAX];
     size_t count = 0;
     if (record_is(r, "none")) {
         return;
@@ -145,6 +146,7 @@ static void recording_add(const struct run *r)
     word_add("--note=rate=%.17g", r->options.rate);
     word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
     word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    word_add("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
     for (size_t i = 0; i < r->options.set_count; i++) {
         word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
@@ -152,6 +154,13 @@ static void recording_add(const struct run *r)
     for (size_t i = 0; i < count; i++) {
         word_add("--attach=%s=%s", files[i].name, files[i].path);
     }
+}
+
+/* What one processor is enough for, is kept on one. */
+static bool simulator_is_wide(const struct experiment *e)
+{
+    uint64_t threads = e->simulator.threads;
+    return threads > 1 || (threads == 0 && getenv("MUSTER_SIM_THREADS"));
 }
 
 static mu_result simulator_start(struct run *r)
@@ -169,6 +178,9 @@ static mu_result simulator_start(struct run *r)
     if (r->options.free) {
         word_add("--free");
     }
+    if (e->simulator.threads > 0) {
+        word_add("--threads=%llu", (unsigned long long)e->simulator.threads);
+    }
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
@@ -182,6 +194,10 @@ static mu_result simulator_start(struct run *r)
     }
     for (unsigned i = 0; i < e->events_count; i++) {
         word_add("--event=%s", e->events[i]);
+    }
+    if (simulator_is_wide(e)) {
+        chaos_child(r, "simulator");
+        return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
     }
     return child_start(r, NULL, "simulator", "muster-sim");
 }
@@ -217,6 +233,9 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }

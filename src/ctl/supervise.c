@@ -74,7 +74,7 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
     cpu_set_t processors = processor_choose(s, child);
     pid_t pid = fork();
     if (pid == 0) {
-        if (s->spread) {
+        if (s->spread && !child->wide) {
             sched_setaffinity(0, sizeof processors, &processors);
         }
         child_become(path, argv, ends[1], parent);
@@ -94,6 +94,20 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
     return MU_OK;
 }
 
+static mu_result child_add(struct supervise *s, const char *name, const char *program,
+                           const char *const *argv, bool wide)
+{
+    if (s->count == SUPERVISE_CHILDREN_MAX) {
+        return MU_FULL;
+    }
+    struct child *child = &s->children[s->count];
+    *child = (struct child){.output = -1, .wide = wide};
+    mu_text_copy(child->name, sizeof child->name, name);
+    mu_result started = child_start(s, child, program, argv);
+    s->count += started == MU_OK;
+    return started;
+}
+
 mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                           const char *const *argv)
 {
@@ -101,15 +115,13 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
     if (before && before->ended) {
         return supervise_start_again(s, before, program, argv);
     }
-    if (s->count == SUPERVISE_CHILDREN_MAX) {
-        return MU_FULL;
-    }
-    struct child *child = &s->children[s->count];
-    *child = (struct child){.output = -1};
-    mu_text_copy(child->name, sizeof child->name, name);
-    mu_result started = child_start(s, child, program, argv);
-    s->count += started == MU_OK;
-    return started;
+    return child_add(s, name, program, argv, false);
+}
+
+mu_result supervise_start_wide(struct supervise *s, const char *name, const char *program,
+                               const char *const *argv)
+{
+    return child_add(s, name, program, argv, true);
 }
 
 mu_result supervise_start_again(struct supervise *s, struct child *child, const char *program,

@@ -22,6 +22,7 @@ struct child {
     char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */
     pid_t pid;
     int output;     /* both of its outputs, read end; -1: closed */
+    bool wide;      /* it may use all processors */
     bool may_leave; /* its end with exit code 0 is none that matters */
     uint32_t restarts;
     uint64_t restart_ns; /* when it is to be started again; 0: it has not died */
@@ -54,6 +55,10 @@ void supervise_init(struct supervise *s, bool quiet, bool spread);
  * @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
 MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                                       const char *const *argv);
+
+/** The same for a program whose threads work side by side: it may use all processors. */
+MU_MUST_USE mu_result supervise_start_wide(struct supervise *s, const char *name,
+                                           const char *program, const char *const *argv);
 
 /**
  * Starts a child that has ended anew, with the same name.

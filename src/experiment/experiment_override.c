@@ -33,6 +33,7 @@ static const struct override_key override_keys[] = {
     {"restarts", OVERRIDE_COUNT, offsetof(struct experiment, restarts)},
     {"return-within", OVERRIDE_REAL, offsetof(struct experiment, return_within_s)},
     {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
+    {"simulator.threads", OVERRIDE_UINT, offsetof(struct experiment, simulator.threads)},
 };
 
 static const struct override_key override_robot_keys[] = {
