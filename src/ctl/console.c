@@ -50,14 +50,30 @@ static void interrupt_note(int number)
 
 /* --- the screen ------------------------------------------------------------------------------- */
 
+/* The bytes of a text before what would steer a terminal. */
+static size_t harmless_len(const char *text)
+{
+    static const char control[] = "\x01\x02\x03\x04\x05\x06\x07\x08\x0b\x0c\x0d\x0e\x0f\x10\x11\x12"
+                                  "\x13\x14\x15\x16\x17\x18\x19\x1a\x1b\x1c\x1d\x1e\x1f\x7f";
+    return strcspn(text, control);
+}
+
 /* Nothing that an agent says may steer the terminal. */
 static void text_print(struct console *c, const char *text)
 {
-    for (const char *t = text; *t; t++) {
-        bool control = (unsigned char)*t < ' ' && *t != '\n' && *t != '\t';
-        putchar(c->colors && (control || *t == '\x7f') ? '?' : *t);
-    }
     size_t len = strlen(text);
+    for (const char *t = text; *t && c->colors;) {
+        size_t harmless = harmless_len(t);
+        fwrite(t, 1, harmless, stdout);
+        t += harmless;
+        if (*t) {
+            putchar('?');
+            t++;
+        }
+    }
+    if (!c->colors) {
+        fwrite(text, 1, len, stdout);
+    }
     c->at_margin = len > 0 ? text[len - 1] == '\n' : c->at_margin;
 }
 
