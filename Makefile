@@ -258,6 +258,10 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
 
+.PHONY: soak-crash
+soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs that go on
+	@BUILD=$(BUILD) tests/soak/crash.py
+
 .PHONY: soak-brokers
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between

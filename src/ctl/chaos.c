@@ -229,12 +229,12 @@ mu_result chaos_send(struct run *r)
 
 /* --- what is done to processes and packets ---------------------------------------------------- */
 
-/* A killed process, once more.  In free running it finds its place again, and a robot begins anew;
- * in lock step nobody waits for a second life of a robot. */
+/* A killed process, once more.  In free running it finds its place again; in lock step somebody
+ * waits for a second life of a robot with `on-crash: restart` alone. */
 static bool part_restart(struct run *r, struct child *child)
 {
     supervise_await(&r->children, child, PATIENCE_MS);
-    if (!child->ended || run_restart(r, child->name) != MU_OK) {
+    if (!child->ended || run_start_again(r, child) != MU_OK) {
         return false;
     }
     run_wake(r, child->name);
@@ -247,8 +247,11 @@ static bool process_strike(struct run *r, const struct experiment_chaos *c)
     struct child *child = supervise_find(&r->children, child_of(r, c->who, name));
     switch (c->kind) {
     case CHAOS_KILL:
-        run_mail_keep(r, name);
-        child->struck = true;
+        /* Who comes back by itself has died as if nobody had meant it. */
+        child->struck = c->for_s > 0 || !run_restarts(r, child);
+        if (child->struck) {
+            run_mail_keep(r, name);
+        }
         supervise_signal(child, SIGKILL);
         supervise_await(&r->children, child, PATIENCE_MS);
         return child->ended;

@@ -506,7 +506,7 @@ static int round_live(struct run *r)
         return MU_EXIT_INTERRUPTED;
     }
     bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    const struct child *ended = over ? NULL : supervise_ended(&r->children);
+    const struct child *ended = over ? NULL : run_restart_look(r);
     if (ended) {
         /* A simulator that is done says so before it ends; the word may still be on its way. */
         bool is_broker =

@@ -312,6 +312,18 @@ static void test_things_at_the_end(void)
     CU_ASSERT_FALSE(file_has("summary.json", "objects"));
 }
 
+static void test_restarts(void)
+{
+    static const struct report_restarts restarts[] = {{"red", 2}};
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "restarts"));
+    input.restarts = restarts;
+    input.restarts_count = 1;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"process\": \"red\",\n      \"count\": 2\n"));
+    input.restarts_count = 0;
+}
+
 static void test_files(void)
 {
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -717,6 +729,7 @@ int main(void)
         {"chaos", test_chaos},
         {"colours of many", test_spread_colors},
         {"things at the end", test_things_at_the_end},
+        {"restarts", test_restarts},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},
