@@ -206,6 +206,32 @@
 #define MU_FRAME_BYTES_MAX (8u << 20)
 #endif
 
+/** Mails of one Frame that a watch hands out. */
+#ifndef MU_WATCH_MAILS_MAX
+#define MU_WATCH_MAILS_MAX 16384
+#endif
+
+/** Walls of a Scene that a watch hands out. */
+#ifndef MU_WATCH_WALLS_MAX
+#define MU_WATCH_WALLS_MAX 65536
+#endif
+
+/** Robots of which every pair's nearest approach is known. */
+#define MU_STATS_ALL_PAIRS 256
+
+/** Pairs whose nearest approach is known: those of MU_STATS_ALL_PAIRS robots. */
+#define MU_STATS_PAIRS_MAX 32640
+
+/** How near two of more robots than that come before they count as a pair, in metres. */
+#define MU_STATS_NEAR_M 2.0
+
+/** Performatives that mail is counted by. */
+#define MU_STATS_PERFORMATIVES 64
+
+/** Cells that an explored world is divided into, and the finer ones of its floor. */
+#define MU_EXPLORED_CELLS_MAX (1u << 20)
+#define MU_EXPLORED_FINE_MAX  (1u << 24)
+
 /** Topics in one recording. */
 #ifndef MU_RECORD_CHANNELS_MAX
 #define MU_RECORD_CHANNELS_MAX 1024
