@@ -271,7 +271,7 @@ static void busy_look(struct console_link *l)
     const struct mu_member *m = mu_process_lookup(l->process, l->agent);
     if (l->pending_count > 0 && l->busy_number != l->lines && m && answer_is_busy(m)) {
         l->busy_number = l->lines;
-        show_note(l, "[%s is %s]", l->agent, m->reason);
+        show_note(l, 0, "[%s is %s]", l->agent, m->reason);
     }
 }
 
