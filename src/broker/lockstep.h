@@ -41,6 +41,7 @@ struct turn {
 struct lockstep {
     bool on;
     bool applying; /* a step is ending: what happens now happens in every run */
+    bool held;     /* the last step has no end yet: agents are on their way */
     int64_t step;  /* whose Ups are collected */
     uint64_t step_ns;
     uint32_t simulator; /* its place */
@@ -93,6 +94,9 @@ void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
  *         are not known yet, or both are for the disk, where they are to go in order
  */
 bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m);
+
+/** No agent is on its way any more: the step that was held ends. */
+void lockstep_release(struct broker *b);
 
 /** The simulator has been told of the mails from outside. */
 void lockstep_told(struct broker *b);
