@@ -4,6 +4,7 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "runtime/trips.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -57,6 +58,16 @@ static mu_result robots_join(struct crew *c)
     return found;
 }
 
+static void on_trip(void *self, const muster_Trip *word)
+{
+    trip_hear(self, word);
+}
+
+static void on_step_end(void *self)
+{
+    trip_step_end(self);
+}
+
 static void crew_round(void *self)
 {
     trip_round(self);
@@ -81,6 +92,8 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
+    struct trips listener = {.self = c, .on_trip = on_trip, .on_step_end = on_step_end};
+    trips_listen(c->process, &listener);
     mu_process_each_round(c->process, crew_round, c);
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);

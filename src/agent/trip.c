@@ -7,6 +7,7 @@
 #include "core/pieces.h"
 #include "muster/memory.h"
 #include "runtime/kind.h"
+#include "runtime/trips.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,7 +26,7 @@ void trip_reserve(struct trip *t)
 bool trip_holds(const struct robot *r)
 {
     const struct trip *t = &r->crew->trip;
-    return t->robot == r && t->phase != TRIP_NONE && t->purpose == TRIP_MOVE;
+    return t->robot == r && t->phase > TRIP_DEPARTS && t->purpose == TRIP_MOVE;
 }
 
 /* --- who speaks ------------------------------------------------------------------------------- */
@@ -55,11 +56,16 @@ static mu_agent *envoy(struct crew *c)
     return c->envoy;
 }
 
-/* Tells whoever asked what became of it; a trip without an asker: nobody. */
+/* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
+ * comes, and the agent speaks for itself, when it stays; when it goes the host does. */
 static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
                       const char *text)
 {
-    mu_agent *speaker = reply_with[0] ? envoy(c) : NULL;
+    bool lockstep = mu_process_in_lockstep(c->process);
+    mu_agent *speaker = !reply_with[0] ? NULL : lockstep ? c->trip.robot->agent : envoy(c);
+    if (lockstep && done) {
+        return;
+    }
     struct mu_mail mail = {.dst = to,
                            .performative = done ? "inform" : "failure",
                            .in_reply_to = reply_with,
@@ -80,6 +86,7 @@ static void trip_end(struct crew *c, bool done, const char *text)
 {
     struct trip *t = &c->trip;
     t->phase = TRIP_NONE;
+    trips_set_under_way(c->process, false);
     mu_log(done ? MU_LOG_INFO : MU_LOG_WARNING, done ? "trip-done" : "trip-refused",
            "name=%s to=%s %s", t->robot->name, t->host, text);
     trip_tell(c, t->asker, t->reply_with, done, text);
@@ -95,7 +102,12 @@ static void trip_fail(struct crew *c, const char *reason)
              t->purpose == TRIP_MOVE ? t->host : t->name);
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
+    bool deposited = t->phase == TRIP_DEPOSITED;
     trip_end(c, false, said);
+    if (deposited) { /* the broker's copy is one journey ahead */
+        mu_agent_set_out(r->agent);
+        mu_agent_set_out(r->agent);
+    }
     if (t->purpose == TRIP_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
         mu_agent_set_out(r->agent); /* the host may have a copy yet */
         mu_agent_set_state(r->agent, t->was);
@@ -112,7 +124,7 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
     if (c->trip.phase != TRIP_NONE) {
         return "busy";
     }
-    if (mu_process_in_lockstep(c->process)) {
+    if (mu_process_in_lockstep(c->process) && w->kind != MIND_MOVES) {
         return "lock-step";
     }
     if (!host[0] || !m || m->kind != MU_KIND_HOST) {
@@ -135,6 +147,7 @@ static void trip_fill(struct robot *r, const struct mind_travel *w, const char *
     t->purpose = w->kind == MIND_CLONES ? TRIP_CLONE : TRIP_MOVE;
     t->was = mu_agent_state(r->agent);
     t->sent = t->piece = 0;
+    t->left = false;
     t->until_ns = mu_clock_ns() + SETTLE_NS;
     snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
              (unsigned long long)(mu_clock_wall_ns() / 1000u), (unsigned long long)++t->count);
@@ -163,10 +176,18 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);
+    if (mu_process_in_lockstep(c->process)) {
+        c->trip.phase = TRIP_DEPARTS;
+        return MU_OK;
+    }
     if (w->kind == MIND_MOVES) {
         kind_event(r->agent, MU_ON_LEAVE);
         mu_agent_set_out(r->agent);
         mu_agent_set_state(r->agent, MU_MOVING);
+    }
+    trips_set_under_way(c->process, true);
+    if (c->trip.reply_with[0]) {
+        (void)envoy(c); /* who leaves its process empty has no time for that */
     }
     c->trip.phase = TRIP_SETTLES;
     return MU_OK;
@@ -196,9 +217,85 @@ static const char *capsule_make(struct trip *t, struct mu_fault *fault)
     t->passage = mu_agent_passage(r->agent);
     if (moves) {
         p.passage = t->passage;
+        p.rules_left = r->rules_left;
     }
     return trip_write(r, &p, &t->text, fault);
 }
+
+/* Hands the capsule to the broker. */
+static mu_result capsule_deposit(struct trip *t, uint64_t epoch)
+{
+    struct robot *r = t->robot;
+    muster_Trip word = {.word = muster_TRIP_DEPOSIT,
+                        .agent = r->name,
+                        .epoch = epoch,
+                        .host = t->host,
+                        .text = t->text.at};
+    return trips_say(r->crew->process, &word);
+}
+
+/* --- in lock step ----------------------------------------------------------------------------- */
+
+/* As it is at the end of this step: for the host it is a journey ahead of what it is here. */
+static const char *departure_write(struct trip *t, struct mu_fault *fault)
+{
+    struct robot *r = t->robot;
+    struct passport p = {.purpose = TRIP_MOVE,
+                         .state = mu_agent_state(r->agent),
+                         .passage = mu_agent_passage(r->agent),
+                         .mails = r->mails,
+                         .rules_left = r->rules_left};
+    p.passage.epoch++;
+    (void)mu_text_copy(p.name, sizeof p.name, r->name);
+    if (t->reply_with[0]) {
+        (void)mu_text_copy(p.asker, sizeof p.asker, t->asker);
+        (void)mu_text_copy(p.reply_with, sizeof p.reply_with, t->reply_with);
+    }
+    return trip_write(r, &p, &t->text, fault);
+}
+
+static void depart(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    struct mu_fault fault;
+    if (!t->left) {
+        t->left = true;
+        kind_event(t->robot->agent, MU_ON_LEAVE);
+    }
+    if (!trips_fits_answer(t->robot->agent)) {
+        return;
+    }
+    const char *why = departure_write(t, &fault);
+    if (why || capsule_deposit(t, mu_agent_passage(t->robot->agent).epoch + 1) != MU_OK) {
+        trip_fail(c, why ? why : "busy");
+        return;
+    }
+    t->phase = TRIP_DEPOSITED;
+}
+
+void trip_step_end(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (t->phase != TRIP_DEPARTS) {
+        return;
+    }
+    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
+        trip_end(c, false, "gone");
+    } else if (t->left || trips_fits_answer(t->robot->agent)) {
+        depart(c);
+    }
+}
+
+/* The host has it, and answers for it from the next step on. */
+static void departed(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    mu_agent_leave(t->robot->agent);
+    trip_end(c, true, "");
+    robot_drop(t->robot);
+}
+
+/* --- out of lock step ------------------------------------------------------------------------- */
 
 static void settle(struct crew *c)
 {
@@ -215,7 +312,12 @@ static void settle(struct crew *c)
         trip_fail(c, why);
         return;
     }
-    t->phase = TRIP_SENDS;
+    bool moves = t->purpose == TRIP_MOVE;
+    if (moves && capsule_deposit(t, t->passage.epoch) != MU_OK) {
+        trip_fail(c, "busy");
+        return;
+    }
+    t->phase = moves ? TRIP_KEPT : TRIP_SENDS;
     t->until_ns = mu_clock_ns() + ANSWER_NS;
 }
 
@@ -299,12 +401,15 @@ static void answer_await(struct crew *c)
 void trip_round(struct crew *c)
 {
     switch (c->trip.phase) {
-    case TRIP_NONE: return;
+    case TRIP_NONE:
+    case TRIP_DEPARTS:
+    case TRIP_DEPOSITED: return;
     case TRIP_SETTLES: settle(c); return;
     case TRIP_SENDS:
         pieces_send(c);
         answer_await(c);
         return;
+    case TRIP_KEPT:
     case TRIP_WAITS: answer_await(c); return;
     case TRIP_HANDS_OVER: hand_over(c); return;
     }
@@ -323,6 +428,36 @@ static void answer_yes(struct crew *c)
     t->phase = TRIP_HANDS_OVER;
     t->until_ns = mu_clock_ns() + NAME_NS;
     mu_agent_leave(t->robot->agent);
+}
+
+/* The host refuses, or is no more.  Who has let go takes the agent back. */
+static void refused(struct crew *c, const char *reason)
+{
+    struct trip *t = &c->trip;
+    if (t->phase == TRIP_HANDS_OVER) {
+        hand_over_undo(c);
+    } else if (t->phase == TRIP_DEPOSITED || t->phase == TRIP_KEPT) {
+        trip_fail(c, reason);
+    }
+}
+
+void trip_hear(struct crew *c, const muster_Trip *word)
+{
+    struct trip *t = &c->trip;
+    if (t->phase == TRIP_NONE || strcmp(word->agent, t->robot->name) != 0) {
+        return;
+    }
+    if (word->word == muster_TRIP_REFUSED) {
+        refused(c, word->reason);
+    } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_DEPOSITED) {
+        departed(c);
+    } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_HANDS_OVER) {
+        hand_over_end(c);
+    } else if (word->word == muster_TRIP_READY && t->phase == TRIP_KEPT) {
+        answer_yes(c);
+    } else if (word->word == muster_TRIP_STORED && t->phase == TRIP_KEPT) {
+        t->phase = TRIP_SENDS;
+    }
 }
 
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail)

@@ -273,6 +273,7 @@ static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
     b->depot.taken++;
     b->depot.holding--;
     c->holds = false;
+    c->seated = true;
     c->phase = DEPOT_KEPT;
     word_of(b, c, c->source, muster_TRIP_TAKEN, "");
     word_of(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
@@ -417,7 +418,12 @@ void depot_review(struct broker *b, uint32_t agent)
     const struct agent *a = &b->registry.agents[agent];
     bool lives = a->process != MU_NONE && a->is.state != muster_STATE_MOVING;
     bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
-    if (a->is.epoch > c->epoch || (lives && elsewhere && c->phase == DEPOT_KEPT)) {
+    bool is_there = lives && elsewhere && c->phase == DEPOT_KEPT;
+    if (is_there && !c->seated) {
+        c->target = a->process;
+        word_of(b, c, c->source, muster_TRIP_TAKEN, "");
+    }
+    if (is_there || a->is.epoch > c->epoch) {
         capsule_drop(b, c);
     }
 }

@@ -85,7 +85,7 @@ static int launch(struct launch *l)
 {
     struct mu_text text;
     mu_text_init(&text, launch_bytes, sizeof launch_bytes);
-    mu_text_format(&text, "passport 1 launch %s %s 0 0 0 0 %lld\n", l->name,
+    mu_text_format(&text, "passport 2 launch %s %s 0 0 0 0 0 %lld 0 - \n", l->name,
                    l->start ? "running" : "standby", (long long)l->seed);
     int code = rules_read(l, &text);
     if (code != MU_EXIT_DONE) {

@@ -41,6 +41,7 @@ struct host {
     struct arrival *waiting;   /* of each robot, what it came by, until it has its name; agents of
                                   them, used: somebody is to be told */
     struct saved *saved;       /* of each robot */
+    uint64_t asked_ns;         /* for agents that nobody has */
     struct mu_text checkpoint; /* TRIP_CAPSULE_MAX: what is being written */
 };
 
@@ -56,9 +57,13 @@ MU_MUST_USE mu_result host_join(struct host *h);
  * Makes an agent of what has come whole, and lets it ask for its name.
  *
  * @param why  out: why not, MU_FAULT_TEXT_MAX + 1 bytes
- * @return whether it is here; it has its name when on_registered says so
+ * @return it, when it is here; it has its name when on_registered says so.  NULL: it is not
  */
-bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
+struct robot *host_take_in(struct host *h, const struct arrival *a,
+                           char why[MU_FAULT_TEXT_MAX + 1]);
+
+/** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
+void host_hear(void *self, const muster_Trip *word);
 
 /** Answers who has sent an agent. */
 void host_answer(struct host *h, const struct arrival *a, const char *performative,

@@ -45,7 +45,8 @@ static struct mu_option table[] = {
      .target = &settings.folder},
     {.name = "restore",
      .kind = MU_OPTION_FLAG,
-     .help = "take in the agents that have a checkpoint there",
+     .help = "take in the agents that have a checkpoint there, and those on their way that nobody "
+             "has any more",
      .target = &settings.restore},
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
@@ -55,6 +56,19 @@ static struct mu_option table[] = {
      .target = &settings.robots.firings_max,
      .min = 1,
      .max = 1000000},
+    {.name = "failures",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "100",
+     .help = "a rule that fails so often suspends its agent; 0: none does",
+     .target = &settings.robots.failures_max,
+     .max = 1000000},
+    {.name = "world",
+     .letter = 'w',
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "the world's file: the map for (plan x y)",
+     .target = &settings.robots.world},
     {.name = "verbose",
      .letter = 'v',
      .kind = MU_OPTION_FLAG,
@@ -80,8 +94,8 @@ mu_result host_settings_parse(const struct host_settings **out, int argc, char *
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    if ((settings.checkpoint_s > 0 || settings.restore) && !settings.folder) {
-        fprintf(stderr, "muster host: --checkpoint and --restore need --folder DIR\n");
+    if (settings.checkpoint_s > 0 && !settings.folder) {
+        fprintf(stderr, "muster host: --checkpoint needs --folder DIR\n");
         return MU_FAULT_USAGE;
     }
     settings.robots.name = name;

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-host: a platform for agents that are launched, move and are cloned. */
+#include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "core/text.h"
 #include "host/host.h"
+#include "runtime/trips.h"
 
 #include <stdio.h>
 
@@ -29,11 +32,32 @@ static mu_result host_connect(struct host *h)
     return found;
 }
 
+/* Whom nobody has is asked for again and again: who has it dies when it likes. */
+static void orphans_ask(struct host *h)
+{
+    static const uint64_t ASK_NS = 1000000000;
+    char name[MU_NAME_MAX + 1];
+    muster_Trip wanted = {.word = muster_TRIP_WANTED, .host = name};
+    uint64_t now_ns = mu_clock_ns();
+    (void)mu_text_copy(name, sizeof name, h->crew.host);
+    if (h->set->restore && now_ns - h->asked_ns > ASK_NS &&
+        trips_say(h->crew.process, &wanted) == MU_OK) {
+        h->asked_ns = now_ns;
+    }
+}
+
+static void step_end(void *self)
+{
+    struct host *h = self;
+    trip_step_end(&h->crew);
+}
+
 static void host_round(void *self)
 {
     struct host *h = self;
     trip_round(&h->crew);
     checkpoints_round(h);
+    orphans_ask(h);
 }
 
 int main(int argc, char **argv)
@@ -54,7 +78,10 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (set->restore) {
+    struct trips listener = {
+        .prompt = true, .self = h, .on_trip = host_hear, .on_step_end = step_end};
+    trips_listen(h->crew.process, &listener);
+    if (set->restore && set->folder) {
         mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));
     }
     mu_process_each_round(h->crew.process, host_round, h);

@@ -233,8 +233,8 @@ static void next_step(mu_process *p)
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
 static bool mail_is_held(const mu_process *p)
 {
-    return p->with_body && !p->in_lockstep && p->step_wall_ns &&
-           mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+    return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
+           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
 }
 
 /* How many samples are worth waking up for. */
@@ -244,7 +244,7 @@ static uint64_t samples_wanted(const mu_process *p)
         return 0; /* more mail lies in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
-    return p->in_lockstep && !p->mail && !p->step ? 2 : 1;
+    return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
 /* @return whether something was handled */
@@ -311,7 +311,9 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_one(p)) {
     }
-    if (!p->in_lockstep) {
+    if (p->in_lockstep) {
+        step_say_trips(p);
+    } else {
         step_flush(p);
     }
     agents_leave(p);

@@ -19,6 +19,7 @@
 #include "runtime/resolver.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
+#include "runtime/trips.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -39,8 +40,8 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
-    uint64_t since_wall_ns; /* since when it has its name */
-    uint64_t epoch;         /* how often it has set out for another process */
+    uint64_t since_wall_ns;        /* since when it has its name */
+    uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
     bool welcomed; /* has been told that its name is accepted */
@@ -51,6 +52,7 @@ struct mu_agent {
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
     struct queue_link links[QUEUES];
     bool gone;                /* takes no part any more */
+    bool departed;            /* it lives in another process now */
     bool leaving;             /* its registration is still there, until its last mails are out, */
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
@@ -91,6 +93,7 @@ struct mu_process {
     struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
+    struct trips trips;
     struct members members;
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
@@ -172,6 +175,9 @@ void step_hello(mu_process *p);
 
 /** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
+
+/** Sends words about agents on their way, between the steps of a lock step. */
+void step_say_trips(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */
 bool step_retry(mu_process *p);

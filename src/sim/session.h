@@ -24,10 +24,11 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled; /* the run waits for its controller; else it is an obstacle */
-    int32_t process; /* index of the process that controls it; -1: none */
-    uint32_t slot;   /* of its controller in that process */
-    bool drives;     /* of the last answer: a speed was set */
+    bool controlled;      /* the run waits for its controller; else it is an obstacle */
+    int32_t process;      /* index of the process that controls it; -1: none */
+    int32_t next_process; /* from the next step on; -1: the same */
+    uint32_t slot;        /* of its controller in that process */
+    bool drives;          /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
     uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
@@ -43,6 +44,9 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool watches;     /* it sees all bodies, and has none */
+    bool hosts;       /* it takes in robots: it belongs to the run, whether it has any or not */
+    bool lost;        /* in lock step: it was there, and is no more; */
+    bool left_out;    /* nobody waits for it */
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
     bool greeted;     /* a Sense with nothing in it has gone to it */
@@ -59,7 +63,8 @@ struct session_options {
     bool free;            /* no lock step */
     const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
     bool waits_for_go;    /* the first step waits for a RunCommand, */
-    uint32_t watchers;    /* and for so many processes that watch */
+    uint32_t watchers;    /* and for so many processes that watch, */
+    uint32_t hosts;       /* and for so many that take in robots */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
 };
 
@@ -96,6 +101,8 @@ struct session {
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
+    bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
+    bool roster_due; /* the network has refused it */
     bool go, end;
     char waits_for[1024];
     char hash_text[RUNHASH_TEXT];
@@ -134,6 +141,12 @@ void session_orders_apply(struct session *s);
 
 /** Tells the broker which processes make the lock step, or that there is none any more. */
 MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
+
+/** Between two steps: those who have moved are with their new processes. */
+void session_change_processes(struct session *s);
+
+/** Goes on without those who are gone and have no robot. */
+void session_leave_out(struct session *s);
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
 bool session_tell(struct session *s, muster_RunState state, bool always);

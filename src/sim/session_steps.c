@@ -106,7 +106,7 @@ static bool sense_write(struct session_process *p)
 
 static void senses_send(struct session *s, bool last)
 {
-    uint32_t next = 0;
+    uint32_t next = 0, awaited = 0;
     bodies_fill(s);
     for (uint32_t i = 0; i < s->process_count; i++) {
         for (size_t r = 0; r < s->robot_count; r++) {
@@ -119,9 +119,12 @@ static void senses_send(struct session *s, bool last)
         p->sample.step = s->step;
         p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
         p->sample.last = last;
-        (void)sense_write(p);
+        if (!p->left_out) {
+            (void)sense_write(p);
+            awaited++;
+        }
     }
-    s->answers_missing = s->process_count;
+    s->answers_missing = awaited;
 }
 
 /* @return whether every process has its step */
@@ -132,7 +135,10 @@ static bool senses_retry(struct session *s)
         struct session_process *p = &s->processes[i];
         all = (!p->sample_pending || sense_write(p)) && all;
     }
-    return all;
+    if (s->roster_due) {
+        s->roster_due = session_tell_roster(s, true) != MU_OK;
+    }
+    return all && !s->roster_due;
 }
 
 /* --- one step --------------------------------------------------------------------------------- */
@@ -239,7 +245,8 @@ static mu_result silence_report(struct session *s)
         }
     }
     for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
-        if (s->processes[i].watches && s->processes[i].answered < s->step) {
+        bool attends = s->processes[i].watches || s->processes[i].hosts;
+        if (attends && !s->processes[i].left_out && s->processes[i].answered < s->step) {
             mu_text_format(&who, " %s", s->processes[i].name);
         }
     }
@@ -307,6 +314,20 @@ static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
+/* A robot has set out: the next step begins when the broker has said where it is. */
+static mu_result moves_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    if (!s->moves) {
+        return MU_OK;
+    }
+    s->answers_missing = 0;
+    mu_result waited = answers_wait(s, signal_came);
+    s->moves = false;
+    session_change_processes(s);
+    s->last_step_wall_ns = mu_clock_ns();
+    return waited;
+}
+
 static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     mu_result waited = MU_OK;
@@ -327,6 +348,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
         waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
         if (waited == MU_OK) {
             step_finish(s);
+            waited = moves_wait(s, signal_came);
             (void)session_tell(s, muster_RUN_RUNNING, false);
         }
     }

@@ -216,18 +216,25 @@ def test_a_host_refuses():
         check_equal(done.returncode, 6, f"who may not direct red: {done.stderr}")
 
 
-def test_nobody_moves_in_lock_step():
-    """It is refused with a word, from the command line and to rules, and the run goes on."""
+def test_moves_in_lock_step():
+    """By rules and from the command line; the clock waits, and no step is lost."""
     with team(bodies=()) as t:
-        t.robot_start("red", "(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))")
+        t.robot_start("red", """
+(defglobal ?*steps* = 0 ?*first* = -1)
+(defrule count (position ?t $?) => (bind ?*steps* (+ ?*steps* 1))
+  (if (< ?*first* 0) then (bind ?*first* ?t)))
+(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))""")
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--rate", "2", "--duration", "8", "--domain", t.domain)
+                                "--rate", "4", "--duration", "8", "--domain", t.domain)
         t.done("start", "red")
-        refused = "(event refused moveTo north lock-step)"
-        wait_for(lambda: refused in t.ask("red", "(facts)"), 15, "the refusal to the rules")
-        done = t.muster("move", "red", "north")
-        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
-        check_equal(t.place_of("red"), "elsewhere", "where it is")
+        wait_for(lambda: t.place_of("red") == "north", 15, "red at north")
+        check_equal(t.done("move", "red", "south"), "red at south\n", "the answer")
+        check_equal(t.place_of("red"), "south", "its platform")
+        check_equal(members(t.domain)["red"]["state"], "running", "its state")
+        done = t.muster("clone", "red", "rosa", "north")
+        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "a clone")
+        missed = t.ask("red", "(- (integer (+ 1.5 (* 10 (- (now) ?*first*)))) ?*steps*)")
+        check_equal(missed, "0", "steps that its rules have not had")
         check_equal(sim.wait(20), 0, "the run")
 
 

@@ -230,7 +230,9 @@ static void test_a_move(void)
     story_leave("red", "p-red");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red moving p-north");
     CU_ASSERT_EQUAL(story.b->depot.count, 1);
+    (void)story_collect();
     register_as("p-north", "red", 1, muster_STATE_RUNNING);
+    EXPECT("p-red: red taken 1");
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
