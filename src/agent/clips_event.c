@@ -24,11 +24,19 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
     EnvDecrementGCLocks(m->env);
 }
 
+/* Whose rules do not look at events is the same wherever it lives, to the number of its facts. */
+static bool is_of_interest(const struct mind *m, size_t event)
+{
+    bool of_moves = event == MU_ON_ARRIVE || event == MU_ON_LEAVE;
+    return !of_moves || m->event->patternNetwork;
+}
+
 void clips_event_assert(struct mind *m)
 {
     for (size_t i = 0; i < MU_EVENTS; i++) {
-        if (m->pending[i]) {
-            m->pending[i] = false;
+        bool pending = m->pending[i];
+        m->pending[i] = false;
+        if (pending && is_of_interest(m, i)) {
             event_fact(m, &event_names[i], 1, &m->events[i]);
         }
     }

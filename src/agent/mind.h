@@ -239,7 +239,8 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail);
  */
 bool mind_understands(const struct mind *m, const struct mind_mail *mail);
 
-/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens. */
+/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens; that
+ * it leaves or arrives, if a rule's pattern looks at events. */
 void mind_event(struct mind *m, enum mu_event event);
 
 /** The same at once, for what cannot wait: when a rule is about to fire for it, all that are on the

@@ -90,6 +90,10 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
  */
 MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
 
+/** Sets a global of a mind: "mate=red".  @return MU_OK; MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result robot_set_global(struct mind *mind, const char *word);
+
 /** Lets it join its crew's process.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
 

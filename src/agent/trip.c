@@ -57,15 +57,16 @@ static mu_agent *envoy(struct crew *c)
 }
 
 /* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
- * comes, and the agent speaks for itself, when it stays; when it goes the host does. */
+ * comes, and an agent without a host speaks for itself, when it stays; when it goes the other host
+ * does. */
 static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
                       const char *text)
 {
     bool lockstep = mu_process_in_lockstep(c->process);
-    mu_agent *speaker = !reply_with[0] ? NULL : lockstep ? c->trip.robot->agent : envoy(c);
-    if (lockstep && done) {
+    if (!reply_with[0] || (lockstep && done && c->trip.purpose == TRIP_MOVE)) {
         return;
     }
+    mu_agent *speaker = lockstep && !c->envoy ? c->trip.robot->agent : envoy(c);
     struct mu_mail mail = {.dst = to,
                            .performative = done ? "inform" : "failure",
                            .in_reply_to = reply_with,
@@ -157,6 +158,15 @@ static void trip_fill(struct robot *r, const struct mind_travel *w, const char *
     (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
 }
 
+/* A host speaks for its agents. */
+static void refusal_answer(struct robot *r, const struct mu_mail *asked, const char *said)
+{
+    mu_agent *speaker = r->crew->host[0] ? r->crew->envoy : r->agent;
+    if (asked && asked->reply_with[0] && mu_agent_reply(speaker, asked, "failure", said) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+    }
+}
+
 mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked)
 {
     struct crew *c = r->crew;
@@ -169,10 +179,7 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
                  moves ? host : w->name);
         snprintf(said, sizeof said, "%s %s", r->name, wrong);
         mind_refused(r->mind, change, wrong);
-        if (asked && asked->reply_with[0] &&
-            mu_agent_reply(r->agent, asked, "failure", said) != MU_OK) {
-            mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
-        }
+        refusal_answer(r, asked, said);
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);

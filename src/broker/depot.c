@@ -326,7 +326,8 @@ static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
     uint32_t host = registry_find(&b->registry, trip->host);
-    if (objection(b, host, false) || b->registry.agents[host].process != place) {
+    if (objection(b, host, false) || b->registry.agents[host].process != place ||
+        b->places.at[place].rostered) {
         return;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {

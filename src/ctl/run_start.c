@@ -115,6 +115,9 @@ static mu_result simulator_start(struct run *r)
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
+    if (e->hosts_count > 0) {
+        word_add("--hosts=%u", e->hosts_count);
+    }
     places_add(e);
     return supervise_start(&r->children, "simulator", "muster-sim", words_end());
 }
@@ -149,6 +152,39 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     return MU_OK;
 }
 
+/* The robots that begin on a host, with their rules and globals. */
+static void natives_add(const struct run *r, const char *host)
+{
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct experiment_robot *robot = &r->experiment->robots[i];
+        if (!robot->host || strcmp(robot->host, host) != 0) {
+            continue;
+        }
+        word_add("--robot=%s=%s", robot->name, robot->rules);
+        for (unsigned k = 0; k < robot->globals_count; k++) {
+            word_add("--global=%s.%s=%s", robot->name, robot->globals[k].name,
+                     robot->globals[k].value);
+        }
+    }
+}
+
+static mu_result host_start(struct run *r, const char *host)
+{
+    unsigned robots = r->experiment->robots_count;
+    words_begin("muster-host");
+    word_add("%s", host);
+    word_add("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);
+    word_add("--world=%s", r->experiment->world);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (r->options.free) {
+        word_add("--restore");
+    }
+    natives_add(r, host);
+    return supervise_start(&r->children, host, "muster-host", words_end());
+}
+
 static mu_result resolver_start(struct run *r, const char *scheme)
 {
     words_begin("muster-resolver");
@@ -167,8 +203,13 @@ mu_result run_start(struct run *r)
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
         MU_TRY(resolver_start(r, r->experiment->resolvers[i]));
     }
+    for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        MU_TRY(host_start(r, r->experiment->hosts[i]));
+    }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
-        MU_TRY(crew_start(r, &r->experiment->crews[i]));
+        if (!r->experiment->robots[r->experiment->crews[i].robot].host) {
+            MU_TRY(crew_start(r, &r->experiment->crews[i]));
+        }
     }
     return MU_OK;
 }

@@ -143,7 +143,8 @@ void supervise_look(struct supervise *s)
 
 static bool has_left(const struct child *child)
 {
-    return child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
+    return child->excused ||
+           (child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0);
 }
 
 const struct child *supervise_ended(const struct supervise *s)

@@ -23,6 +23,7 @@ struct child {
     pid_t pid;
     int output;     /* both of its outputs, read end; -1: closed */
     bool may_leave; /* its end with exit code 0 is none that matters */
+    bool excused;   /* its end, however it came, is none that matters */
     bool ended;
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */

@@ -3,7 +3,7 @@
  * @file host.h
  * A platform: a crew whose robots come and go.
  *
- * host.c has the agents in it, arrival.c what comes in pieces.
+ * host.c has the agents in it, arrival.c what comes in pieces, native.c who begins here.
  */
 #ifndef MUSTER_HOST_HOST_H
 #define MUSTER_HOST_HOST_H
@@ -82,6 +82,15 @@ void checkpoints_round(struct host *h);
 
 /** Takes in all agents that have a file.  @return how many */
 uint32_t checkpoints_restore(struct host *h);
+
+/* native.c */
+
+/**
+ * Makes the robots that begin here.
+ *
+ * @return MU_OK; MU_FAULT_USAGE, MU_FAULT_FILE: it has said what is wrong; or as mu_agent_join
+ */
+MU_MUST_USE mu_result natives_begin(struct host *h);
 
 /* arrival.c */
 

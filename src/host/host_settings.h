@@ -16,6 +16,7 @@ struct host_settings {
     double checkpoint_s;        /* agents are written to disk so often; 0: never */
     const char *folder;         /* of their files */
     bool restore;
+    struct mu_option_list natives; /* "NAME=FILE": agents that begin here, and their rules */
 };
 
 /**

@@ -22,6 +22,7 @@ static mu_result host_connect(struct host *h)
                                          .with_body = true};
     MU_TRY(mu_process_open(&h->crew.process, &options));
     MU_TRY(host_join(h));
+    MU_TRY(natives_begin(h));
     mu_result found = mu_process_await_broker(h->crew.process, MU_NETWORK_BROKER_NS);
     if (found == MU_TIMEOUT) {
         fprintf(stderr,
@@ -74,7 +75,8 @@ int main(int argc, char **argv)
                         "folder that has muster.clp\n");
         return MU_EXIT_FILE;
     }
-    mu_result ready = host_connect(h);
+    mu_result ready = robot_map_open(&h->crew);
+    ready = ready == MU_OK ? host_connect(h) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }

@@ -66,7 +66,8 @@ def team(**kwargs):
 
 def test_a_robot_moves_with_all_that_it_knows():
     with team() as t:
-        robot = t.robot_start("red")
+        robot = t.robot_start("red", '(extends "follower.clp")'
+                                     "(defrule come (event on-arrive) (never) =>)")
         t.done("start", "red")
         t.done("do", "red", "(wander)")
         t.done("do", "red", "(bind ?*mate* green)")
@@ -219,10 +220,7 @@ def test_a_host_refuses():
 def test_moves_in_lock_step():
     """By rules and from the command line; the clock waits, and no step is lost."""
     with team(bodies=()) as t:
-        t.robot_start("red", """
-(defglobal ?*steps* = 0 ?*first* = -1)
-(defrule count (position ?t $?) => (bind ?*steps* (+ ?*steps* 1))
-  (if (< ?*first* 0) then (bind ?*first* ?t)))
+        t.robot_start("red", STEPS + """
 (defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))""")
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
                                 "--rate", "4", "--duration", "8", "--domain", t.domain)
@@ -233,9 +231,100 @@ def test_moves_in_lock_step():
         check_equal(members(t.domain)["red"]["state"], "running", "its state")
         done = t.muster("clone", "red", "rosa", "north")
         check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "a clone")
-        missed = t.ask("red", "(- (integer (+ 1.5 (* 10 (- (now) ?*first*)))) ?*steps*)")
-        check_equal(missed, "0", "steps that its rules have not had")
+        check_equal(steps_missed(t, "red"), "0", "steps that its rules have not had")
         check_equal(sim.wait(20), 0, "the run")
+
+
+FOLLOWERS = """name: %s
+world: {root}/worlds/arena.world
+duration: 15
+hosts: [north, south]
+robots:
+  - {{name: red, host: north, rules: {root}/rules/follower.clp, globals: {{mate: blue}}}}
+  - {{name: blue, rules: {root}/rules/follower.clp}}
+  - {{name: green, rules: {root}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red, line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+  - {{at: 0, do: green, line: "(follow blue)"}}
+  - {{at: 9, do: red, line: "(follow green)"}}
+""".format(root=ROOT)
+
+
+def test_no_hash_tells_who_lives_where():
+    """Two robots move, one from a host and one from a process of its own, twice in the same step."""
+    with folder() as out:
+        hashes = {}
+        for name, moves in (("still", ""), ("moves", """
+  - {at: 3.1, do: red, move: south}
+  - {at: 5, do: [red, blue], move: north}
+  - {at: 8.9, do: [green, blue], move: south}
+  - {at: 12, do: blue, move: north}
+""")):
+            file = out / f"{name}.yaml"
+            file.write_text(FOLLOWERS % name + moves)
+            done, summary = experiment_run(out / name, "--domain", new_domain(), file=file)
+            check_equal((done.returncode, done.stderr), (0, ""), f"the run {name}")
+            hashes[name] = summary["hash"]
+            check_equal(summary["mail"]["duplicated"] + summary["mail"]["lost"], 0, "lost or twice")
+        check_equal(hashes["moves"], hashes["still"], "the hash")
+
+
+STEPS = """
+(defglobal ?*steps* = 0 ?*first* = -1)
+(defrule count (position ?t $?) => (bind ?*steps* (+ ?*steps* 1))
+  (if (< ?*first* 0) then (bind ?*first* ?t)))
+"""
+
+
+def steps_missed(t, name):
+    return t.ask(name, "(- (integer (+ 1.5 (* 10 (- (now) ?*first*)))) ?*steps*)")
+
+
+def test_the_target_dies_in_lock_step():
+    """The clock waits for it, and the source goes on in the next step; then the other host dies, with
+    the robot that came to it gone on, and the run ends well all the same."""
+    with team(bodies=()) as t:
+        t.robot_start("red", STEPS)
+        sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
+                                "--rate", "4", "--duration", "12", "--domain", t.domain)
+        t.done("start", "red")
+        wait_for(lambda: int(t.ask("red", "?*steps*")) > 3, 15, "a run")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        time.sleep(0.5)
+        t.hosts["north"].kill()
+        out, err = move.communicate(timeout=20)
+        check_equal((move.returncode, "host-" in err), (8, True), f"{out} {err}")
+        check_equal(t.place_of("red"), "elsewhere", "where it stays")
+        check_equal(steps_missed(t, "red"), "0", "steps that were lost")
+        t.done("move", "red", "south")
+        check_equal(t.place_of("red"), "south", "its platform")
+        check_equal(steps_missed(t, "red"), "0", "steps that were lost")
+        check_equal(sim.wait(20), 0, "the run")
+
+
+def test_who_lost_both_comes_back_from_the_broker():
+    """Source and target die in the middle; a host that restores is handed the capsule."""
+    with team(bodies=()) as t:
+        robot = t.robot_start("red", '(defglobal ?*n* = 0)(deffacts f (kept "a b"))')
+        t.ask("red", "(bind ?*n* 17)")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        time.sleep(0.3)
+        robot.kill()
+        t.hosts["north"].kill()
+        move.kill()
+        wait_for(lambda: members(t.domain)["red"]["state"] == "absent", 10, "the end of red")
+        t.done("send", "red", "waits", "--quiet", "--wait", 0)
+        t.hosts["east"] = t.host_start("east", "--restore")
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check_equal(t.ask("red", "?*n*"), "17", "a global")
+        facts = t.ask("red", "(facts)")
+        check('(kept "a b")' in facts, "a fact")
+        wait_for(lambda: "(message waits)" in t.ask("red", "(facts)"), 5, "mail that it was sent")
+        check_equal(living(t, "red"), "east", "where it lives")
 
 
 def test_a_run_goes_on_without_who_is_disposed_of():
