@@ -68,6 +68,11 @@ static void on_step_end(void *self)
     trip_step_end(self);
 }
 
+static void on_answered(void *self)
+{
+    trip_step_answered(self);
+}
+
 static void crew_round(void *self)
 {
     trip_round(self);
@@ -92,7 +97,8 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    struct trips listener = {.self = c, .on_trip = on_trip, .on_step_end = on_step_end};
+    struct trips listener = {
+        .self = c, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
     trips_listen(c->process, &listener);
     mu_process_each_round(c->process, crew_round, c);
     mu_memory_seal();

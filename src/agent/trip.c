@@ -115,8 +115,6 @@ static void trip_fail(struct crew *c, const char *reason)
     }
 }
 
-/* --- the way ---------------------------------------------------------------------------------- */
-
 static const char *objection(struct robot *r, const struct mind_travel *w, const char *host)
 {
     struct crew *c = r->crew;
@@ -158,6 +156,138 @@ static void trip_fill(struct robot *r, const struct mind_travel *w, const char *
     (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
 }
 
+const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
+                       struct mu_fault *fault)
+{
+    struct mu_text rest;
+    mu_text_clear(out);
+    passport_add(out, p);
+    mu_text_init(&rest, out->at + out->len, out->size - out->len);
+    if (mind_save(r->mind, &rest, fault) != MU_OK) {
+        return fault->text;
+    }
+    out->len += rest.len;
+    return NULL;
+}
+
+/* Hands the capsule to the broker. */
+static mu_result capsule_deposit(struct trip *t, uint64_t epoch)
+{
+    struct robot *r = t->robot;
+    muster_Trip word = {.word = muster_TRIP_DEPOSIT,
+                        .agent = r->name,
+                        .epoch = epoch,
+                        .host = t->host,
+                        .text = t->text.at};
+    return trips_say(r->crew->process, &word);
+}
+
+/* --- departure -------------------------------------------------------------------------------- */
+
+/* As it is now: for the host it is a journey ahead of what it is here. */
+static const char *departure_write(struct trip *t, struct mu_fault *fault)
+{
+    struct robot *r = t->robot;
+    t->was = mu_agent_state(r->agent);
+    t->passage = mu_agent_passage(r->agent);
+    t->passage.epoch++;
+    struct passport p = {.purpose = TRIP_MOVE,
+                         .state = t->was,
+                         .passage = t->passage,
+                         .mails = r->mails,
+                         .rules_left = r->rules_left};
+    (void)mu_text_copy(p.name, sizeof p.name, r->name);
+    if (t->reply_with[0] && mu_process_in_lockstep(r->crew->process)) {
+        (void)mu_text_copy(p.asker, sizeof p.asker, t->asker);
+        (void)mu_text_copy(p.reply_with, sizeof p.reply_with, t->reply_with);
+    }
+    return trip_write(r, &p, &t->text, fault);
+}
+
+static void depart(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    struct mu_fault fault;
+    if (!t->left) {
+        t->left = true;
+        kind_event(t->robot->agent, MU_ON_LEAVE);
+    }
+    if (!trips_fits_answer(t->robot->agent)) {
+        return; /* its last words need a step more */
+    }
+    const char *why = departure_write(t, &fault);
+    if (why || capsule_deposit(t, t->passage.epoch) != MU_OK) {
+        trip_fail(c, why ? why : "busy");
+        return;
+    }
+    t->phase = TRIP_DEPOSITED;
+}
+
+void trip_step_end(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (t->phase != TRIP_DEPARTS) {
+        return;
+    }
+    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
+        trip_end(c, false, "gone");
+    } else if (t->left || trips_fits_answer(t->robot->agent)) {
+        depart(c);
+    }
+}
+
+void trip_step_answered(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (t->phase != TRIP_DEPOSITED || mu_process_in_lockstep(c->process)) {
+        return;
+    }
+    mu_agent_set_out(t->robot->agent);
+    mu_agent_set_state(t->robot->agent, MU_MOVING);
+    trips_set_under_way(c->process, true);
+    t->phase = TRIP_KEPT;
+    t->until_ns = mu_clock_ns() + ANSWER_NS;
+}
+
+/* Where no steps come, at once; what it has said goes out before. */
+static void depart_now(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (trips_awaits_step(c->process)) {
+        return;
+    }
+    if (mu_clock_ns() > t->until_ns) {
+        trip_fail(c, "broker-silent");
+    } else if (trips_all_sent(t->robot->agent)) {
+        trip_step_end(c);
+        trip_step_answered(c);
+    }
+}
+
+/* In lock step the host has it, and answers for it from the next step on. */
+static void departed(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    mu_agent_leave(t->robot->agent);
+    trip_end(c, true, "");
+    robot_drop(t->robot);
+}
+
+static void clone_begin(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    struct mu_fault fault;
+    struct passport p = {.purpose = TRIP_CLONE, .state = t->was, .mails = t->robot->mails};
+    (void)mu_text_copy(p.name, sizeof p.name, t->name);
+    const char *why = trip_write(t->robot, &p, &t->text, &fault);
+    trips_set_under_way(c->process, true);
+    t->phase = TRIP_SENDS;
+    t->until_ns = mu_clock_ns() + ANSWER_NS;
+    if (why) {
+        trip_fail(c, why);
+    }
+}
+
 /* A host speaks for its agents. */
 static void refusal_answer(struct robot *r, const struct mu_mail *asked, const char *said)
 {
@@ -183,150 +313,18 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);
-    if (mu_process_in_lockstep(c->process)) {
-        c->trip.phase = TRIP_DEPARTS;
+    if (c->trip.purpose == TRIP_CLONE) {
+        clone_begin(c);
         return MU_OK;
     }
-    if (w->kind == MIND_MOVES) {
-        kind_event(r->agent, MU_ON_LEAVE);
-        mu_agent_set_out(r->agent);
-        mu_agent_set_state(r->agent, MU_MOVING);
-    }
-    trips_set_under_way(c->process, true);
-    if (c->trip.reply_with[0]) {
+    c->trip.phase = TRIP_DEPARTS;
+    if (!mu_process_in_lockstep(c->process) && c->trip.reply_with[0]) {
         (void)envoy(c); /* who leaves its process empty has no time for that */
     }
-    c->trip.phase = TRIP_SETTLES;
     return MU_OK;
 }
 
-const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
-                       struct mu_fault *fault)
-{
-    struct mu_text rest;
-    mu_text_clear(out);
-    passport_add(out, p);
-    mu_text_init(&rest, out->at + out->len, out->size - out->len);
-    if (mind_save(r->mind, &rest, fault) != MU_OK) {
-        return fault->text;
-    }
-    out->len += rest.len;
-    return NULL;
-}
-
-/* @return NULL, or why there can be no capsule */
-static const char *capsule_make(struct trip *t, struct mu_fault *fault)
-{
-    struct robot *r = t->robot;
-    bool moves = t->purpose == TRIP_MOVE;
-    struct passport p = {.purpose = t->purpose, .state = t->was, .mails = r->mails};
-    (void)mu_text_copy(p.name, sizeof p.name, moves ? r->name : t->name);
-    t->passage = mu_agent_passage(r->agent);
-    if (moves) {
-        p.passage = t->passage;
-        p.rules_left = r->rules_left;
-    }
-    return trip_write(r, &p, &t->text, fault);
-}
-
-/* Hands the capsule to the broker. */
-static mu_result capsule_deposit(struct trip *t, uint64_t epoch)
-{
-    struct robot *r = t->robot;
-    muster_Trip word = {.word = muster_TRIP_DEPOSIT,
-                        .agent = r->name,
-                        .epoch = epoch,
-                        .host = t->host,
-                        .text = t->text.at};
-    return trips_say(r->crew->process, &word);
-}
-
-/* --- in lock step ----------------------------------------------------------------------------- */
-
-/* As it is at the end of this step: for the host it is a journey ahead of what it is here. */
-static const char *departure_write(struct trip *t, struct mu_fault *fault)
-{
-    struct robot *r = t->robot;
-    struct passport p = {.purpose = TRIP_MOVE,
-                         .state = mu_agent_state(r->agent),
-                         .passage = mu_agent_passage(r->agent),
-                         .mails = r->mails,
-                         .rules_left = r->rules_left};
-    p.passage.epoch++;
-    (void)mu_text_copy(p.name, sizeof p.name, r->name);
-    if (t->reply_with[0]) {
-        (void)mu_text_copy(p.asker, sizeof p.asker, t->asker);
-        (void)mu_text_copy(p.reply_with, sizeof p.reply_with, t->reply_with);
-    }
-    return trip_write(r, &p, &t->text, fault);
-}
-
-static void depart(struct crew *c)
-{
-    struct trip *t = &c->trip;
-    struct mu_fault fault;
-    if (!t->left) {
-        t->left = true;
-        kind_event(t->robot->agent, MU_ON_LEAVE);
-    }
-    if (!trips_fits_answer(t->robot->agent)) {
-        return;
-    }
-    const char *why = departure_write(t, &fault);
-    if (why || capsule_deposit(t, mu_agent_passage(t->robot->agent).epoch + 1) != MU_OK) {
-        trip_fail(c, why ? why : "busy");
-        return;
-    }
-    t->phase = TRIP_DEPOSITED;
-}
-
-void trip_step_end(struct crew *c)
-{
-    struct trip *t = &c->trip;
-    if (t->phase != TRIP_DEPARTS) {
-        return;
-    }
-    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
-        trip_end(c, false, "gone");
-    } else if (t->left || trips_fits_answer(t->robot->agent)) {
-        depart(c);
-    }
-}
-
-/* The host has it, and answers for it from the next step on. */
-static void departed(struct crew *c)
-{
-    struct trip *t = &c->trip;
-    mu_agent_leave(t->robot->agent);
-    trip_end(c, true, "");
-    robot_drop(t->robot);
-}
-
-/* --- out of lock step ------------------------------------------------------------------------- */
-
-static void settle(struct crew *c)
-{
-    struct trip *t = &c->trip;
-    struct mu_fault fault;
-    if (t->purpose == TRIP_MOVE && !mu_agent_is_settled(t->robot->agent)) {
-        if (mu_clock_ns() > t->until_ns) {
-            trip_fail(c, "broker-silent");
-        }
-        return;
-    }
-    const char *why = capsule_make(t, &fault);
-    if (why) {
-        trip_fail(c, why);
-        return;
-    }
-    bool moves = t->purpose == TRIP_MOVE;
-    if (moves && capsule_deposit(t, t->passage.epoch) != MU_OK) {
-        trip_fail(c, "busy");
-        return;
-    }
-    t->phase = moves ? TRIP_KEPT : TRIP_SENDS;
-    t->until_ns = mu_clock_ns() + ANSWER_NS;
-}
+/* --- the way ---------------------------------------------------------------------------------- */
 
 /* As many pieces as the outbox takes. */
 static void pieces_send(struct crew *c)
@@ -405,20 +403,16 @@ static void answer_await(struct crew *c)
     }
 }
 
-void trip_round(struct crew *c)
+/* Lets the name go, when nobody has anything more to say to the agent here. */
+static void yield(struct crew *c)
 {
-    switch (c->trip.phase) {
-    case TRIP_NONE:
-    case TRIP_DEPARTS:
-    case TRIP_DEPOSITED: return;
-    case TRIP_SETTLES: settle(c); return;
-    case TRIP_SENDS:
-        pieces_send(c);
-        answer_await(c);
-        return;
-    case TRIP_KEPT:
-    case TRIP_WAITS: answer_await(c); return;
-    case TRIP_HANDS_OVER: hand_over(c); return;
+    struct trip *t = &c->trip;
+    if (mu_agent_is_settled(t->robot->agent)) {
+        t->phase = TRIP_HANDS_OVER;
+        t->until_ns = mu_clock_ns() + NAME_NS;
+        mu_agent_leave(t->robot->agent);
+    } else if (mu_clock_ns() > t->until_ns) {
+        trip_fail(c, "broker-silent");
     }
 }
 
@@ -432,9 +426,26 @@ static void answer_yes(struct crew *c)
         trip_end(c, true, said);
         return;
     }
-    t->phase = TRIP_HANDS_OVER;
-    t->until_ns = mu_clock_ns() + NAME_NS;
-    mu_agent_leave(t->robot->agent);
+    t->phase = TRIP_YIELDS;
+    t->until_ns = mu_clock_ns() + SETTLE_NS;
+    yield(c);
+}
+
+void trip_round(struct crew *c)
+{
+    switch (c->trip.phase) {
+    case TRIP_NONE:
+    case TRIP_DEPOSITED: return;
+    case TRIP_DEPARTS: depart_now(c); return;
+    case TRIP_SENDS:
+        pieces_send(c);
+        answer_await(c);
+        return;
+    case TRIP_KEPT:
+    case TRIP_WAITS: answer_await(c); return;
+    case TRIP_YIELDS: yield(c); return;
+    case TRIP_HANDS_OVER: hand_over(c); return;
+    }
 }
 
 /* The host refuses, or is no more.  Who has let go takes the agent back. */
@@ -443,7 +454,7 @@ static void refused(struct crew *c, const char *reason)
     struct trip *t = &c->trip;
     if (t->phase == TRIP_HANDS_OVER) {
         hand_over_undo(c);
-    } else if (t->phase == TRIP_DEPOSITED || t->phase == TRIP_KEPT) {
+    } else if (t->phase == TRIP_DEPOSITED || t->phase == TRIP_KEPT || t->phase == TRIP_YIELDS) {
         trip_fail(c, reason);
     }
 }

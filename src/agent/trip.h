@@ -36,12 +36,12 @@ struct passport {
 
 enum trip_phase {
     TRIP_NONE,
-    TRIP_DEPARTS,   /* in lock step: it goes at the end of the step, */
-    TRIP_DEPOSITED, /* and the step waits for the broker's word */
-    TRIP_SETTLES,   /* what it sent has no answer yet */
-    TRIP_KEPT,      /* the broker has the capsule: its word, or the host's, is awaited */
-    TRIP_SENDS,     /* pieces go out, to a host at another broker */
+    TRIP_DEPARTS,   /* it goes at the end of the step, or when all is sent, if there are none */
+    TRIP_DEPOSITED, /* the capsule goes with the answer; in lock step the step waits for a word */
+    TRIP_KEPT,      /* the broker has it: the host's word is awaited */
+    TRIP_SENDS,     /* pieces go out: of a clone, or to a host at another broker */
     TRIP_WAITS,     /* for the host's word */
+    TRIP_YIELDS,    /* the host is ready; what was sent has no answer yet */
     TRIP_HANDS_OVER /* its name is free; the copy here is kept until the host has it */
 };
 
@@ -91,6 +91,9 @@ void trip_hear(struct crew *c, const muster_Trip *word);
 
 /** The step at hand is about to be answered: who wants to go does so now. */
 void trip_step_end(struct crew *c);
+
+/** It has been answered: out of lock step, who goes stands still from now on. */
+void trip_step_answered(struct crew *c);
 
 /** Takes the answer of a host.  @return whether the mail was one */
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail);

@@ -53,6 +53,12 @@ static void step_end(void *self)
     trip_step_end(&h->crew);
 }
 
+static void step_answered(void *self)
+{
+    struct host *h = self;
+    trip_step_answered(&h->crew);
+}
+
 static void host_round(void *self)
 {
     struct host *h = self;
@@ -80,8 +86,11 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    struct trips listener = {
-        .prompt = true, .self = h, .on_trip = host_hear, .on_step_end = step_end};
+    struct trips listener = {.prompt = true,
+                             .self = h,
+                             .on_trip = host_hear,
+                             .on_step_end = step_end,
+                             .on_answered = step_answered};
     trips_listen(h->crew.process, &listener);
     if (set->restore && set->folder) {
         mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));

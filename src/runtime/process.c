@@ -22,7 +22,7 @@ static const int64_t IMPATIENT_NS = 2000000;
 static const int64_t EXPECTANT_NS = 20000000;
 
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
-static const uint64_t STEP_PATIENCE_NS = 300000000;
+const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
@@ -234,7 +234,7 @@ static void next_step(mu_process *p)
 static bool mail_is_held(const mu_process *p)
 {
     return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
-           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
 /* How many samples are worth waking up for. */

@@ -126,6 +126,9 @@ struct mu_process {
 
 /* process.c */
 
+/** A process that has had a step expects the next one within this time. */
+extern const uint64_t PROCESS_STEP_PATIENCE_NS;
+
 /** @return whether the simulator's steps are for it */
 bool process_takes_steps(const mu_process *p);
 

@@ -405,6 +405,17 @@ static void step_answer(mu_process *p, const muster_Sense *sense)
     (void)step_retry(p);
 }
 
+static void step_end(mu_process *p, const muster_Sense *sense)
+{
+    if (p->trips.on_step_end) {
+        p->trips.on_step_end(p->trips.self);
+    }
+    step_answer(p, sense);
+    if (p->trips.on_answered) {
+        p->trips.on_answered(p->trips.self);
+    }
+}
+
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
 {
     if (!p->lived_in_lockstep) {
@@ -414,10 +425,7 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
     }
     step_take_delivery(p, d, sense);
     agents_act(p, sense);
-    if (p->trips.on_step_end) {
-        p->trips.on_step_end(p->trips.self);
-    }
-    step_answer(p, sense);
+    step_end(p, sense);
 }
 
 void step_live_freely(mu_process *p, const muster_Sense *sense)
@@ -428,7 +436,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense)
         process_next_delivery(p);
     }
     agents_act(p, sense);
-    step_answer(p, sense);
+    step_end(p, sense);
 }
 
 void step_hello(mu_process *p)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/trips.h"
 
+#include "core/clock.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
@@ -14,6 +15,7 @@ void trips_listen(mu_process *p, const struct trips *listener)
     p->trips.self = listener->self;
     p->trips.on_trip = listener->on_trip;
     p->trips.on_step_end = listener->on_step_end;
+    p->trips.on_answered = listener->on_answered;
 }
 
 mu_result trips_say(mu_process *p, const muster_Trip *trip)
@@ -67,6 +69,12 @@ void trips_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
+bool trips_awaits_step(const mu_process *p)
+{
+    return p->in_lockstep ||
+           (p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS);
+}
+
 bool trips_fits_answer(const mu_agent *a)
 {
     const mu_process *p = a->process;
@@ -77,6 +85,11 @@ bool trips_fits_answer(const mu_agent *a)
     }
     bool whole = a->outbox.unsent_seq + count == a->outbox.next_seq;
     return count == 0 || (whole && bytes <= PROCESS_UP_BYTES);
+}
+
+bool trips_all_sent(const mu_agent *a)
+{
+    return a->registered && !outbox_has_unsent(&a->outbox) && !a->process->out_pending;
 }
 
 uint32_t trips_slot(const mu_agent *a)

@@ -26,7 +26,8 @@ struct trips {
     bool under_way; /* nor now: an agent of the process is on its way */
     void *self;     /* of these; NULL: nobody */
     void (*on_trip)(void *self, const muster_Trip *trip);
-    void (*on_step_end)(void *self); /* of lock step, before it is answered */
+    void (*on_step_end)(void *self); /* before it is answered: what is said goes with the answer, */
+    void (*on_answered)(void *self); /* and after that */
 };
 
 /** Who hears the words that come, and of the ends of steps; mail is handed over as it comes. */
@@ -52,8 +53,14 @@ void trips_sent(mu_process *p, uint32_t count);
 /** Hands over those that have come. */
 void trips_take(mu_process *p, const muster_Delivery *d);
 
+/** @return whether a step is to be expected soon */
+bool trips_awaits_step(const mu_process *p);
+
 /** @return whether the answer to a step has room for all that the agent has to say */
 bool trips_fits_answer(const mu_agent *a);
+
+/** @return whether all that the agent has said is out */
+bool trips_all_sent(const mu_agent *a);
 
 /** @return where the agent stands in its process, as in its registration */
 uint32_t trips_slot(const mu_agent *a);
