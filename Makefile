@@ -205,6 +205,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-moves
+soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way
+	@BUILD=$(BUILD) tests/soak/moves.py
+
 .PHONY: soak-worlds
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<

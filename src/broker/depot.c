@@ -23,15 +23,21 @@ void depot_init(struct depot *d)
     }
 }
 
-static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
+static uint32_t capsule_find(const struct broker *b, uint32_t agent)
 {
-    struct depot *d = &b->depot;
+    const struct depot *d = &b->depot;
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
         if (d->capsules[i].phase != DEPOT_FREE && d->capsules[i].agent == agent) {
-            return &d->capsules[i];
+            return i;
         }
     }
-    return NULL;
+    return MU_NONE;
+}
+
+static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE ? &b->depot.capsules[i] : NULL;
 }
 
 /* --- words ------------------------------------------------------------------------------------ */
@@ -442,6 +448,12 @@ bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uin
         }
     }
     return false;
+}
+
+bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE && epoch > 0 && b->depot.capsules[i].epoch > epoch;
 }
 
 uint64_t depot_deadline_ns(const struct broker *b)

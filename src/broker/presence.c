@@ -328,7 +328,9 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
     if (a->process == place && a->tenant.slot != slot && !b->places.at[place].rostered) {
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
-    if (a->process == MU_NONE) {
+    if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
+        places_refuse(&b->places, place, a->name, "out of date");
+    } else if (a->process == MU_NONE) {
         presence_seat(b, agent, place, slot, is);
         liaison_review(b, agent);
     } else if (a->process == place) {

@@ -106,7 +106,10 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
                           const struct mu_handlers *handlers)
 {
     uint64_t last = from ? from->last_number : 0;
-    MU_TRY(mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers));
+    mu_result joined = mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers);
+    if (joined != MU_OK) {
+        return joined;
+    }
     (*out)->broker_incarnation = from ? from->broker : 0; /* another one numbers its box anew */
     (*out)->epoch = from ? from->epoch : 0;
     (*out)->handed = from ? from->handed : 0;

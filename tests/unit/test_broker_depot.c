@@ -245,6 +245,8 @@ static void test_both_die(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
     CU_ASSERT_EQUAL(story.b->depot.count, 1);
     host_join("south");
+    register_as("p-south", "red", 0, muster_STATE_ABSENT);
+    CU_ASSERT_EQUAL(story.b->depot.count, 1);
     muster_Trip wanted = trip(muster_TRIP_WANTED, "", 0, "south");
     say("p-south", "", muster_STEP_NOW, wanted);
     EXPECT(""); /* somebody may take it back yet */
@@ -263,6 +265,24 @@ static void test_both_die(void)
     register_as("p-south", "red", 1, muster_STATE_RUNNING);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-south");
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
+static void test_an_older_copy_does_not_get_the_name(void)
+{
+    free_begin();
+    story_gone("p-red");
+    story_gone("p-north");
+    host_join("south");
+    register_as("p-red", "red", 5, muster_STATE_MOVING); /* who has set out since does */
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    deposit("p-red", "red", 6, "south", muster_STEP_NOW);
+    story_gone("p-red");
+    (void)story_collect();
+    register_as("p-south", "red", 5, muster_STATE_MOVING);
+    EXPECT("red: out of date");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    register_as("p-south", "red", 6, muster_STATE_MOVING);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red moving p-south");
 }
 
 static void test_limit_capsules(void)
@@ -316,6 +336,7 @@ int main(void)
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a move", test_a_move},
         {"both die", test_both_die},
+        {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
         {"limit: capsules", test_limit_capsules},
         {"words of strangers", test_words_of_strangers},
         CU_TEST_INFO_NULL,
