@@ -407,6 +407,9 @@ void depot_gone(struct broker *b, uint32_t place)
         }
         if (c->phase == DEPOT_SENT && c->target == place) {
             capsule_refuse(b, c, "host-absent");
+        } else if (c->phase == DEPOT_KEPT && c->target == place) {
+            word_of(b, c, c->source, muster_TRIP_REFUSED, "host-absent"); /* it takes it back */
+            c->target = MU_NONE;
         }
     }
     for (uint32_t i = b->depot.words_count; i-- > 0;) {

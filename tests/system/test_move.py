@@ -463,6 +463,24 @@ def settled(t, may_return):
         time.sleep(0.1)
 
 
+# --- several brokers ----------------------------------------------------------------------------
+
+
+def test_a_robot_moves_to_a_host_at_another_broker():
+    """And back; mail that others send it at either broker waits for it, and comes once."""
+    with team(bodies=()) as t:
+        t.processes.start(MUSTER, "broker", "other", "--domain", t.domain)
+        t.hosts["far"] = t.host_start("far", "--broker", "other")
+        t.robot_start("red", '(defglobal ?*n* = 0)(deffacts f (kept "a b"))')
+        t.ask("red", "(bind ?*n* 17)")
+        for host in ("far", "north", "far"):
+            check_equal(t.done("move", "red", host), f"red at {host}\n", "the answer")
+            check_equal(living(t, "red"), host, "where it lives")
+            check_equal(t.ask("red", "?*n*"), "17", "a global")
+            t.done("send", "red", f"at {host}", "--quiet", "--wait", 0)
+            wait_for(lambda h=host: f"(message at {h})" in t.ask("red", "(facts)"), 10, "mail")
+
+
 # --- checkpoints --------------------------------------------------------------------------------
 
 

@@ -236,6 +236,20 @@ static void test_a_move(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
+static void test_a_host_dies_with_the_name(void)
+{
+    free_begin();
+    register_as("p-north", "red", 1, muster_STATE_MOVING);
+    ready("p-north", "red", 1);
+    story_leave("red", "p-red");
+    (void)story_collect();
+    story_gone("p-north");
+    EXPECT("p-red: red refused 1 host-absent");
+    register_as("p-red", "red", 2, muster_STATE_MOVING);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red moving p-red");
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
 static void test_both_die(void)
 {
     free_begin();
@@ -335,6 +349,7 @@ int main(void)
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a move", test_a_move},
+        {"a host dies with the name", test_a_host_dies_with_the_name},
         {"both die", test_both_die},
         {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
         {"limit: capsules", test_limit_capsules},
