@@ -12,6 +12,9 @@
 /* So long a lock step waits for a host: less than its simulator waits for anybody. */
 static const uint64_t HOST_NS = 3000000000;
 
+/* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
+static const uint64_t LOSS_NS = 1000000000;
+
 /* Who is absent for so long has no source that would take it back, or host that has only not said
  * yet that it has it. */
 static const uint64_t ORPHAN_NS = 2000000000;
@@ -210,7 +213,7 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
     if (!a || a->is.kind != muster_KIND_HOST) {
         return "unknown-host";
     }
-    if (a->process == MU_NONE || a->gone) {
+    if (a->process == MU_NONE || (a->gone && !in_step)) { /* in lock step it may be slow only */
         return "host-absent";
     }
     return in_step && !b->places.at[a->process].rostered ? "lock-step" : NULL;
@@ -405,16 +408,14 @@ void depot_gone(struct broker *b, uint32_t place)
         if (c->phase != DEPOT_FREE && c->source == place) {
             c->source = MU_NONE;
         }
-        if (c->phase == DEPOT_SENT && c->target == place) {
+        if (c->holds && c->target == place) {
+            uint64_t until_ns = b->clock.now_ns + LOSS_NS;
+            c->until_ns = c->until_ns < until_ns ? c->until_ns : until_ns;
+        } else if (c->phase == DEPOT_SENT && c->target == place) {
             capsule_refuse(b, c, "host-absent");
         } else if (c->phase == DEPOT_KEPT && c->target == place) {
             word_of(b, c, c->source, muster_TRIP_REFUSED, "host-absent"); /* it takes it back */
             c->target = MU_NONE;
-        }
-    }
-    for (uint32_t i = b->depot.words_count; i-- > 0;) {
-        if (b->depot.words[i].place == place) {
-            word_remove(&b->depot, i);
         }
     }
 }

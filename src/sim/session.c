@@ -216,13 +216,12 @@ static void registration_take(struct session *s, const muster_Registration *r, e
     }
 }
 
-/* Nobody comes to a lock step that goes on; of those who go, only such count as have no robot. */
+/* Nobody comes to a lock step that goes on; who goes is noted, and may have been slow only. */
 static void loss_take(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     int32_t process = process_find(s, r->process);
-    if (process >= 0 && (life == BUS_LOST || (life == BUS_DISPOSED && r->part == 0))) {
-        s->processes[process].lost = true;
-        session_leave_out(s);
+    if (process >= 0 && (life != BUS_DISPOSED || r->part == 0)) {
+        s->processes[process].lost = life != BUS_DATA;
     }
 }
 
@@ -448,13 +447,14 @@ void session_leave_out(struct session *s)
     bool changed = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        if (!p->lost || p->left_out || p->watches || process_has_robots(s, i)) {
+        bool answers = !p->lost || p->answered >= s->step;
+        if (answers || p->left_out || p->watches || process_has_robots(s, i)) {
             continue;
         }
         mu_log(MU_LOG_WARNING, "left-out", "process=%s step=%lld", p->name, (long long)s->step);
         p->left_out = changed = true;
         p->sample_pending = false;
-        s->answers_missing -= s->answers_missing > 0 && p->answered < s->step;
+        s->answers_missing -= s->answers_missing > 0;
     }
     if (changed && session_tell_roster(s, true) != MU_OK) {
         s->roster_due = true;
@@ -597,7 +597,6 @@ void session_change_processes(struct session *s)
         r->next_process = -1;
     }
     samples_lay_out(s);
-    session_leave_out(s); /* a process may be empty now */
 }
 
 static void delivery_take(struct session *s, const muster_Delivery *d)

@@ -145,7 +145,7 @@ MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
 /** Between two steps: those who have moved are with their new processes. */
 void session_change_processes(struct session *s);
 
-/** Goes on without those who are gone and have no robot. */
+/** Goes on without those who are gone, have no robot and have not answered. */
 void session_leave_out(struct session *s);
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */

@@ -15,6 +15,9 @@ static const int64_t RETRY_NS = 1000000;
  * longer, has let go of its robot. */
 static const uint64_t DEADMAN_NS = 300000000;
 
+/* Who is gone by the network's word, and has no robot, is waited for so long: it may be slow. */
+static const uint64_t LOSS_NS = 1000000000;
+
 /* No step is due later than in thirty years, however slow the pace is. */
 static const double PACE_MAX_NS = 1e18;
 
@@ -272,8 +275,12 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         if (s->end || *signal_came) {
             return MU_DONE;
         }
-        if (mu_clock_ns() - began_ns > s->options.silence_ns) {
+        uint64_t waited_ns = mu_clock_ns() - began_ns;
+        if (waited_ns > s->options.silence_ns) {
             return silence_report(s);
+        }
+        if (waited_ns > LOSS_NS && s->answers_missing > 0) {
+            session_leave_out(s);
         }
         bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);
         (void)session_tell(s, muster_RUN_RUNNING, false);

@@ -156,8 +156,19 @@ static void test_a_host_dies(void)
 {
     move_begin();
     story_gone("p-north");
-    EXPECT("p-red: red refused 1 host-absent; p-green@0; p-north@0; sim@0; p-red@0; red #1 green/1 "
-           "hello");
+    EXPECT("");
+    story_tick(S);
+    EXPECT("p-north: red refused 1 too-late; p-red: red refused 1 host-silent; p-green@0; sim@0; "
+           "p-north@0; p-red@0; red #1 green/1 hello");
+}
+
+static void test_a_host_is_slow(void)
+{
+    move_begin();
+    story_gone("p-north");
+    story_tick(S / 2);
+    ready("p-north", "red", 1);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
 }
 
 static void test_a_host_is_silent(void)
@@ -344,6 +355,7 @@ int main(void)
          test_the_capsule_goes_when_the_host_has_answered_a_step},
         {"a host refuses", test_a_host_refuses},
         {"a host dies", test_a_host_dies},
+        {"a host is slow", test_a_host_is_slow},
         {"a host is silent", test_a_host_is_silent},
         {"the source dies", test_the_source_dies},
         {"no host", test_no_host},
