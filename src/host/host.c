@@ -103,8 +103,11 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct passpor
                                    .ports = robot_ports(r)};
     mind_close(r->mind); /* of who was here before */
     MU_TRY(mind_begin(r->mind, &options, fault));
-    return launch ? mind_load_text(r->mind, p->name, rest, fault)
-                  : mind_restore(r->mind, rest, strlen(rest), fault);
+    if (!launch) {
+        return mind_restore(r->mind, rest, strlen(rest), fault);
+    }
+    MU_TRY(mind_load_text(r->mind, p->name, launch_rules(rest), fault));
+    return launch_set_globals(r, rest, fault);
 }
 
 static mu_result join(struct robot *r, const struct passport *p)
@@ -164,6 +167,12 @@ struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_
         return NULL;
     }
     mu_result joined = join(r, &p);
+    if (joined == MU_OK && p.purpose == TRIP_LAUNCH) {
+        joined = launch_join_groups(r, rest);
+        if (joined != MU_OK) {
+            robot_drop(r);
+        }
+    }
     if (joined != MU_OK) {
         return not_taken(why, mu_result_text(joined));
     }

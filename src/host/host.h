@@ -83,6 +83,17 @@ void checkpoints_round(struct host *h);
 /** Takes in all agents that have a file.  @return how many */
 uint32_t checkpoints_restore(struct host *h);
 
+/* launch.c */
+
+/** @return the rules, behind the globals and groups of an agent that is launched */
+const char *launch_rules(const char *rest);
+
+/** Sets its globals.  @return MU_OK; MU_FAULT_FILE: fault says which cannot be set */
+MU_MUST_USE mu_result launch_set_globals(struct robot *r, const char *rest, struct mu_fault *fault);
+
+/** Lets it join its groups.  @return as mu_agent_group_join */
+MU_MUST_USE mu_result launch_join_groups(struct robot *r, const char *rest);
+
 /* native.c */
 
 /**

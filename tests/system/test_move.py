@@ -152,7 +152,7 @@ def test_launch():
         path = t.out / "big.clp"
         path.write_text('(extends "follower.clp")\n' + "".join(
             f"(defrule r{i} (never {i} \u00e4) => (printout t \"{'x' * 100}\" crlf))\n"
-            for i in range(400)) + '(deffacts f (launched well))\n')
+            for i in range(400)) + '(deffacts f (launched well)) (defglobal ?*place* = 0)\n')
         for name in ("red", "blue"):
             check_equal(t.done("launch", name, "north", "--rules", path, "--quiet"),
                         f"north: {name} at north\n", "the answer")
@@ -161,6 +161,19 @@ def test_launch():
         again = t.muster("launch", "red", "south", "--rules", path)
         check_equal((again.returncode, "name-taken" in again.stdout + again.stderr), (8, True),
                     f"a second red: {again.stdout} {again.stderr}")
+        t.done("launch", "green", "north", "--rules", path, "--global", "mate=red", "--global",
+               'place="a b"', "--group", "scouts", "--group", "all_green", "--quiet")
+        check_equal(t.ask("green", "?*mate*"), "red", "a global")
+        check_equal(t.ask("green", "?*place*"), '"a b"', "a text")
+        for group in ("scouts", "all_green"):
+            wait_for(lambda g=group: "green" in t.muster("group", "members", g).stdout.split(), 5,
+                     f"green in {group}")
+        t.done("dispose", "green")
+        for words, why in ((("--global", "nothing=1"), "no such global"),
+                           (("--global", "mate"), "NAME=VALUE"), (("--group", "a b"), "a group")):
+            wrong = t.muster("launch", "pink", "south", "--rules", path, *words)
+            check(wrong.returncode in (2, 8) and why in wrong.stdout + wrong.stderr,
+                  f"{words}: {wrong.stdout} {wrong.stderr}")
         path.write_text("(defrule broken (a) => (nonsense))")
         wrong = t.muster("launch", "green", "south", "--rules", path)
         check(wrong.returncode == 8 and "nonsense" in wrong.stdout + wrong.stderr,
