@@ -27,7 +27,8 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
 # Foreign headers are system headers: their warnings are not ours.
-override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+CLIPS_VERSION := $(shell sed -n 's/^#define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h 2>/dev/null)
+override CPPFLAGS += -DMU_CLIPS_VERSION='"$(CLIPS_VERSION)"'  -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
@@ -47,34 +48,48 @@ IDL     := $(wildcard idl/*.idl)
 GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
 USES_world   := core
+USES_mcap    := core
 USES_bus     := core
 USES_runtime := bus core
 USES_broker  := bus core
-USES_sim     := world bus core
+USES_sim     := mcap world bus core
 USES_agent   := world runtime bus core
 USES_resolver := runtime bus core
 USES_host    := agent world runtime bus core
-USES_ctl     := world runtime bus core
+USES_story   := mcap bus core
+USES_record  := mcap bus core
+USES_replay  := mcap bus core
+USES_experiment := world core
+USES_report  := experiment world core
+USES_ctl     := story mcap report experiment world runtime bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
+LIBS_mcap    := -lz
 LIBS_bus     := -lddsc
 LIBS_runtime := -lddsc
 LIBS_broker  := -lddsc -lsqlite3
-LIBS_sim     := -lode -lccd -lcrypto -lddsc -lpng -lm
+LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
-LIBS_ctl     := -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_story   := -lddsc -lz -lm
+LIBS_record  := -lddsc -lz
+LIBS_replay  := -lddsc -lz -lm
+LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host)
+            muster-resolver muster-host muster-record muster-replay)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
+MAIN_muster-record := record
+MAIN_muster-replay := replay
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
@@ -113,6 +128,13 @@ $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 $(O)/programs/%: $(O)/tests/programs/%.o $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lddsc -lm
+
+# A stranger's types are not among ours.
+$(O)/programs/stranger: $(O)/gen/stranger.o
+$(O)/tests/programs/stranger.o: | $(O)/gen/stranger.h
+$(O)/gen/stranger.c $(O)/gen/stranger.h &: tests/programs/stranger.idl | deps
+	@mkdir -p $(@D); echo "  IDLC  $<"
+	$(Q)idlc -l c -o $(@D) $<
 
 # It counts what the static library allocates.
 $(O)/programs/memory_counter: LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
@@ -213,6 +235,10 @@ soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hu
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
 
+.PHONY: soak-recordings
+soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
 .PHONY: soak-crush
 soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
 	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
@@ -241,9 +267,9 @@ $(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim)
+$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
 $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"

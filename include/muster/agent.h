@@ -346,6 +346,12 @@ void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
 /** The same of rules that fired behind them, in the same step. */
 void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
 
+/**
+ * Adds text, copied, to what a recording keeps of this agent's step beside what it did.  It is not
+ * in the run's hash.  A step has room for MU_NOTE_MAX bytes; what does not fit is cut off.
+ */
+void mu_agent_note(mu_agent *a, const char *text);
+
 /** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);
 

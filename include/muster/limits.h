@@ -16,6 +16,10 @@
 #define MU_PROCESS_MAX 63
 
 /** Longest mail content, in bytes, without the terminating zero. */
+/* Bytes that a recording keeps of what an agent notes in a step. */
+#ifndef MU_NOTE_MAX
+#define MU_NOTE_MAX 16384
+#endif
 #ifndef MU_CONTENT_MAX
 #define MU_CONTENT_MAX 16384
 #endif
@@ -200,6 +204,44 @@
 
 /** Changes of the world from outside that wait for the end of one step. */
 #define MU_ORDERS_MAX 64
+
+/** Acts in one Frame, and mails from outside: what observers see of a step. */
+#define MU_FRAME_ACTS_MAX  4096
+#define MU_FRAME_MAILS_MAX 4096
+
+/** Bytes of all that agents did in one step, and of mail from outside, that a Frame can show. */
+#ifndef MU_FRAME_BYTES_MAX
+#define MU_FRAME_BYTES_MAX (8u << 20)
+#endif
+
+/** Topics in one recording. */
+#ifndef MU_RECORD_CHANNELS_MAX
+#define MU_RECORD_CHANNELS_MAX 1024
+#endif
+
+/** Bytes of all that a recording says of its topics and their types. */
+#ifndef MU_RECORD_TYPES_BYTES
+#define MU_RECORD_TYPES_BYTES (4u << 20)
+#endif
+
+/** Longest message, and largest file beside them, in a recording, in bytes. */
+#ifndef MU_RECORD_MESSAGE_MAX
+#define MU_RECORD_MESSAGE_MAX (8u << 20)
+#endif
+
+/** Chunks of a recording that is read; one is written each second, or each megabyte. */
+#ifndef MU_RECORD_CHUNKS_MAX
+#define MU_RECORD_CHUNKS_MAX (1u << 20)
+#endif
+
+/** Files in a recording that is read, and tables of keys and values. */
+#define MU_RECORD_FILES_MAX 1024
+
+/** Changes of the world that wait for a time or for a condition. */
+#define MU_ORDERS_LATER_MAX 256
+
+/** Bytes of a condition, such as `red near blue 0.5`. */
+#define MU_CONDITION_MAX 127
 
 /** Rules that one robot fires in one control step, unless it is told otherwise. */
 #define MU_FIRINGS_PER_STEP 200

@@ -238,6 +238,7 @@ static void env_install(struct mind *m)
     clips_sense_install(m);
     clips_load_install(m);
     clips_fire_install(m);
+    clips_diary_install(m);
 }
 
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */

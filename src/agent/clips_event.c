@@ -37,6 +37,7 @@ void clips_event_assert(struct mind *m)
         bool pending = m->pending[i];
         m->pending[i] = false;
         if (pending && is_of_interest(m, i)) {
+            clips_diary_cause(m, 'E', event_names[i], "");
             event_fact(m, &event_names[i], 1, &m->events[i]);
         }
     }

@@ -153,6 +153,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     m->rule = NULL;
     m->act.end = fire_loop(m, budget);
     m->act.rules = m->fired.at;
+    clips_diary_agenda(m);
     *act = m->act;
     m->act = (struct mind_act){.drives = false};
 }

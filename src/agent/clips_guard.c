@@ -133,6 +133,7 @@ static void guard_note_rule(struct mind *m, const struct expr *actions)
         mu_text_add(&m->fired, " ");
     }
     mu_text_add(&m->fired, m->rule);
+    clips_diary_rule(m);
 }
 
 void __wrap_EvaluateProcActions(void *env, struct defmodule *module, struct expr *actions,

@@ -130,6 +130,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     memcpy(chain, m->handlers, count * sizeof chain[0]);
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
+    clips_diary_mail(m, mail);
     struct multifield *fields = clips_mail_content(m, mail, &list);
     MultifieldInstall(m->env, fields);
     DATA_OBJECT content = {

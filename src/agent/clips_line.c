@@ -83,6 +83,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     while (done && (f = clips_text_form(&line, &number)).kind != CLIPS_FORM_END) {
         clips_env_enter(m, CLIPS_MODE_LINE);
         clips_percept_show(m);
+        clips_diary_line(m, f);
         done = line_run(m, f);
         clips_env_leave(m);
     }

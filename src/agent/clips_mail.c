@@ -185,6 +185,7 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
     }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
+    clips_diary_mail(m, mail);
     EnvIncrementGCLocks(m->env);
     struct multifield *fields = clips_mail_content(m, mail, &list);
     mu_result r = mail_queue(m, &letter, fields);

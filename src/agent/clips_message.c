@@ -53,6 +53,7 @@ void clips_message_age(struct mind *m)
 {
     struct clips_messages *all = m->messages;
     while (all->oldest && m->step - all->at[all->oldest].step >= CLIPS_MESSAGE_STEPS) {
+        clips_diary_cause(m, 'E', "age", "");
         message_remove(m, all->oldest);
     }
 }

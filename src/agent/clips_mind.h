@@ -37,6 +37,9 @@ enum {
     CLIPS_PARKED_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
     CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
     CLIPS_HANDLERS_MAX = 32,        /* handlers of layers, in all of them together */
+    CLIPS_DIARY_MAX = 16384,        /* bytes of what went on in a step, for recordings */
+    CLIPS_DIARY_AGENDA = 32,        /* activations in it */
+    CLIPS_DIARY_LINE = 1024,        /* bytes of a person's line in it */
     CLIPS_REFUSED_MAX = 64          /* facts of refused changes; beyond, the oldest goes */
 };
 
@@ -171,6 +174,12 @@ struct mind {
     struct mu_text said; /* errors and warnings of this call */
     uint64_t shown[CLIPS_SHOWN_MAX];
     size_t shown_count;
+
+    /* for recordings */
+    char diary_bytes[CLIPS_DIARY_MAX];
+    struct mu_text diary;
+    uint32_t diary_lost; /* lines for which there was no room */
+    bool diary_senses;   /* what is asserted now is a percept */
 
     /* values of ?*my-name* and ?*mate* while (reset) runs */
     DATA_OBJECT kept[2];
@@ -324,6 +333,30 @@ bool clips_control_breaks(struct mind *m);
 
 /** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
 bool clips_control_stops(struct mind *m);
+
+/* clips_diary.c: each is nothing unless the options want a diary */
+
+void clips_diary_install(struct mind *m);
+
+/** What follows has this cause: kind is the line's letter; what and text may be "". */
+void clips_diary_cause(struct mind *m, char kind, const char *what, const char *text);
+
+/** Somebody's line is carried out: one form of it. */
+void clips_diary_line(struct mind *m, struct clips_form form);
+
+void clips_diary_mail(struct mind *m, const struct mind_mail *mail);
+
+/** m->rule fires, on what CLIPS has bound. */
+void clips_diary_rule(struct mind *m);
+
+/** The speed in m->act was set. */
+void clips_diary_speed(struct mind *m);
+
+/** A mail was handed to the port. */
+void clips_diary_told(struct mind *m, const struct mind_letter *letter);
+
+/** What is left on the agenda when a step's firing has ended. */
+void clips_diary_agenda(struct mind *m);
 
 /* clips_event.c */
 

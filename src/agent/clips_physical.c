@@ -157,6 +157,7 @@ void clips_physical_set_speed(void *env, DATA_OBJECT *out)
     m->act.drives = true;
     m->act.forward_m_s = physical_clamp(speed[0] / 1000, m->options.forward_max_m_s);
     m->act.turn_rad_s = physical_clamp(speed[1] / physical_deg, m->options.turn_max_rad_s);
+    clips_diary_speed(m);
     clips_value_bool(env, out, true);
 }
 
@@ -166,6 +167,7 @@ void clips_physical_stop(void *env, DATA_OBJECT *out)
     m->act.drives = true;
     m->act.forward_m_s = 0;
     m->act.turn_rad_s = 0;
+    clips_diary_speed(m);
     clips_value_bool(env, out, true);
 }
 

@@ -145,8 +145,12 @@ const char *clips_post_who(void *env, const char *function, int index, const cha
 
 void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 {
-    const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
+    struct mind *m = clips_env_mind(env);
+    const struct mind_ports *ports = &m->options.ports;
     bool taken = ports->send && ports->send(ports->self, letter) == MU_OK;
+    if (taken) {
+        clips_diary_told(m, letter);
+    }
     if (taken && letter->reply_with[0]) {
         clips_value_symbol(env, out, letter->reply_with);
     } else {

@@ -115,6 +115,7 @@ struct mind_options {
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
     struct router *router; /* for (plan); minds may share it; NULL: there is no map */
     double half_m;         /* half the body's width, and what it wants to have beside it */
+    bool diary;            /* notes what goes on, for mind_diary */
     struct mind_ports ports;
 };
 
@@ -291,6 +292,12 @@ void mind_go_on(struct mind *m);
  * construct, r a rule, t a relation, g a global.
  */
 void mind_words(struct mind *m, struct mu_text *out);
+
+/**
+ * Adds what went on since this was asked last, in the lines of docs/observing.md; nothing unless
+ * the options want a diary.  At most 16 KiB; lines without room are counted in the last one.
+ */
+void mind_diary(struct mind *m, struct mu_text *out);
 
 /** Takes where rules or a line want it to go; the first that they said since this was asked. */
 struct mind_travel mind_travel(struct mind *m);

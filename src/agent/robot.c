@@ -16,6 +16,7 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
     c->count = count;
     mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
     mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
+    mu_text_init(&c->diary, c->diary_bytes, sizeof c->diary_bytes);
     trip_reserve(&c->trip);
     c->robots = mu_startup_array(count, sizeof *c->robots);
     for (uint32_t i = 0; i < count; i++) {
@@ -58,6 +59,7 @@ mu_result robot_think(struct robot *r, const char *folder)
                                    .rules_file = set->rules,
                                    .firings_max = (uint32_t)set->firings_max,
                                    .failures_max = (uint32_t)set->failures_max,
+                                   .diary = set->diary,
                                    .router = r->crew->router,
                                    .half_m = robot_map_half_m(r),
                                    .ports = robot_ports(r)};

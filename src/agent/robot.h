@@ -53,6 +53,8 @@ struct crew {
     struct mu_text trace;   /* what the consoles of one robot have not been told of yet */
     struct robot *traced;   /* that one, or NULL */
     uint32_t trace_cut;     /* lines for which there was no room */
+    struct mu_text diary;   /* of one robot's step */
+    char diary_bytes[MU_NOTE_MAX + 1];
     char listing_bytes[ROBOT_LISTING_MAX], trace_bytes[ROBOT_TRACE_MAX];
 };
 

@@ -175,6 +175,15 @@ void robot_travel(struct robot *r)
     }
 }
 
+/* What has gone on in its mind goes out with its answer to this step. */
+static void diary_hand(struct robot *r, mu_agent *a)
+{
+    struct mu_text *diary = &r->crew->diary;
+    mu_text_clear(diary);
+    mind_diary(r->mind, diary);
+    mu_agent_note(a, diary->at);
+}
+
 void robot_settle(struct robot *r)
 {
     if (!r->percept_waits) {
@@ -191,6 +200,7 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
     robot_console_offer(r); /* what happened to one that does not act */
+    diary_hand(r, a);
     if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
         return;
     }
@@ -266,4 +276,5 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     robot_do_wish(r, a);
     robot_travel(r);
     robot_console_offer(r);
+    diary_hand(r, a);
 }

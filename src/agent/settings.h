@@ -23,7 +23,7 @@ struct settings {
     int64_t seed, firings_max, failures_max;
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
-    bool verbose, functions;
+    bool diary, verbose, functions;
 };
 
 /**

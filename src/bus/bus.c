@@ -4,6 +4,7 @@
 #include "bus/config.h"
 #include "bus/loopback.h"
 #include "bus/topics.h"
+#include "bus/traffic.h"
 #include "core/clock.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -125,6 +126,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
                 MU_PEERS_MAX);
         return MU_FAULT_USAGE;
     }
+    traffic_join();
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
         mu_result opened = domain_open(bus, options);

@@ -11,6 +11,9 @@
 /* Names of rules that fired in one step: MU_FIRINGS_PER_STEP symbols, in bytes. */
 enum { RULES_TEXT_MAX = 64 * 1024 };
 
+/* Corners of an outline, and its numbers. */
+enum { CORNERS_MAX = 64 };
+
 /* Counters of one part of a broker. */
 enum { PART_COUNTERS_MAX = 64 };
 /* A line of the white pages, in bytes. */
@@ -69,7 +72,8 @@ static bool act_ok(const muster_Act *a)
     /* A speed that is no number is the simulator's to refuse: the answer to the step still counts.
      */
     return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
-           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
+           text_fits(a->diary, MU_NOTE_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
+           mails_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)
@@ -121,6 +125,16 @@ static bool trips_ok(const muster_Trip *trips, uint32_t count)
     return true;
 }
 
+static bool acts_ok(const muster_Act *acts, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!act_ok(&acts[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool check_up(const void *sample)
 {
     const muster_Up *u = sample;
@@ -128,12 +142,7 @@ bool check_up(const void *sample)
         u->acks._length > MU_LOCAL_AGENTS_MAX || !trips_ok(u->trips._buffer, u->trips._length)) {
         return false;
     }
-    for (uint32_t i = 0; i < u->acts._length; i++) {
-        if (!act_ok(&u->acts._buffer[i])) {
-            return false;
-        }
-    }
-    return acks_ok(u->acks._buffer, u->acks._length);
+    return acts_ok(u->acts._buffer, u->acts._length) && acks_ok(u->acks._buffer, u->acks._length);
 }
 
 static bool ranges_ok(const float *range_m, uint32_t count)
@@ -196,18 +205,21 @@ static bool percept_ok(const muster_Percept *p)
            ranges_ok(p->laser_m._buffer, p->laser_m._length) && blobs_ok(p) && fiducials_ok(p);
 }
 
-bool check_sense(const void *sample)
+static bool percepts_ok(const muster_Percept *percepts, uint32_t count)
 {
-    const muster_Sense *s = sample;
-    if (!is_process(s->process) || s->robots._length > MU_LOCAL_AGENTS_MAX) {
-        return false;
-    }
-    for (uint32_t i = 0; i < s->robots._length; i++) {
-        if (!percept_ok(&s->robots._buffer[i])) {
+    for (uint32_t i = 0; i < count; i++) {
+        if (!percept_ok(&percepts[i])) {
             return false;
         }
     }
     return true;
+}
+
+bool check_sense(const void *sample)
+{
+    const muster_Sense *s = sample;
+    return is_process(s->process) && s->robots._length <= MU_LOCAL_AGENTS_MAX &&
+           percepts_ok(s->robots._buffer, s->robots._length);
 }
 
 static bool member_ok(const muster_Member *m)
@@ -307,19 +319,25 @@ bool check_roster(const void *sample)
     return true;
 }
 
+static bool numbers_ok(const double numbers[], size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(numbers[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool check_run_command(const void *sample)
 {
     const muster_RunCommand *c = sample;
     const double numbers[] = {c->x_m,       c->y_m,       c->heading_rad, c->force_x_n,
                               c->force_y_n, c->torque_nm, c->time_s,      c->rate};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        if (!isfinite(numbers[i])) {
-            return false;
-        }
-    }
-    return is_process(c->simulator) && text_fits(c->source, MU_PROCESS_MAX) &&
-           (unsigned)c->order <= muster_RUN_SAVE && text_fits(c->name, MU_FIELD_MAX) &&
-           text_fits(c->file, FILE_TEXT_MAX);
+    return numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) && is_process(c->simulator) &&
+           text_fits(c->source, MU_PROCESS_MAX) && (unsigned)c->order <= muster_RUN_HOLD &&
+           text_fits(c->name, MU_FIELD_MAX) && text_fits(c->file, FILE_TEXT_MAX) &&
+           text_fits(c->when, MU_CONDITION_MAX);
 }
 
 bool check_run_answer(const void *sample)
@@ -329,11 +347,11 @@ bool check_run_answer(const void *sample)
            (unsigned)a->result <= muster_ORDER_NOT_WRITTEN && text_fits(a->reason, REASON_TEXT_MAX);
 }
 
-static bool objects_ok(const muster_RunStatus *s)
+static bool objects_ok(const muster_ObjectPlace *objects, uint32_t count)
 {
-    bool fit = s->objects._length <= MU_OBJECTS_MAX;
-    for (uint32_t i = 0; fit && i < s->objects._length; i++) {
-        const muster_ObjectPlace *o = &s->objects._buffer[i];
+    bool fit = count <= MU_OBJECTS_MAX;
+    for (uint32_t i = 0; fit && i < count; i++) {
+        const muster_ObjectPlace *o = &objects[i];
         fit = text_fits(o->name, MU_NAME_MAX) && isfinite(o->x_m) && isfinite(o->y_m) &&
               isfinite(o->heading_rad);
     }
@@ -352,7 +370,7 @@ bool check_run_status(const void *sample)
             return false;
         }
     }
-    return objects_ok(s);
+    return objects_ok(s->objects._buffer, s->objects._length);
 }
 
 bool check_broker_status(const void *sample)
@@ -386,4 +404,97 @@ bool check_beacon(const void *sample)
 {
     const muster_Beacon *b = sample;
     return is_name(b->broker) && is_count(b->incarnation) && text_fits(b->host, MU_FIELD_MAX);
+}
+
+/* --- what observers see ----------------------------------------------------------------------- */
+
+static bool outline_ok(const muster_Outline *o)
+{
+    return isfinite(o->radius_m) && o->corners_m._length <= 2 * CORNERS_MAX &&
+           o->corners_m._length % 2 == 0 && ranges_ok(o->corners_m._buffer, o->corners_m._length);
+}
+
+static bool mounts_ok(const muster_Mount *mounts, uint32_t count)
+{
+    bool fit = count <= MU_SONARS_MAX;
+    for (uint32_t i = 0; fit && i < count; i++) {
+        const muster_Mount *m = &mounts[i];
+        const double numbers[] = {m->x_m, m->y_m, m->heading_rad, m->fov_rad, m->range_m};
+        fit = numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) && m->beams <= MU_BEAMS_MAX;
+    }
+    return fit;
+}
+
+static bool figures_ok(const muster_Figure *figures, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const muster_Figure *f = &figures[i];
+        const double numbers[] = {f->x_m, f->y_m, f->heading_rad};
+        if (!text_fits(f->name, MU_NAME_MAX) || !text_fits(f->color, MU_FIELD_MAX) ||
+            !numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) || !outline_ok(&f->shape) ||
+            !mounts_ok(f->sonars._buffer, f->sonars._length) ||
+            !mounts_ok(f->lasers._buffer, f->lasers._length)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool check_scene(const void *sample)
+{
+    const muster_Scene *s = sample;
+    const double numbers[] = {s->min_x_m, s->min_y_m, s->max_x_m, s->max_y_m};
+    if (!is_process(s->simulator) || !text_fits(s->world, FILE_TEXT_MAX) ||
+        !numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) ||
+        s->robots._length > MU_ROBOTS_MAX || s->objects._length > MU_OBJECTS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < s->walls._length; i++) {
+        if (!outline_ok(&s->walls._buffer[i])) {
+            return false;
+        }
+    }
+    return figures_ok(s->robots._buffer, s->robots._length) &&
+           figures_ok(s->objects._buffer, s->objects._length);
+}
+
+static bool views_ok(const muster_RobotView *views, uint32_t count)
+{
+    bool fit = count <= MU_ROBOTS_MAX;
+    for (uint32_t i = 0; fit && i < count; i++) {
+        const muster_RobotView *v = &views[i];
+        const double numbers[] = {v->x_m,
+                                  v->y_m,
+                                  v->heading_rad,
+                                  v->forward_m_s,
+                                  v->turn_rad_s,
+                                  v->command_forward_m_s,
+                                  v->command_turn_rad_s,
+                                  v->distance_m,
+                                  v->stalled_s};
+        fit = is_name(v->name) && numbers_ok(numbers, sizeof numbers / sizeof numbers[0]);
+    }
+    return fit;
+}
+
+static bool orders_ok(const muster_RunCommand *orders, uint32_t count)
+{
+    bool fit = count <= MU_ORDERS_MAX;
+    for (uint32_t i = 0; fit && i < count; i++) {
+        fit = check_run_command(&orders[i]);
+    }
+    return fit;
+}
+
+bool check_frame(const void *sample)
+{
+    const muster_Frame *f = sample;
+    return is_process(f->simulator) && f->acts._length <= MU_FRAME_ACTS_MAX &&
+           f->percepts._length <= MU_ROBOTS_MAX && f->outside._length <= MU_FRAME_MAILS_MAX &&
+           views_ok(f->robots._buffer, f->robots._length) &&
+           objects_ok(f->objects._buffer, f->objects._length) &&
+           percepts_ok(f->percepts._buffer, f->percepts._length) &&
+           acts_ok(f->acts._buffer, f->acts._length) &&
+           mails_ok(f->outside._buffer, f->outside._length) &&
+           orders_ok(f->orders._buffer, f->orders._length);
 }

@@ -27,5 +27,7 @@ bool check_broker_status(const void *sample);
 bool check_part_status(const void *sample);
 bool check_broker_event(const void *sample);
 bool check_beacon(const void *sample);
+bool check_scene(const void *sample);
+bool check_frame(const void *sample);
 
 #endif

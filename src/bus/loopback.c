@@ -5,6 +5,8 @@
 
 #include "bus/loopback.h"
 
+#include "bus/traffic.h"
+
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -41,7 +43,9 @@ int bind(int fd, const struct sockaddr *address, socklen_t len)
         struct sockaddr_in inet = *(const struct sockaddr_in *)(const void *)address;
         if (inet.sin_addr.s_addr == htonl(INADDR_ANY) && is_udp(fd)) {
             inet.sin_addr.s_addr = htonl(loopback_address);
-            return (int)syscall(SYS_bind, fd, &inet, sizeof inet);
+            int result = (int)syscall(SYS_bind, fd, &inet, sizeof inet);
+            traffic_bound(fd);
+            return result;
         }
     }
     return (int)syscall(SYS_bind, fd, address, len);

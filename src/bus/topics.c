@@ -58,6 +58,13 @@ const struct topic topic_table[BUS_TOPICS] = {
                     .liveliness_ns = DDS_SECS(1), .check = check_beacon, .partition = "default",
                     .from_to = "broker to agents' processes and the other brokers",
                     .carries = "a broker is there; its liveliness is the broker's"},
+    [BUS_SCENE] = {"Scene", &muster_Scene_desc, .for_late_comers = true, .check = check_scene,
+                   .partition = "default", .from_to = "simulator to whoever looks",
+                   .carries = "the world, once: walls, robots, objects, where sensors stand"},
+    [BUS_FRAME] = {"Frame", &muster_Frame_desc, .depth = 64, .check = check_frame,
+                   .partition = "`every`: each step; `latest`: one every 40 ms at most",
+                   .from_to = "simulator to whoever looks",
+                   .carries = "a step as a whole: poses, percepts, what was done, mails"},
 };
 
 int32_t topics_depth(const struct topic *topic)

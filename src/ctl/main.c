@@ -4,11 +4,14 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "ctl/runs.h"
 #include "ctl/verbs.h"
 
 #include <errno.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -18,6 +21,40 @@ struct verb {
     const char *program;
     const char *usage, *help;
 };
+
+static int program_become(const char *program, char **argv)
+{
+    char path[PATH_MAX];
+    if (mu_path_program(path, sizeof path, program)) {
+        execv(path, argv);
+    }
+    fprintf(stderr, "muster: cannot start %s: %s\n", program, strerror(errno));
+    return MU_EXIT_CRASH;
+}
+
+/* A program that names no domain means the one run of this user that lives.
+ * @return false: there are several, which are named */
+static bool run_find(char **argv)
+{
+    char number[16];
+    int domain = 0;
+    bool named = getenv("MUSTER_DOMAIN") != NULL;
+    for (char **word = argv; *word; word++) {
+        named = named || strncmp(*word, "--domain", strlen("--domain")) == 0 ||
+                strcmp(*word, "--help") == 0;
+    }
+    if (!named && runs_find(&domain) != MU_OK) {
+        return false;
+    }
+    snprintf(number, sizeof number, "%d", domain);
+    return named || setenv("MUSTER_LIVE_DOMAIN", number, 1) == 0;
+}
+
+static int record_verb(int argc, char **argv)
+{
+    (void)argc;
+    return run_find(argv) ? program_become("muster-record", argv) : MU_EXIT_USAGE;
+}
 
 static int topics_verb(int argc, char **argv)
 {
@@ -29,6 +66,7 @@ static int topics_verb(int argc, char **argv)
 
 static const struct verb verbs[] = {
     {"run", run_verb, NULL, "FILE", "run an experiment and leave a report"},
+    {"compare", compare_verb, NULL, "DIR...", "several runs: means with intervals, table, plots"},
     {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
     {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},
     {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
@@ -52,6 +90,9 @@ static const struct verb verbs[] = {
     {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
     {"world", world_verb, NULL, "check|place|...",
      "world files: check, draw, import; the world of a run: place, push, reset, ..."},
+    {"record", record_verb, NULL, "[TOPIC...]", "topics into a file, until interrupted"},
+    {"why", why_verb, NULL, "[FILE] ROBOT [...]", "why a recorded robot stalled, drove, believed"},
+    {"replay", NULL, "muster-replay", "FILE", "a recording on DDS again"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
 };
 
@@ -65,16 +106,6 @@ static void help_print(FILE *to)
         fprintf(to, "  %-9s %-18s %s\n", verbs[i].name, verbs[i].usage, verbs[i].help);
     }
     fputs("\nmuster VERB --help says more.\n", to);
-}
-
-static int program_become(const struct verb *v, char **argv)
-{
-    char path[PATH_MAX];
-    if (mu_path_program(path, sizeof path, v->program)) {
-        execv(path, argv);
-    }
-    fprintf(stderr, "muster: cannot start %s: %s\n", v->program, strerror(errno));
-    return MU_EXIT_CRASH;
 }
 
 /* An answer that was not written is no answer.  @return the exit code */
@@ -104,7 +135,7 @@ static int verb_run(int argc, char **argv)
     for (size_t i = 0; i < VERBS; i++) {
         if (strcmp(argv[1], verbs[i].name) == 0) {
             return verbs[i].run ? verbs[i].run(argc - 1, argv + 1)
-                                : program_become(&verbs[i], argv + 1);
+                                : program_become(verbs[i].program, argv + 1);
         }
     }
     fprintf(stderr, "muster: there is no verb '%s'; muster --help lists them\n", argv[1]);

@@ -6,6 +6,7 @@
  * with the time of the run at which it is due, so that no clock of ours decides when they arrive.
  */
 #include "ctl/run.h"
+#include "ctl/chaos.h"
 #include "ctl/receivers.h"
 
 #include "core/clock.h"
@@ -13,6 +14,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "ctl/runs.h"
+#include "ctl/series.h"
 #include "ctl/verbs.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
@@ -46,6 +48,7 @@ static void signal_note(int number)
 /* What the command line says; a negative number: nothing. */
 static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
 static struct mu_option_list chosen_set;
+static const char *chosen_seeds;
 
 static struct mu_option option_table[] = {
     {.name = "seed",
@@ -55,6 +58,19 @@ static struct mu_option option_table[] = {
      .help = "seed of the run (default: the file's, else 1)",
      .target = &chosen.seed,
      .max = 1e15},
+    {.name = "seeds",
+     .kind = MU_OPTION_STRING,
+     .unit = "N..M",
+     .help = "a run for each of these seeds, such as 1..30 or 1,3,7..9, with a report each; at the "
+             "end a table of means with 95 % intervals",
+     .target = &chosen_seeds},
+    {.name = "jobs",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "with --seeds: so many runs at once; 0: one for each processor",
+     .target = &chosen.jobs,
+     .max = 64},
     {.name = "duration",
      .kind = MU_OPTION_REAL,
      .unit = "S",
@@ -82,8 +98,16 @@ static struct mu_option option_table[] = {
     {.name = "out",
      .kind = MU_OPTION_STRING,
      .unit = "DIR",
-     .help = "folder of the report (default: out/EXPERIMENT-SEED)",
+     .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
+             "go (default: out)",
      .target = &chosen.out},
+    {.name = "record",
+     .kind = MU_OPTION_STRING,
+     .unit = "none|run|full",
+     .environment = "MUSTER_RECORD",
+     .help = "what run.mcap has: nothing, all but what robots sensed, or all (default: full to 64 "
+             "robots, run beyond)",
+     .target = &chosen.record},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
      .unit = "D",
@@ -114,6 +138,21 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
+static mu_result seeds_parse(void)
+{
+    static uint64_t seeds[SERIES_RUNS_MAX];
+    chosen.seeds = seeds;
+    chosen.seeds_count = series_seeds(chosen_seeds, seeds);
+    if (chosen.seeds_count == 0) {
+        fprintf(stderr,
+                "muster run: --seeds %s: expected 1 to %d different seeds, such as 1..30 or "
+                "1,3,7..9\n",
+                chosen_seeds, SERIES_RUNS_MAX);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
 static mu_result options_parse(struct run *r, int argc, char **argv)
 {
     static struct mu_options options = {
@@ -131,11 +170,17 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
                         "muster run experiments/follow.yaml\n");
         return MU_FAULT_USAGE;
     }
+    if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
+        strcmp(chosen.record, "full") != 0) {
+        fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
+        return MU_FAULT_USAGE;
+    }
     chosen.file = options.words[0];
     chosen.set = chosen_set.items;
     chosen.set_count = chosen_set.count;
+    parsed = chosen_seeds ? seeds_parse() : MU_OK;
     r->options = chosen;
-    return MU_OK;
+    return parsed;
 }
 
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
@@ -143,6 +188,7 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
     MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
                            fault));
     struct experiment *e = r->experiment;
+    r->options.free = r->options.free || e->free;
     e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
     e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
     for (unsigned i = 0; i < e->robots_count && !r->options.free; i++) {
@@ -171,7 +217,8 @@ static mu_result files_prepare(struct run *r)
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
     done = done == MU_OK ? run_place(r, &fault) : done;
-    done = done == MU_OK ? folder_prepare(r, &fault) : done;
+    done = done == MU_OK ? chaos_prepare(r, &fault) : done;
+    done = done == MU_OK && r->options.seeds_count == 0 ? folder_prepare(r, &fault) : done;
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }
@@ -251,6 +298,7 @@ static mu_result network_join(struct run *r)
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
     MU_TRY(bus_reader_open(bus, BUS_BROKER_STATUS, NULL, &r->broker_status));
     MU_TRY(bus_writer_open(bus, BUS_RUN_COMMAND, NULL, NULL, &r->command));
+    MU_TRY(chaos_open(r));
     struct mu_handlers handlers = {.self = r,
                                    .on_registered = on_registered,
                                    .on_receipt = on_receipt,
@@ -439,6 +487,7 @@ static int round_live(struct run *r)
     mu_result spun = mu_process_spin(r->process, ROUND_NS);
     statuses_take(r);
     run_observer_look(r);
+    chaos_look(r);
     supervise_look(&r->children);
     hosts_excuse(r);
     progress_show(r);
@@ -541,8 +590,9 @@ static int watch(struct run *r)
                             .seq = 1,
                             .order = muster_RUN_GO,
                             .name = none,
-                            .file = none};
-    if (bus_write(&r->command, &go) != MU_OK) {
+                            .file = none,
+                            .when = none};
+    if (chaos_send(r) != MU_OK || bus_write(&r->command, &go) != MU_OK) {
         return MU_EXIT_DDS;
     }
     int code = -1;
@@ -606,14 +656,17 @@ int run_verb(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
-    }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
+    if (r->options.seeds_count > 0) {
+        return series_run(&r->options, r->experiment);
+    }
+    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
+        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
+        return MU_EXIT_DDS;
+    }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
     supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
@@ -622,5 +675,8 @@ int run_verb(int argc, char **argv)
     if (r->process) {
         bus_close(&r->process->bus);
     }
-    return code < 0 ? run_report(r) : code;
+    /* A disk that is full ends the recording, not the report. */
+    bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
+    int reported = reports ? run_report(r) : code;
+    return code < 0 ? reported : code;
 }

@@ -7,10 +7,10 @@
 #define MUSTER_CTL_RUN_H
 
 #include "bus/bus.h"
-#include "ctl/experiment.h"
-#include "ctl/report.h"
 #include "ctl/supervise.h"
+#include "experiment/experiment.h"
 #include "muster/agent.h"
+#include "report/report.h"
 #include "wire.h"
 #include "world/world.h"
 
@@ -23,12 +23,16 @@ struct run_options {
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
     bool free, quiet, json, no_spread;
-    const char *out;
+    const char *out, *record;
     const char *const *set;
     size_t set_count;
+    const uint64_t *seeds; /* of a series */
+    size_t seeds_count;    /* 0: it is one run */
+    int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
 
 struct run_observer;
+struct chaos;
 
 struct run {
     struct run_options options;
@@ -40,6 +44,7 @@ struct run {
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
+    struct chaos *chaos;          /* NULL: the experiment has none */
     struct bus_reader status, broker_status;
     struct bus_writer command;
     char simulator[MU_PROCESS_MAX + 1]; /* known once it has said something */
@@ -51,6 +56,7 @@ struct run {
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
+    struct report_mail mail_before[EXPERIMENT_BROKERS_MAX]; /* of lives that chaos ended */
     bool registered, name_refused;
     bool command_refused; /* by the trust policy, before the run has begun */
     bool command_unknown; /* nobody fits what a command of the observer is for */
@@ -79,6 +85,28 @@ void run_child_name(const struct run *r, unsigned index, char *name);
  * anything starts.  Robots with a random place get their pose.
  */
 MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
+
+/* A file that a run is made of. */
+struct run_file {
+    const char *role; /* experiment, world, rules, policy, library */
+    const char *path;
+    const char *name; /* in the recording: where it is from here; of the library, in that */
+};
+
+enum { RUN_FILES_MAX = 512 };
+
+/** Finds the files that a run is made of, in run_files.c; takes memory at start-up. */
+const struct run_file *run_files(const struct run *r, size_t *count);
+
+/** Writes the command that does the run again, without the words that change nothing in it. */
+void run_command_write(const struct run *r, char *buffer, size_t size);
+
+/** Starts a child once more that has ended: a broker or robots.  @return MU_OK; MU_REFUSED: it is
+ * neither; or a fault, explained */
+MU_MUST_USE mu_result run_restart(struct run *r, const char *child);
+
+/** Keeps what a broker has counted, because it is about to die. */
+void run_mail_keep(struct run *r, const char *child);
 
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */
@@ -114,6 +142,9 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
 
 /** Looks whether lines have all their answers, or have waited too long. */
 void run_observer_look(struct run *r);
+
+/** Prints the summary of a folder on one line. */
+void run_summary_print(const char *folder);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -2,6 +2,7 @@
 /* How a run ends: the report in its folder, and what came out on standard output. */
 #include "core/exits.h"
 #include "core/text.h"
+#include "ctl/chaos.h"
 #include "ctl/run.h"
 #include "muster/memory.h"
 
@@ -9,17 +10,41 @@
 #include <stdio.h>
 #include <string.h>
 
+static void mail_add(struct report_mail *m, const muster_BrokerStatus *b)
+{
+    m->sent += b->sent;
+    m->delivered += b->delivered;
+    m->waiting += b->waiting;
+    m->expired += b->expired;
+    m->refused +=
+        b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
+}
+
+/* What waits in it may wait in its next life, too. */
+void run_mail_keep(struct run *r, const char *child)
+{
+    char name[RUN_CHILD_MAX];
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        run_child_name(r, i, name);
+        if (strcmp(name, child) == 0) {
+            mail_add(&r->mail_before[i], &r->mail[i]);
+            r->mail[i] = (muster_BrokerStatus){.broker = NULL};
+        }
+    }
+}
+
 static struct report_mail mail_of(const struct run *r)
 {
     struct report_mail m = {0};
     for (unsigned i = 0; i < run_brokers(r); i++) {
-        const muster_BrokerStatus *b = &r->mail[i];
-        m.sent += b->sent;
-        m.delivered += b->delivered;
-        m.waiting += b->waiting;
-        m.expired += b->expired;
-        m.refused +=
-            b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
+        mail_add(&m, &r->mail[i]);
+    }
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        const struct report_mail *before = &r->mail_before[i];
+        m.sent += before->sent;
+        m.delivered += before->delivered;
+        m.expired += before->expired;
+        m.refused += before->refused;
     }
     uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
     m.lost = m.sent > accounted ? m.sent - accounted : 0;
@@ -45,14 +70,22 @@ static void text_print(const struct run *r, const struct report_input *in,
         printf("  %s  %s%s%s\n", word, out->texts[i], out->judged[i] ? ": " : "",
                out->judged[i] ? out->measured[i] : "");
     }
+    for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
+        char when[32] = "not done";
+        if (in->chaos[i].done) {
+            snprintf(when, sizeof when, "%6.1f s", in->chaos[i].at_s);
+        }
+        printf("  %s  %s%s%s\n", when, in->experiment->chaos[i].text,
+               in->chaos[i].reason[0] ? ": " : "", in->chaos[i].reason);
+    }
     if (r->options.free) {
         printf("skipped %" PRIu64 " samples\n", r->skipped);
     }
     printf("hash   %s\nreport %s/report.html\n", in->hash, r->folder);
 }
 
-/* The summary on one line: a newline in it can only be layout. */
-static void json_print(const char *folder)
+/* A newline in it can only be layout. */
+void run_summary_print(const char *folder)
 {
     char path[PATH_MAX + 32];
     snprintf(path, sizeof path, "%s/summary.json", folder);
@@ -70,7 +103,7 @@ static void json_print(const char *folder)
     }
 }
 
-static void command_write(const struct run *r, char *buffer, size_t size)
+void run_command_write(const struct run *r, char *buffer, size_t size)
 {
     struct mu_text t;
     mu_text_init(&t, buffer, size);
@@ -118,7 +151,7 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
 int run_report(struct run *r)
 {
     char command[2048];
-    command_write(r, command, sizeof command);
+    run_command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
     size_t robots_count = robots_fill(r, robots);
@@ -133,11 +166,15 @@ int run_report(struct run *r)
                                  .sim_time_s = (double)r->time_ns / 1e9,
                                  .wall_time_s = (double)r->wall_ns / 1e9,
                                  .command = command,
+                                 .overrides = r->options.set,
+                                 .overrides_count = r->options.set_count,
                                  .robots = robots,
                                  .robots_count = robots_count,
                                  .objects = objects,
                                  .objects_count = r->objects_count,
-                                 .mail = mail_of(r)};
+                                 .mail = mail_of(r),
+                                 .chaos = chaos_fates(r),
+                                 .packets_struck = chaos_packets(r)};
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);
     if (written != MU_OK) {
@@ -146,7 +183,7 @@ int run_report(struct run *r)
         return mu_exit_for(written);
     }
     if (r->options.json) {
-        json_print(r->folder);
+        run_summary_print(r->folder);
     } else {
         text_print(r, &input, result);
     }

@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The processes of a run and the words of their command lines. */
 #include "core/text.h"
+#include "ctl/chaos.h"
 #include "ctl/run.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { WORDS_MAX = 4 * MU_ROBOTS_MAX + 32, WORDS_TEXT = 256 * 1024 };
+enum {
+    WORDS_MAX = 4 * MU_ROBOTS_MAX + RUN_FILES_MAX + 128,
+    WORDS_TEXT = 1024 * 1024,
+    RECORD_FULL_MAX = 64, /* robots whose percepts are recorded unless somebody asks for them */
+};
 
 /* A command line that is put together. */
 struct words {
@@ -30,7 +35,7 @@ static void word_add(const char *format, ...) __attribute__((format(printf, 1, 2
 
 static void word_add(const char *format, ...)
 {
-    char word[PATH_MAX + 256];
+    char word[2 * PATH_MAX + 256];
     va_list args;
     va_start(args, format);
     vsnprintf(word, sizeof word, format, args);
@@ -63,6 +68,12 @@ void run_child_name(const struct run *r, unsigned index, char *name)
              index ? run_broker(r, index) : "");
 }
 
+static mu_result child_start(struct run *r, const char *name, const char *program)
+{
+    chaos_child(r, name);
+    return supervise_start(&r->children, name, program, words_end());
+}
+
 static mu_result broker_start(struct run *r, unsigned index)
 {
     char name[RUN_CHILD_MAX];
@@ -76,8 +87,12 @@ static mu_result broker_start(struct run *r, unsigned index)
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
-    word_add("--store=none"); /* a run repeats from nothing */
-    return supervise_start(&r->children, name, "muster-broker", words_end());
+    if (r->experiment->broker.store) {
+        word_add("--store=%s/%s.db", r->folder, name);
+    } else {
+        word_add("--store=none"); /* a run repeats from nothing */
+    }
+    return child_start(r, name, "muster-broker");
 }
 
 static void places_add(const struct experiment *e)
@@ -94,6 +109,41 @@ static void places_add(const struct experiment *e)
             word_add("--place=%s %s %s %s", robot->name, robot->body ? robot->body : "-", pose,
                      robot->color ? robot->color : "-");
         }
+    }
+}
+
+/* Percepts of a large team are most of its recording. */
+static bool record_is(const struct run *r, const char *level)
+{
+    const char *usual = r->experiment->robots_count > RECORD_FULL_MAX ? "run" : "full";
+    return strcmp(r->options.record ? r->options.record : usual, level) == 0;
+}
+
+static void recording_add(const struct run *r)
+{
+    char command[2048];
+    size_t count = 0;
+    if (record_is(r, "none")) {
+        return;
+    }
+    run_command_write(r, command, sizeof command);
+    word_add("--record=%s/run.mcap", r->folder);
+    if (record_is(r, "run")) {
+        word_add("--without-percepts");
+    }
+    word_add("--note=command=%s", command);
+    word_add("--note=experiment=%s", r->experiment->name);
+    word_add("--note=seed=%lld", (long long)r->experiment->seed);
+    word_add("--note=duration_s=%.17g", r->experiment->duration);
+    word_add("--note=rate=%.17g", r->options.rate);
+    word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
+    word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    for (size_t i = 0; i < r->options.set_count; i++) {
+        word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
+    }
+    const struct run_file *files = run_files(r, &count);
+    for (size_t i = 0; i < count; i++) {
+        word_add("--attach=%s=%s", files[i].name, files[i].path);
     }
 }
 
@@ -119,7 +169,14 @@ static mu_result simulator_start(struct run *r)
         word_add("--hosts=%u", e->hosts_count);
     }
     places_add(e);
-    return supervise_start(&r->children, "simulator", "muster-sim", words_end());
+    recording_add(r);
+    if (e->events_count > 0) {
+        word_add("--events=%s/events.csv", r->folder);
+    }
+    for (unsigned i = 0; i < e->events_count; i++) {
+        word_add("--event=%s", e->events[i]);
+    }
+    return child_start(r, "simulator", "muster-sim");
 }
 
 /* What robots bear that share an entry of the experiment, they share here, too. */
@@ -146,9 +203,9 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
         word_add("--service=%s", robot->services[i]);
     }
-    MU_TRY(supervise_start(&r->children, robot->name, "muster-robot", words_end()));
+    MU_TRY(child_start(r, robot->name, "muster-robot"));
     /* In free running a robot may move to a host, or be disposed of: its process ends. */
-    r->children.children[r->children.count - 1].may_leave = r->options.free;
+    supervise_find(&r->children, robot->name)->may_leave = r->options.free;
     return MU_OK;
 }
 
@@ -182,7 +239,7 @@ static mu_result host_start(struct run *r, const char *host)
         word_add("--restore");
     }
     natives_add(r, host);
-    return supervise_start(&r->children, host, "muster-host", words_end());
+    return child_start(r, host, "muster-host");
 }
 
 static mu_result resolver_start(struct run *r, const char *scheme)
@@ -191,7 +248,25 @@ static mu_result resolver_start(struct run *r, const char *scheme)
     word_add("%s", scheme);
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", run_broker(r, 0));
-    return supervise_start(&r->children, scheme, "muster-resolver", words_end());
+    return child_start(r, scheme, "muster-resolver");
+}
+
+mu_result run_restart(struct run *r, const char *child)
+{
+    char name[RUN_CHILD_MAX];
+    for (unsigned i = 0; i < run_brokers(r); i++) {
+        run_child_name(r, i, name);
+        if (strcmp(name, child) == 0) {
+            return broker_start(r, i);
+        }
+    }
+    for (unsigned i = 0; i < r->experiment->crews_count; i++) {
+        const struct experiment_crew *crew = &r->experiment->crews[i];
+        if (strcmp(r->experiment->robots[crew->robot].name, child) == 0) {
+            return crew_start(r, crew);
+        }
+    }
+    return MU_REFUSED;
 }
 
 mu_result run_start(struct run *r)

@@ -61,6 +61,19 @@ static _Noreturn void child_become(const char *path, const char *const *argv, in
     _exit(127);
 }
 
+/* One that has ended makes room for the next of its name. */
+static struct child *child_place(struct supervise *s, const char *name)
+{
+    struct child *before = supervise_find(s, name);
+    if (before && before->ended) {
+        if (before->output >= 0) {
+            close(before->output);
+        }
+        return before;
+    }
+    return &s->children[s->count++];
+}
+
 mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                           const char *const *argv)
 {
@@ -89,7 +102,7 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
         return MU_FAULT_OS;
     }
     fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    struct child *child = &s->children[s->count++];
+    struct child *child = child_place(s, name);
     *child = (struct child){.pid = pid, .output = ends[0]};
     mu_text_copy(child->name, sizeof child->name, name);
     return MU_OK;
@@ -143,7 +156,7 @@ void supervise_look(struct supervise *s)
 
 static bool has_left(const struct child *child)
 {
-    return child->excused ||
+    return child->excused || child->struck ||
            (child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0);
 }
 
@@ -178,7 +191,7 @@ static bool all_ended(const struct supervise *s)
     return true;
 }
 
-static void child_signal(struct child *child, int number)
+void supervise_signal(struct child *child, int number)
 {
     if (!child->ended) {
         kill(child->pid, number);
@@ -199,21 +212,21 @@ void supervise_await(struct supervise *s, const struct child *one, int patience_
 
 void supervise_stop(struct supervise *s, struct child *child, int patience_ms)
 {
-    child_signal(child, SIGTERM);
+    supervise_signal(child, SIGTERM);
     supervise_await(s, child, patience_ms);
-    child_signal(child, SIGKILL);
+    supervise_signal(child, SIGKILL);
     supervise_await(s, child, patience_ms);
 }
 
 void supervise_stop_all(struct supervise *s, int patience_ms)
 {
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGTERM);
-        child_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
+        supervise_signal(&s->children[i], SIGTERM);
+        supervise_signal(&s->children[i], SIGCONT); /* a stopped process hears nothing else */
     }
     supervise_await(s, NULL, patience_ms);
     for (uint32_t i = 0; i < s->count; i++) {
-        child_signal(&s->children[i], SIGKILL);
+        supervise_signal(&s->children[i], SIGKILL);
     }
     supervise_await(s, NULL, patience_ms);
 }

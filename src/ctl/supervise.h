@@ -24,6 +24,7 @@ struct child {
     int output;     /* both of its outputs, read end; -1: closed */
     bool may_leave; /* its end with exit code 0 is none that matters */
     bool excused;   /* its end, however it came, is none that matters */
+    bool struck;    /* its end is meant: chaos.c */
     bool ended;
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
@@ -47,7 +48,8 @@ struct supervise {
  */
 void supervise_init(struct supervise *s, bool quiet, bool spread);
 
-/** Starts a program that stands beside ours.  @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
+/** Starts a program that stands beside ours, in the place of a child of that name that has ended.
+ * @return MU_OK; MU_FULL; MU_FAULT_OS, explained */
 MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                                       const char *const *argv);
 
@@ -59,6 +61,9 @@ const struct child *supervise_ended(const struct supervise *s);
 
 /** @return the child of that name, or NULL */
 struct child *supervise_find(struct supervise *s, const char *name);
+
+/** Sends a signal to a child that lives. */
+void supervise_signal(struct child *child, int number);
 
 /** Waits for at most patience_ms until a child has ended; NULL: all of them. */
 void supervise_await(struct supervise *s, const struct child *one, int patience_ms);

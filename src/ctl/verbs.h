@@ -9,6 +9,7 @@
 #define MUSTER_CTL_VERBS_H
 
 int run_verb(int argc, char **argv);
+int compare_verb(int argc, char **argv);
 
 int pages_verb_ps(int argc, char **argv);
 int pages_verb_lookup(int argc, char **argv);
@@ -31,6 +32,8 @@ int group_verb(int argc, char **argv);
 int service_verb(int argc, char **argv);
 
 int launch_verb(int argc, char **argv);
+
+int why_verb(int argc, char **argv);
 
 int world_verb(int argc, char **argv);
 

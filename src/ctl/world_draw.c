@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster world draw: what a world holds, as SVG. */
-#include "ctl/svg.h"
 #include "ctl/world_files.h"
 #include "muster/memory.h"
+#include "report/svg.h"
 
 #include <math.h>
 

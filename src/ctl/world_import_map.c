@@ -3,8 +3,8 @@
  */
 #include "core/json.h"
 #include "ctl/world_files.h"
-#include "ctl/yaml_check.h"
-#include "ctl/yaml_tree.h"
+#include "experiment/yaml_check.h"
+#include "experiment/yaml_tree.h"
 #include "muster/memory.h"
 #include "world/bitmap.h"
 

@@ -328,7 +328,7 @@ int world_run(const struct mu_options *o, const struct world_run_options *set)
         r = (struct request){
             .program = program, .words = o->words + 1, .count = behind, .set = set};
         r.command.order = requests[i].order;
-        r.command.name = r.command.file = none;
+        r.command.name = r.command.file = r.command.when = none;
         if (behind < requests[i].min || behind > requests[i].max) {
             fprintf(stderr, "muster world: expected %s\n", requests[i].usage);
             return MU_EXIT_USAGE;

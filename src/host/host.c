@@ -100,6 +100,7 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct passpor
                                    .failures_max = (uint32_t)h->set->robots.failures_max,
                                    .router = h->crew.router,
                                    .half_m = robot_map_half_m(r),
+                                   .diary = h->set->robots.diary,
                                    .ports = robot_ports(r)};
     mind_close(r->mind); /* of who was here before */
     MU_TRY(mind_begin(r->mind, &options, fault));

@@ -50,6 +50,7 @@ static mu_result mind_make(struct host *h, struct robot *r, const char *file)
                                    .failures_max = (uint32_t)h->set->robots.failures_max,
                                    .router = h->crew.router,
                                    .half_m = robot_map_half_m(r),
+                                   .diary = h->set->robots.diary,
                                    .ports = robot_ports(r)};
     mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, file, &fault) : made;

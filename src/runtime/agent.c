@@ -92,6 +92,9 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     a->since_wall_ns = mu_clock_wall_ns();
     a->last_number = a->acked_number = last_number;
     a->rules = p->rules_text ? p->rules_text + (size_t)index * (PROCESS_RULES_MAX + 1) : NULL;
+    if (p->note_text) {
+        mu_text_init(&a->note, p->note_text + (size_t)index * (MU_NOTE_MAX + 1), MU_NOTE_MAX + 1);
+    }
     outbox_init(&a->outbox, p->outbox_mails, p->outbox_slots + (size_t)index * p->outbox_mails,
                 p->outbox_text + index * outbox_text_bytes(p->outbox_mails));
     a->taken = &p->taken[index];
@@ -389,6 +392,13 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules)
     if (a->rules && rules[0]) {
         mu_text_init(&t, a->rules + strlen(a->rules), PROCESS_RULES_MAX + 1 - strlen(a->rules));
         mu_text_format(&t, "%s%s", a->rules[0] ? " " : "", rules);
+    }
+}
+
+void mu_agent_note(mu_agent *a, const char *text)
+{
+    if (a->note.at) {
+        mu_text_add(&a->note, text);
     }
 }
 

@@ -52,6 +52,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
     p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->note_text = p->with_body ? mu_startup_array(p->agents_max, MU_NOTE_MAX + 1) : NULL;
     p->bodies = p->watches ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);

@@ -7,6 +7,7 @@
 #define MUSTER_RUNTIME_PROCESS_H
 
 #include "bus/bus.h"
+#include "core/text.h"
 #include "muster/agent.h"
 #include "runtime/directory.h"
 #include "runtime/kind.h"
@@ -70,7 +71,8 @@ struct mu_agent {
     uint32_t firings; /* this step */
     uint64_t repeats; /* mails that came again through another broker, and were dropped */
     struct taken *taken;
-    char *rules; /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
+    char *rules;         /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
+    struct mu_text note; /* for recordings, until it is sent; likewise */
 };
 
 struct mu_process {
@@ -90,6 +92,7 @@ struct mu_process {
     struct outbox_slot *outbox_slots;
     char *outbox_text;
     char *rules_text;    /* NULL: no bodies */
+    char *note_text;     /* likewise */
     struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;

@@ -281,7 +281,7 @@ static uint32_t mails_bounded(const muster_Mail *mails, uint32_t count, size_t *
     return count;
 }
 
-static muster_Act act_of(struct mu_agent *a)
+static muster_Act act_of(struct mu_agent *a, bool answer)
 {
     static char none[1];
     bool runs = a->state == MU_RUNNING;
@@ -295,11 +295,13 @@ static muster_Act act_of(struct mu_agent *a)
                         .senses = a->senses,
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
-                        .first_seq = a->outbox.first_seq};
+                        .first_seq = a->outbox.first_seq,
+                        .diary = answer && a->note.at ? a->note.at : none};
 }
 
 /* What is in the Up that is being put together, and what may still go in. */
 struct up_load {
+    bool answer; /* to a step */
     uint32_t acts, mails;
     uint32_t left; /* mails */
     size_t room;   /* bytes of content */
@@ -312,7 +314,7 @@ static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
     uint32_t count = may_send ? outbox_unsent(&a->outbox, from, load->left) : 0;
     count = mails_bounded(from, count, &load->room);
     muster_Act *act = &p->acts[load->acts];
-    *act = act_of(a);
+    *act = act_of(a, load->answer);
     act->mails = (dds_sequence_muster_Mail){
         ._maximum = count, ._length = count, ._buffer = from, ._release = false};
     p->out_agents[load->acts++] = a;
@@ -332,7 +334,7 @@ static void load_begin(const mu_process *p, struct up_load *load)
  * have mail.  @return whether there is any mail, acknowledgement or word about a trip in it */
 static bool up_fill(mu_process *p, int64_t step)
 {
-    struct up_load load = {.acts = 0};
+    struct up_load load = {.answer = step != muster_STEP_NOW};
     load_begin(p, &load);
     for (uint32_t i = 0; step != muster_STEP_NOW && i < p->agent_count; i++) {
         load_begin(p, &load);
@@ -370,6 +372,9 @@ static void act_sent(struct mu_agent *a, uint32_t mails, bool answer)
         a->lift = MU_LIFT_KEEP;
     }
     mu_agent_fired(a, 0, "");
+    if (answer && a->note.at) {
+        mu_text_clear(&a->note);
+    }
 }
 
 bool step_retry(mu_process *p)

@@ -5,6 +5,7 @@
 #include "core/network.h"
 #include "core/options.h"
 #include "muster/memory.h"
+#include "sim/runfile.h"
 #include "sim/session.h"
 #include "sim/snapshot.h"
 
@@ -27,9 +28,13 @@ struct settings {
     double duration_s, rate, step_ms, silence_s;
     int64_t watchers, hosts, threads;
     bool free, waits_for_go, verbose;
-    const char *csv, *restore;
-    struct mu_option_list robots; /* names; none: all of the world */
-    struct mu_option_list places; /* "NAME BODY X Y DEG COLOR", - for what is not said */
+    const char *csv, *restore, *events, *record;
+    bool without_percepts;
+    struct mu_option_list files;      /* "NAME=PATH" */
+    struct mu_option_list notes;      /* "KEY=VALUE" */
+    struct mu_option_list conditions; /* that go into events */
+    struct mu_option_list robots;     /* names; none: all of the world */
+    struct mu_option_list places;     /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
 
 static struct settings set;
@@ -109,6 +114,35 @@ static struct mu_option option_table[] = {
      .unit = "FILE",
      .help = "record tracks here",
      .target = &set.csv},
+    {.name = "record",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record the run here, as MCAP: docs/recording.md",
+     .target = &set.record},
+    {.name = "without-percepts",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave out what the robots sensed",
+     .target = &set.without_percepts},
+    {.name = "attach",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME=PATH",
+     .help = "put a file that the run was made of into the recording",
+     .target = &set.files},
+    {.name = "note",
+     .kind = MU_OPTION_LIST,
+     .unit = "KEY=VALUE",
+     .help = "say something about the run in the recording",
+     .target = &set.notes},
+    {.name = "events",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "record here when each --event comes true",
+     .target = &set.events},
+    {.name = "event",
+     .kind = MU_OPTION_LIST,
+     .unit = "CONDITION",
+     .help = "such as 'red stalled', 'red near blue 0.5', 'red told hello'",
+     .target = &set.conditions},
     {.name = "robots",
      .kind = MU_OPTION_LIST,
      .unit = "NAME",
@@ -242,50 +276,77 @@ static int session_live(struct session *s)
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    if (s->recorder && recorder_close(s->recorder) != MU_OK) {
-        return MU_EXIT_WRITE;
-    }
     return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
 }
 
-int main(int argc, char **argv)
+/* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
+ * the disk */
+static int records_close(struct session *s, struct runfile *runfile, int code)
 {
-    const char *path;
-    mu_result parsed = settings_parse(argc, argv, &path);
-    if (parsed != MU_OK) {
-        return mu_exit_for(parsed);
-    }
-    mu_log_open("sim", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
-    struct world *world = mu_startup_alloc(sizeof *world);
-    mu_result prepared = world_prepare(world, path);
-    if (prepared != MU_OK) {
-        return mu_exit_for(prepared);
-    }
-    uint64_t step_ns = step_choose(world);
-    struct engine_options physics = {
+    bool tracks = !s->recorder || recorder_close(s->recorder) == MU_OK;
+    bool events = script_close(s->script) == MU_OK;
+    bool run = !runfile || runfile_close(runfile) == MU_OK;
+    bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
+    return (tracks && events && run) || !counts ? code : MU_EXIT_WRITE;
+}
+
+/* What the program is made of. */
+struct simulator {
+    struct world *world;
+    struct engine *engine;
+    struct session *session;
+    struct recorder *recorder; /* NULL: no tracks are wanted */
+    struct runfile *runfile;   /* NULL: no recording is */
+};
+
+static int engine_make(struct simulator *sim, uint64_t step_ns)
+{
+    struct engine_options options = {
         .seed = (uint64_t)set.seed, .step_ns = step_ns, .threads = (size_t)set.threads};
-    struct engine *engine = engine_open(world, &physics);
-    if (set.restore && snapshot_restore(engine, set.restore) != MU_OK) {
-        return MU_EXIT_FILE;
-    }
-    struct session *s = mu_startup_alloc(sizeof *s);
-    struct recorder *recorder = NULL;
-    if (set.csv && recorder_open(&recorder, set.csv) != MU_OK) {
-        return MU_EXIT_WRITE;
-    }
-    struct bus_options bus = {.domain = (int)set.network.domain,
-                              .place = BUS_SIMULATOR,
-                              .name = "simulator",
-                              .interface = set.network.interface,
-                              .hub = mu_network_peers(&set.network)};
-    mu_result opened = bus_open(&s->bus, &bus);
+    sim->engine = engine_open(sim->world, &options);
+    bool good = !set.restore || snapshot_restore(sim->engine, set.restore) == MU_OK;
+    return good ? MU_EXIT_DONE : MU_EXIT_FILE;
+}
+
+static int records_open(struct simulator *sim)
+{
+    struct runfile_options options = {.path = set.record,
+                                      .files = &set.files,
+                                      .notes = &set.notes,
+                                      .without_percepts = set.without_percepts};
+    bool good = (!set.csv || recorder_open(&sim->recorder, set.csv) == MU_OK) &&
+                (!set.record || runfile_open(&sim->runfile, &options) == MU_OK);
+    return good ? MU_EXIT_DONE : MU_EXIT_WRITE;
+}
+
+static int network_join(struct session *s)
+{
+    struct bus_options options = {.domain = (int)set.network.domain,
+                                  .place = BUS_SIMULATOR,
+                                  .name = "simulator",
+                                  .interface = set.network.interface,
+                                  .hub = mu_network_peers(&set.network)};
+    mu_result opened = bus_open(&s->bus, &options);
     if (opened == MU_BUSY) {
-        fprintf(stderr, "muster sim: domain %d has a simulator already\n", bus.domain);
+        fprintf(stderr, "muster sim: domain %d has a simulator already\n", options.domain);
     }
-    if (opened != MU_OK) {
-        return MU_EXIT_DDS;
-    }
-    struct session_options options = {.step_ns = step_ns,
+    return opened == MU_OK ? MU_EXIT_DONE : MU_EXIT_DDS;
+}
+
+static int events_open(struct session *s)
+{
+    mu_result opened = set.events ? script_record(s->script, set.events, set.conditions.items,
+                                                  set.conditions.count)
+                                  : MU_OK;
+    int refused = opened == MU_FAULT_OS ? MU_EXIT_WRITE : MU_EXIT_USAGE;
+    return opened == MU_OK ? MU_EXIT_DONE : refused;
+}
+
+static int session_make(struct simulator *sim, uint64_t step_ns)
+{
+    struct session *s = sim->session;
+    struct session_options options = {.seed = (uint64_t)set.seed,
+                                      .step_ns = step_ns,
                                       .broker = set.network.broker,
                                       .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
                                       .rate = set.rate,
@@ -294,17 +355,51 @@ int main(int argc, char **argv)
                                       .watchers = (uint32_t)set.watchers,
                                       .hosts = (uint32_t)set.hosts,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9)};
-    if (session_open(s, &options, world, engine, recorder) != MU_OK) {
+    if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {
         return MU_EXIT_DDS;
     }
     if (!robots_choose(s, &set.robots)) {
         return MU_EXIT_USAGE;
     }
+    if (sim->runfile) {
+        runfile_listen(sim->runfile, s);
+    }
+    return events_open(s);
+}
+
+static int simulator_make(struct simulator *sim)
+{
+    uint64_t step_ns = step_choose(sim->world);
+    int code = engine_make(sim, step_ns);
+    sim->session = mu_startup_alloc(sizeof *sim->session);
+    code = code == MU_EXIT_DONE ? records_open(sim) : code;
+    code = code == MU_EXIT_DONE ? network_join(sim->session) : code;
+    return code == MU_EXIT_DONE ? session_make(sim, step_ns) : code;
+}
+
+int main(int argc, char **argv)
+{
+    const char *path;
+    static struct simulator sim;
+    mu_result parsed = settings_parse(argc, argv, &path);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    mu_log_open("sim", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    sim.world = mu_startup_alloc(sizeof *sim.world);
+    mu_result prepared = world_prepare(sim.world, path);
+    if (prepared != MU_OK) {
+        return mu_exit_for(prepared);
+    }
+    int code = simulator_make(&sim);
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    int code = session_live(s);
-    bus_close(&s->bus);
+    code = records_close(sim.session, sim.runfile, session_live(sim.session));
+    bus_close(&sim.session->bus);
     return code;
 }

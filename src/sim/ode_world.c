@@ -264,3 +264,8 @@ void ode_world_step(double dt_s, uint64_t seed)
     dJointGroupEmpty(ode_world.contacts);
     ode_world.deep = 0;
 }
+
+const char *ode_world_version(void)
+{
+    return dODE_VERSION;
+}

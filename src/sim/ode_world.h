@@ -80,4 +80,7 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact);
 /** Moves all bodies on.  The same seed and state give the same bits. */
 void ode_world_step(double dt_s, uint64_t seed);
 
+/** @return the version of the engine, "0.16.2" */
+const char *ode_world_version(void);
+
 #endif

@@ -5,20 +5,26 @@
 
 #include <string.h>
 
+void orders_copy(struct order *to, const muster_RunCommand *command)
+{
+    *to = (struct order){.command = *command};
+    mu_text_copy(to->source, sizeof to->source, command->source);
+    mu_text_copy(to->name, sizeof to->name, command->name);
+    mu_text_copy(to->file, sizeof to->file, command->file);
+    mu_text_copy(to->when, sizeof to->when, command->when);
+    to->command.simulator = NULL;
+    to->command.source = to->source;
+    to->command.name = to->name;
+    to->command.file = to->file;
+    to->command.when = to->when;
+}
+
 mu_result orders_put(struct orders *o, const muster_RunCommand *command)
 {
     if (o->count == MU_ORDERS_MAX) {
         return MU_FULL;
     }
-    struct order *to = &o->at[o->count++];
-    *to = (struct order){.command = *command};
-    mu_text_copy(to->source, sizeof to->source, command->source);
-    mu_text_copy(to->name, sizeof to->name, command->name);
-    mu_text_copy(to->file, sizeof to->file, command->file);
-    to->command.simulator = NULL;
-    to->command.source = to->source;
-    to->command.name = to->name;
-    to->command.file = to->file;
+    orders_copy(&o->at[o->count++], command);
     return MU_OK;
 }
 

@@ -19,6 +19,7 @@ enum { ORDERS_FILE_MAX = 1023 };
 struct order {
     muster_RunCommand command; /* its strings are those below; simulator is not set */
     char source[MU_PROCESS_MAX + 1], name[MU_FIELD_MAX + 1], file[ORDERS_FILE_MAX + 1];
+    char when[MU_CONDITION_MAX + 1];
     bool taken;
 };
 
@@ -26,6 +27,9 @@ struct orders {
     struct order at[MU_ORDERS_MAX];
     size_t count;
 };
+
+/** Copies a command with its strings; to must stay where it is. */
+void orders_copy(struct order *to, const muster_RunCommand *command);
 
 /** Keeps a copy of a command that the border has let through.  @return MU_OK, or MU_FULL */
 MU_MUST_USE mu_result orders_put(struct orders *o, const muster_RunCommand *command);

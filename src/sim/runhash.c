@@ -117,6 +117,18 @@ void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count
     MU_ASSERT(EVP_DigestFinal_ex(h->act, digest, NULL) == 1);
 }
 
+uint64_t runhash_peek(struct runhash *h)
+{
+    unsigned char digest[RUNHASH_BYTES];
+    uint64_t bits = 0;
+    MU_ASSERT(EVP_MD_CTX_copy_ex(h->act, h->run) == 1);
+    MU_ASSERT(EVP_DigestFinal_ex(h->act, digest, NULL) == 1);
+    for (size_t i = 0; i < sizeof bits; i++) {
+        bits = bits << 8 | digest[i];
+    }
+    return bits;
+}
+
 void runhash_end(struct runhash *h, char text[RUNHASH_TEXT])
 {
     unsigned char digest[RUNHASH_BYTES];

@@ -37,6 +37,9 @@ void runhash_order(struct runhash *h, const muster_RunCommand *order);
 void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count,
                      unsigned char digest[RUNHASH_BYTES]);
 
+/** @return the first 64 bits of what the hash would be if the run ended here */
+uint64_t runhash_peek(struct runhash *h);
+
 /** Ends the run: 64 hexadecimal digits. */
 void runhash_end(struct runhash *h, char text[RUNHASH_TEXT]);
 

@@ -51,12 +51,14 @@ mu_result session_open(struct session *s, const struct session_options *options,
     }
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
+    session_script_open(s);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
     s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
     s->totals = mu_startup_array(s->robot_count, sizeof *s->totals);
     s->places = mu_startup_array(world->object_count, sizeof *s->places);
+    MU_TRY(session_view_open(s));
     return topics_open(s);
 }
 
@@ -143,6 +145,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     robot->process = holds ? robot->process : process_add(s, r->process);
     robot->slot = slot;
     robot->senses = e->senses;
+    robot->state = e->state;
     return !holds && robot->process >= 0;
 }
 
@@ -403,6 +406,7 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
     status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
     status.objects._buffer = s->places;
     status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
+    session_view_status(s, &status);
     return bus_write(&s->status, &status) == MU_OK;
 }
 
@@ -494,6 +498,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
     uint64_t began_ns = mu_clock_ns();
     bool ready = false;
     s->go = !s->options.waits_for_go;
+    session_view_scene(s);
     while (!ready || !s->go) {
         session_take(s);
         if (is_over(s, signal_came)) {
@@ -544,14 +549,32 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     r->paddles = order_of(act->paddles);
     r->lift = order_of(act->lift);
     r->senses = act->senses;
+    r->state = act->state;
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);
+    session_script_act(s, (size_t)(r - s->robots), act);
+    session_view_act(s, (size_t)(r - s->robots), act);
+}
+
+/* Free running: mail goes out at once, and is nothing but something to look at. */
+static void up_show(struct session *s, const muster_Up *up, int32_t process)
+{
+    for (uint32_t i = 0; i < up->acts._length; i++) {
+        struct session_robot *r = robot_find(s, up->acts._buffer[i].agent);
+        if (r && r->process >= 0 && r->process == process) {
+            session_script_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
+            session_view_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
+        }
+    }
 }
 
 static void up_take(struct session *s, const muster_Up *up)
 {
     int32_t process = process_find(s, up->process);
+    if (s->options.free && up->step == muster_STEP_NOW) {
+        up_show(s, up, process);
+    }
     if (process >= 0) {
         s->processes[process].heard = true;
     }
@@ -608,6 +631,7 @@ static void delivery_take(struct session *s, const muster_Delivery *d)
         return;
     }
     s->mail_step = d->step;
+    session_view_outside(s, d);
     runhash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
 }
 

@@ -15,6 +15,8 @@
 #include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
+#include "sim/script.h"
+#include "sim/view.h"
 #include "wire.h"
 
 #include <signal.h>
@@ -28,8 +30,10 @@ struct session_robot {
     int32_t process;      /* index of the process that controls it; -1: none */
     int32_t next_process; /* from the next step on; -1: the same */
     uint32_t slot;        /* of its controller in that process */
+    muster_State state;   /* of its controller, by its last word */
     bool drives;          /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
+    double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
     uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
     uint32_t off;          /* of them, those that somebody has switched off */
@@ -56,7 +60,23 @@ struct session_process {
     bool sample_pending; /* the network has refused it: try again */
 };
 
+/* For whom a Frame is made: bits. */
+enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
+
+/*
+ * Who wants every Frame inside this process, and how the run ended, such as a recording: the
+ * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
+ */
+struct session_listener {
+    void *self;
+    void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
+    void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
+    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
+    bool without_percepts; /* its bytes of Frames leave them out */
+};
+
 struct session_options {
+    uint64_t seed;
     uint64_t step_ns;
     uint64_t duration_ns; /* 0: no end */
     double rate;          /* times real time; 0: as fast as it goes */
@@ -77,6 +97,7 @@ struct session {
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     struct bus_writer roster, status, answers;
+    struct bus_writer scenes, every, latest; /* for who looks: docs/observing.md */
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
@@ -96,13 +117,24 @@ struct session {
     uint32_t answers_missing;
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */
-    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
+    struct script *script;   /* those that wait for later, and events */
+    struct condition_names body_names;
+    int64_t pace_step; /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
     bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
     bool roster_due; /* the network has refused it */
+    struct session_listener listener;
+    muster_Scene *scene;
+    struct view *view;
+    struct tally *tallies;       /* of each robot */
+    struct bus_bytes view_bytes; /* of what the listener was told last */
+    bool end_told;               /* to the listener */
+    unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
+    uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
+    uint64_t frames_lost;        /* that the network did not take */
     bool go, end;
     char waits_for[1024];
     char hash_text[RUNHASH_TEXT];
@@ -112,6 +144,9 @@ struct session {
 MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
                                    const struct world *world, struct engine *engine,
                                    struct recorder *recorder);
+
+/** Has somebody told of the Scene and of every Frame, from session_gather on. */
+void session_listen(struct session *s, const struct session_listener *listener);
 
 /**
  * Waits until every robot has a controller that is ready and, if asked, for the word to go.
@@ -136,6 +171,29 @@ void session_take(struct session *s);
 /** Takes an order from outside: one that changes the world waits for session_orders_apply. */
 void session_order_take(struct session *s, const muster_RunCommand *c);
 
+/** Answers that an order is not carried out. */
+void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why);
+
+/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
+long session_body_find(const struct session *s, const char *name);
+
+/* What waits for later, session_script.c. */
+
+/** Takes memory. */
+void session_script_open(struct session *s);
+
+/** Notes what an agent did. */
+void session_script_act(struct session *s, size_t robot, const muster_Act *act);
+
+/** Looks whose time has come, at the end of a step. */
+void session_script_look(struct session *s);
+
+/** Has the sensors of an order with a time come back after that. */
+void session_script_undo(struct session *s, const muster_RunCommand *c);
+
+/** In lock step, waits for the word to go on. */
+void session_script_hold(struct session *s);
+
 /** Carries out what came from outside since the last step, and answers for it. */
 void session_orders_apply(struct session *s);
 
@@ -147,6 +205,34 @@ void session_change_processes(struct session *s);
 
 /** Goes on without those who are gone, have no robot and have not answered. */
 void session_leave_out(struct session *s);
+
+/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
+void session_percept_fill(muster_Percept *to, const struct engine_percept *from);
+
+/* What observers see, session_view.c: each is called at its place in a step. */
+
+/** Opens topics and takes memory. */
+MU_MUST_USE mu_result session_view_open(struct session *s);
+
+/** Says once what stands in the world. */
+void session_view_scene(struct session *s);
+
+/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
+ * follows */
+void session_view_begin(struct session *s, bool last);
+
+void session_view_act(struct session *s, size_t robot, const muster_Act *act);
+void session_view_outside(struct session *s, const muster_Delivery *d);
+void session_view_order(struct session *s, const muster_RunCommand *order);
+
+/** Tells the listener how the run has ended, once. */
+void session_view_status(struct session *s, const muster_RunStatus *status);
+
+/** Ends the Frame, before the world moves on, and tells who wants it. */
+void session_view_finish(struct session *s);
+
+/** Waits a little until the last Frames have arrived, and says if some were cut. */
+void session_view_close(struct session *s);
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
 bool session_tell(struct session *s, muster_RunState state, bool always);

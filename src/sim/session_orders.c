@@ -38,8 +38,7 @@ static const struct outcome *no_name(struct outcome *o, const char *what)
     return o;
 }
 
-/* @return its number among the bodies: the robots, then the objects; -1: there is none */
-static long body_find(const struct session *s, const char *name)
+long session_body_find(const struct session *s, const char *name)
 {
     for (size_t i = 0; i < s->robot_count; i++) {
         if (strcmp(s->robots[i].name, name) == 0) {
@@ -100,6 +99,9 @@ static struct outcome order_sensor(struct session *s, const muster_RunCommand *c
     }
     uint32_t *off = &s->robots[body].off;
     *off = c->on ? *off & ~c->senses : *off | c->senses;
+    if (c->time_s > 0) {
+        session_script_undo(s, c);
+    }
     return o;
 }
 
@@ -116,6 +118,15 @@ static struct outcome order_save(struct session *s, const muster_RunCommand *c, 
     return o;
 }
 
+/* It is answered first: who hears that begins, and says when he is done. */
+static struct outcome order_hold(struct session *s, const muster_RunCommand *c, long body)
+{
+    (void)s;
+    (void)c;
+    (void)body;
+    return outcome_of(muster_ORDER_DONE, "");
+}
+
 static const struct {
     struct outcome (*run)(struct session *s, const muster_RunCommand *c, long body);
     const char *word;
@@ -128,6 +139,7 @@ static const struct {
     [muster_RUN_SENSOR] = {order_sensor, "sensor", true, true},
     [muster_RUN_PACE] = {NULL, "pace", false, false}, /* at once: session_order_take */
     [muster_RUN_SAVE] = {order_save, "save", false, false},
+    [muster_RUN_HOLD] = {order_hold, "hold", false, false},
 };
 
 /* --- taking and answering --------------------------------------------------------------------- */
@@ -152,7 +164,7 @@ static void order_answer(struct session *s, const muster_RunCommand *c, const st
 static struct outcome order_run(struct session *s, const muster_RunCommand *c)
 {
     struct outcome o;
-    long body = body_find(s, c->name);
+    long body = session_body_find(s, c->name);
     bool is_meant =
         order_table[c->order].needs_body || (c->order == muster_RUN_RESET && c->name[0] != '\0');
     return is_meant && body < 0 ? *no_name(&o, "robot or object")
@@ -175,9 +187,33 @@ static struct outcome pace_change(struct session *s, const muster_RunCommand *c)
     return outcome_of(muster_ORDER_DONE, "");
 }
 
+void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why)
+{
+    struct outcome o = outcome_of(muster_ORDER_REFUSED, why);
+    order_answer(s, c, &o);
+}
+
+/* What waits for a time or a condition.  @return whether it is that */
+static bool later_take(struct session *s, const muster_RunCommand *c)
+{
+    char why[CONDITION_WHY_MAX] = "too many orders wait";
+    if (c->due_ns == 0 && c->when[0] == '\0') {
+        return false;
+    }
+    if (c->order == muster_RUN_PACE) {
+        session_order_refuse(s, c, "the pace goes by the clock on the wall, at once");
+    } else if (script_put(s->script, c, why) != MU_OK) {
+        session_order_refuse(s, c, why);
+    }
+    return true;
+}
+
 void session_order_take(struct session *s, const muster_RunCommand *c)
 {
     struct outcome o = {.result = muster_ORDER_DONE};
+    if (later_take(s, c)) {
+        return; /* it is answered when its time has come */
+    }
     if (c->order == muster_RUN_PACE) {
         o = pace_change(s, c);
     } else if (orders_put(s->orders, c) == MU_OK) {
@@ -191,11 +227,18 @@ void session_order_take(struct session *s, const muster_RunCommand *c)
 void session_orders_apply(struct session *s)
 {
     const muster_RunCommand *c;
+    session_script_look(s);
     while ((c = orders_take(s->orders))) {
         struct outcome o = order_run(s, c);
         if (o.result == muster_ORDER_DONE && order_table[c->order].changes) {
             runhash_order(s->hash, c);
         }
+        if (o.result == muster_ORDER_DONE) {
+            session_view_order(s, c);
+        }
         order_answer(s, c, &o);
+        if (c->order == muster_RUN_HOLD) {
+            session_script_hold(s);
+        }
     }
 }

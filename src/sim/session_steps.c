@@ -89,6 +89,12 @@ static void body_fill(muster_Percept *to, const struct engine_percept *from)
     to->battery_share = from->battery_share;
 }
 
+void session_percept_fill(muster_Percept *to, const struct engine_percept *from)
+{
+    body_fill(to, from);
+    readings_fill(to, from);
+}
+
 /* Who watches sees where each body is and how it moves, and nothing of what its sensors read. */
 static void bodies_fill(struct session *s)
 {
@@ -207,6 +213,8 @@ static void commands_apply(struct session *s)
         double turn_rad_s = held ? r->turn_rad_s : 0.0;
         /* The border has refused what is not finite, so the engine cannot. */
         MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        r->command_forward_m_s = forward_m_s;
+        r->command_turn_rad_s = turn_rad_s;
         gripper_apply(s, i);
         runhash_fold(s->hash, r->digest, sizeof r->digest);
     }
@@ -223,6 +231,7 @@ static void step_finish(struct session *s)
     outside_fold(s);
     commands_apply(s);
     session_orders_apply(s);
+    session_view_finish(s);
     engine_step(s->engine);
     s->step++;
     s->last_step_wall_ns = mu_clock_ns();
@@ -346,6 +355,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
             senses_send(s, false);
         }
         world_record(s);
+        session_view_begin(s, false);
         if (s->step == 0) {
             s->answers_missing = 0;
             waited = answers_wait(s, signal_came);
@@ -376,6 +386,7 @@ static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal
         s->skipped += s->answers_missing;
         senses_send(s, false);
         world_record(s);
+        session_view_begin(s, false);
         due_ns += s->options.step_ns;
         wait_until(s, due_ns, signal_came);
         step_finish(s);
@@ -404,7 +415,9 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     if (ran == MU_OK) {
         s->waits_for[0] = '\0';
         world_record(s);
+        session_view_begin(s, true);
         outside_fold(s);
+        session_view_finish(s);
     }
     senses_send(s, true);
     runhash_end(s->hash, s->hash_text);
@@ -413,6 +426,7 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
         (void)bus_drain(&s->processes[i].sense, 200000000);
     }
     (void)bus_drain(&s->answers, 200000000);
+    session_view_close(s);
     (void)bus_drain(&s->status, 500000000);
     return ran;
 }

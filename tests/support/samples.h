@@ -50,10 +50,12 @@ struct one_up {
 static inline void one_up(struct one_up *u, const char *agent, const char *process,
                           muster_Mail *mails, uint32_t count, uint64_t ack)
 {
-    *u = (struct one_up){
-        .act = {.agent = words(agent), .state = muster_STATE_RUNNING, .rules = words("")},
-        .ack = {.box = words(agent), .number = ack},
-        .up = {.process = words(process), .step = muster_STEP_NOW}};
+    *u = (struct one_up){.act = {.agent = words(agent),
+                                 .state = muster_STATE_RUNNING,
+                                 .rules = words(""),
+                                 .diary = words("")},
+                         .ack = {.box = words(agent), .number = ack},
+                         .up = {.process = words(process), .step = muster_STEP_NOW}};
     u->act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
     u->up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &u->act};
     u->up.acks = (dds_sequence_muster_Ack){._length = ack > 0, ._buffer = &u->ack};

@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -83,6 +84,27 @@ def program(name):
     return str(BUILD / "programs" / name)
 
 
+def tool_python(*packages):
+    """A Python in build/ that has these packages, NAME or NAME=MODULE; installed if that can be
+    done, else the test is skipped."""
+    home = BUILD.parent / "python"
+    python = home / "bin" / "python"
+    modules = [p.split("=")[-1] for p in packages]
+    names = [p.split("=")[0] for p in packages]
+    has = [str(python), "-c", "import " + ", ".join(modules)]
+    if python.exists() and subprocess.run(has, capture_output=True).returncode == 0:
+        return home
+    made = subprocess.run([sys.executable, "-m", "venv", str(home)], capture_output=True)
+    if made.returncode == 0:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--timeout", "15",
+                            "--retries", "1", "setuptools<80", *names],
+                           capture_output=True, timeout=180)
+    if not python.exists() or subprocess.run(has, capture_output=True).returncode != 0:
+        raise Skip(f"these Python packages cannot be had here: {' '.join(names)}")
+    return home
+
+
 class Processes:
     """Processes that end with the test, however it ends."""
 
@@ -124,6 +146,16 @@ def members(domain):
     check_equal(done.returncode, 0, f"muster ps: {done.stderr}")
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     return {m["name"]: m for m in lines}
+
+
+def observer_environment():
+    """What a program that is not muster's needs to find everybody in a domain on loopback."""
+    uri = ("<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/>"
+           "</Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery>"
+           "<ParticipantIndex>auto</ParticipantIndex>"
+           "<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
+           "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>")
+    return {**os.environ, "CYCLONEDDS_URI": uri, "COLUMNS": "300"}
 
 
 def children_of(pid):

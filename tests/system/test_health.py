@@ -5,8 +5,7 @@ import os
 import subprocess
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, program, wait_for)
-from test_network import observer_environment, tool_python
+                     new_domain, observer_environment, program, tool_python, wait_for)
 
 PARTS = ("registrar", "postmaster", "courier", "groups", "services", "trust", "journal", "liaison")
 
@@ -81,7 +80,7 @@ def test_counters_are_told_to_late_comers_and_grow_with_the_mail():
 
 
 def test_dds_tools_decode_the_health_topics():
-    home = tool_python()
+    home = tool_python("cyclonedds")
     domain = new_domain()
     tool = [str(home / "bin" / "python"), str(home / "bin" / "cyclonedds")]
     with Processes() as processes:

@@ -77,7 +77,7 @@ def test_the_libraries_export_what_the_headers_declare():
     if BUILD.name == "release":
         exported = {name.split("@")[0] for name in shared if name != "MUSTER_0"}
         # bind keeps DDS on the interface that was asked for: src/bus/loopback.c.
-        check_equal(sorted(exported - wanted), ["bind"], "exported without being declared")
+        check_equal(sorted(exported - wanted), ["bind", "sendmsg"], "exported without being declared")
         check_equal(sorted(wanted - exported), [], "declared without being exported")
         check(all("@@MUSTER_0" in name for name in shared if name.startswith("mu_")), shared)
         static = {line.split()[-1]

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the processes are on the network: loopback alone, readable by DDS tools."""
-import contextlib
 import os
 import pathlib
 import re
 import shutil
 import subprocess
-import sys
 
 from support import (BUILD, MUSTER, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
-                     muster, new_domain, wait_for)
+                     muster, new_domain, observer_environment, tool_python, wait_for)
 
 
 def test_every_socket_is_bound_to_loopback():
@@ -44,35 +42,8 @@ def test_a_missing_broker_is_named():
         check("muster broker" in done.stderr, f"what to do: {done.stderr}")
 
 
-def tool_python():
-    """A Python that has the cyclonedds package, in build/; installed if that can be done."""
-    home = BUILD.parent / "python"
-    python = home / "bin" / "python"
-    has = [str(python), "-c", "import cyclonedds"]
-    if python.exists() and subprocess.run(has, capture_output=True).returncode == 0:
-        return home
-    made = subprocess.run([sys.executable, "-m", "venv", str(home)], capture_output=True)
-    if made.returncode == 0:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--timeout", "15",
-                            "--retries", "1", "cyclonedds", "setuptools<80"],
-                           capture_output=True, timeout=180)
-    if not python.exists() or subprocess.run(has, capture_output=True).returncode != 0:
-        raise Skip("the Python package cyclonedds cannot be had here")
-    return home
-
-
-def observer_environment():
-    uri = ("<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/>"
-           "</Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery>"
-           "<ParticipantIndex>auto</ParticipantIndex>"
-           "<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
-           "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>")
-    return {**os.environ, "CYCLONEDDS_URI": uri, "COLUMNS": "300"}
-
-
 def test_dds_tools_list_and_decode_the_topics():
-    home = tool_python()
+    home = tool_python("cyclonedds")
     tool = [str(home / "bin" / "python"), str(home / "bin" / "cyclonedds")]
     domain = new_domain()
 

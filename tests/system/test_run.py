@@ -171,7 +171,7 @@ def test_the_report_is_whole():
             drawing = xml.dom.minidom.parse(str(report / name))
             check(drawing.getElementsByTagName("svg"), name)
         page = (report / "report.html").read_text()
-        check(summary["hash"] in page and page.count("<svg") == 2, "report.html")
+        check(summary["hash"] in page and page.count("<svg") == 3, "report.html")
         experiment_run(out / "r", "--duration", "1")
         check((out / "r.1/summary.json").exists(), "the earlier report at .1")
 

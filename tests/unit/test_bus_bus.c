@@ -236,6 +236,114 @@ static void test_a_descriptor_wakes_a_poll_loop(void)
     expect_steps(&to_p1, 1, 1);
 }
 
+/* Bytes as another program would read them: CDR by hand (RTPS 2.2, 10.2). */
+static void test_samples_as_bytes(void)
+{
+    static const unsigned char wanted[] = {
+        0,   1, 0, 0,                       /* CDR, little-endian, no options */
+        3,   0, 0, 0, 'b', '1', 0,          /* a string has its zero, */
+        0,                                  /* and the next length stands at a multiple of 4 */
+        2,   0, 0, 0, 'k', 0,   0, 0,       /**/
+        1,   0, 0, 0, 0,   0,   0, 0,       /**/
+        2,   0, 0, 0, 's', 0,               /* ends at 30: 8 bytes stand at a multiple of 8 */
+        0,   0, 7, 0, 0,   0,   0, 0, 0, 0, /**/
+        255, 1, 0, 0, 0,   0,   0, 0};
+    struct bus_bytes bytes = {0};
+    muster_BrokerEvent event = {.broker = words("b1"),
+                                .kind = words("k"),
+                                .agent = words(""),
+                                .sender = words("s"),
+                                .count = 7,
+                                .wall_ns = 511};
+    static char longer[10000];
+    memset(longer, 'x', sizeof longer - 1);
+    for (unsigned round = 0; round < 2; round++) {
+        CU_ASSERT_EQUAL(bus_encode(BUS_BROKER_EVENT, &event, &bytes), MU_OK);
+        CU_ASSERT_EQUAL_FATAL(bytes.size, sizeof wanted);
+        CU_ASSERT_EQUAL(memcmp(bytes.data, wanted, sizeof wanted), 0);
+        event.kind = longer; /* the room grows, and the first sample is the same in it */
+        CU_ASSERT_EQUAL(bus_encode(BUS_BROKER_EVENT, &event, &bytes), MU_OK);
+        CU_ASSERT_EQUAL(bytes.size, sizeof wanted + 10000);
+        event.kind = words("k");
+    }
+    muster_RunStatus unknown = {.simulator = words("s"), .state = (muster_RunState)99};
+    CU_ASSERT_EQUAL(bus_encode(BUS_RUN_STATUS, &unknown, &bytes), MU_MALFORMED);
+    bus_bytes_free(&bytes);
+    CU_ASSERT_PTR_NULL(bytes.data);
+}
+
+static muster_BrokerEvent *event_decode(const void *bytes, size_t size)
+{
+    static uint64_t room[32];
+    void *sample;
+    CU_ASSERT_FATAL(size <= sizeof room);
+    memcpy(room, bytes, size);
+    mu_result read = bus_decode(BUS_BROKER_EVENT, room, size, &sample);
+    CU_ASSERT_EQUAL(read == MU_OK, sample != NULL);
+    CU_ASSERT(read == MU_OK || read == MU_MALFORMED);
+    return sample;
+}
+
+/* Any byte of a recording may be wrong. */
+static void test_bytes_as_samples(void)
+{
+    struct bus_bytes bytes = {0};
+    muster_BrokerEvent event = {.broker = words("b1"),
+                                .kind = words("box-full"),
+                                .agent = words("red"),
+                                .sender = words("blue"),
+                                .count = 7,
+                                .wall_ns = 511};
+    CU_ASSERT_EQUAL_FATAL(bus_encode(BUS_BROKER_EVENT, &event, &bytes), MU_OK);
+    muster_BrokerEvent *read = event_decode(bytes.data, bytes.size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(read);
+    CU_ASSERT_STRING_EQUAL(read->sender, "blue");
+    CU_ASSERT_EQUAL(read->count, 7);
+    CU_ASSERT_EQUAL(read->wall_ns, 511);
+    bus_decode_free(BUS_BROKER_EVENT, read);
+    for (size_t cut = 0; cut < bytes.size; cut++) {
+        CU_ASSERT_PTR_NULL(event_decode(bytes.data, cut));
+    }
+    unsigned char wrong[256];
+    for (size_t at = 0; at < bytes.size; at++) {
+        for (unsigned value = 0; value < 256; value++) {
+            memcpy(wrong, bytes.data, bytes.size);
+            wrong[at] = (unsigned char)value;
+            bus_decode_free(BUS_BROKER_EVENT, event_decode(wrong, bytes.size));
+        }
+    }
+    bus_bytes_free(&bytes);
+}
+
+/* A Frame's reader that does not look has the last 64, and its writer never waits. */
+static void test_frames_that_nobody_takes(void)
+{
+    enum { COUNT = 500, KEPT = 64, BEAMS = 1000 };
+    struct bus_writer every;
+    struct bus_reader reader;
+    static float beams_m[BEAMS];
+    muster_Percept percepts[64];
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_FRAME, "every", &reader), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_FRAME, "every", NULL, &every), MU_OK);
+    for (size_t i = 0; i < 64; i++) { /* a Frame of 256 kB, and 128 MB of them */
+        percepts[i] = (muster_Percept){.robot = words("red")};
+        percepts[i].laser_m = (dds_sequence_float){._length = BEAMS, ._buffer = beams_m};
+    }
+    for (int64_t step = 0; step < COUNT; step++) {
+        muster_Frame frame = {.simulator = words("sim"), .step = step};
+        frame.percepts = (dds_sequence_muster_Percept){._length = 64, ._buffer = percepts};
+        CU_ASSERT_EQUAL_FATAL(bus_write(&every, &frame), MU_OK);
+    }
+    for (int64_t step = COUNT - KEPT; step < COUNT; step++) {
+        const void *sample;
+        enum bus_life life;
+        CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+        CU_ASSERT_EQUAL(((const muster_Frame *)sample)->step, step);
+    }
+    expect_nothing(&reader);
+    bus_writer_close(&every);
+}
+
 static muster_Registration registration(const char *process, uint32_t pid)
 {
     return (muster_Registration){
@@ -338,6 +446,9 @@ int main(void)
          test_what_breaks_a_rule_is_dropped_and_counted},
         {"waiting", test_waiting},
         {"a descriptor wakes a poll loop", test_a_descriptor_wakes_a_poll_loop},
+        {"samples as bytes", test_samples_as_bytes},
+        {"bytes as samples", test_bytes_as_samples},
+        {"frames that nobody takes", test_frames_that_nobody_takes},
         {"registrations", test_registrations},
         {"sockets stay on loopback", test_sockets_stay_on_loopback},
         {"closing", test_closing},

@@ -38,9 +38,9 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.agent = W("red"), .rules = W("wander")},
-    {.agent = W("blue"), .rules = W("")},
-    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails)},
+    {.agent = W("red"), .rules = W("wander"), .diary = W("")},
+    {.agent = W("blue"), .rules = W(""), .diary = W("")},
+    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails), .diary = W("S\n")},
 };
 static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
     {.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
@@ -98,7 +98,7 @@ static char *processes[MU_PROCESSES_MAX + 1] = {W("p1"), W("p2"), W("p3")};
 static muster_Roster roster = {
     .simulator = W("sim"), .broker = W("b1"), .processes = LIST(processes)};
 static muster_RunCommand command = {
-    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W("")};
+    .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), .when = W("")};
 static muster_RunAnswer run_answer = {
     .simulator = W("sim"), .source = W("operator"), .reason = W("")};
 static muster_RobotTotals totals[MU_ROBOTS_MAX + 1] = {
@@ -110,6 +110,45 @@ static muster_RunStatus status = {.simulator = W("sim"),
                                   .waits_for = W(""),
                                   .robots = LIST(totals),
                                   .objects = LIST(objects)};
+static float corners_m[2 * 64 + 2] = {0, 1, 2};
+static muster_Mount mounts[MU_SONARS_MAX + 1];
+#define AN_OUTLINE                                        \
+    {                                                     \
+        .corners_m = {                                    \
+            ._length = 2,                                 \
+            ._maximum = sizeof corners_m / sizeof(float), \
+            ._buffer = corners_m                          \
+        }                                                 \
+    }
+#define A_FIGURE                                                                          \
+    {                                                                                     \
+        .name = W("red"), .color = W("red"), .shape = AN_OUTLINE, .sonars = LIST(mounts), \
+        .lasers = LIST(mounts)                                                            \
+    }
+static muster_Outline walls[FEW] = {AN_OUTLINE, AN_OUTLINE, AN_OUTLINE};
+static muster_Figure figures[FEW] = {A_FIGURE, A_FIGURE, A_FIGURE};
+static muster_Figure things[MU_OBJECTS_MAX + 1] = {A_FIGURE, A_FIGURE, A_FIGURE};
+static muster_Scene scene = {.simulator = W("sim"),
+                             .world = W("arena.world"),
+                             .walls = LIST(walls),
+                             .robots = LIST(figures),
+                             .objects = LIST(things)};
+static muster_RobotView views[MU_ROBOTS_MAX + 1] = {
+    {.name = W("a")}, {.name = W("b")}, {.name = W("c")}};
+#define AN_ORDER                                                                         \
+    {                                                                                    \
+        .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), \
+        .when = W("")                                                                    \
+    }
+static muster_RunCommand orders[MU_ORDERS_MAX + 1] = {AN_ORDER, AN_ORDER, AN_ORDER};
+static muster_Mail strangers[MU_FRAME_MAILS_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
+static muster_Frame frame = {.simulator = W("sim"),
+                             .robots = LIST(views),
+                             .objects = LIST(objects),
+                             .percepts = LIST(percepts),
+                             .acts = LIST(acts),
+                             .outside = LIST(strangers),
+                             .orders = LIST(orders)};
 static char *lines[FEW] = {W("a"), W("b"), W("c")};
 static muster_Page page = {.broker = W("b1"), .lines = LIST(lines)};
 static muster_Beacon beacon = {.broker = W("b1"), .incarnation = 1, .host = W("here")};
@@ -180,6 +219,7 @@ static const struct field {
     {"up.act.forward", check_up, &up, &acts[2].forward_m_s, A_SPEED, 0},
     {"up.act.turn", check_up, &up, &acts[2].turn_rad_s, A_SPEED, 0},
     {"up.act.rules", check_up, &up, &acts[2].rules, A_TEXT, RULES_MAX},
+    {"up.act.diary", check_up, &up, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     {"up.act.mails", check_up, &up, &acts[2].mails._length, A_LENGTH, MU_OUTBOX_MAX},
     MAIL("up.act.mail", check_up, &up, mails[2]),
     {"up.first act.agent", check_up, &up, &acts[0].agent, A_NAME, 0},
@@ -261,6 +301,7 @@ static const struct field {
     {"command.source", check_run_command, &command, &command.source, A_TEXT, MU_PROCESS_MAX},
     {"command.name", check_run_command, &command, &command.name, A_TEXT, MU_FIELD_MAX},
     {"command.file", check_run_command, &command, &command.file, A_TEXT, 1023},
+    {"command.when", check_run_command, &command, &command.when, A_TEXT, MU_CONDITION_MAX},
     {"command.x_m", check_run_command, &command, &command.x_m, A_DOUBLE, 0},
     {"command.y_m", check_run_command, &command, &command.y_m, A_DOUBLE, 0},
     {"command.heading_rad", check_run_command, &command, &command.heading_rad, A_DOUBLE, 0},
@@ -306,6 +347,54 @@ static const struct field {
      MU_NAME_MAX},
     {"broker event.sender", check_broker_event, &broker_event, &broker_event.sender, A_NAME,
      MU_NAME_MAX},
+
+#define REALS(label, check, sample, s, a, b, c)         \
+    {label #a, check, sample, &(s).a, A_DOUBLE, 0},     \
+        {label #b, check, sample, &(s).b, A_DOUBLE, 0}, \
+    {                                                   \
+        label #c, check, sample, &(s).c, A_DOUBLE, 0    \
+    }
+    {"scene.simulator", check_scene, &scene, &scene.simulator, A_WORD, MU_PROCESS_MAX},
+    {"scene.world", check_scene, &scene, &scene.world, A_TEXT, 1023},
+    REALS("scene.", check_scene, &scene, scene, min_x_m, min_y_m, max_x_m),
+    {"scene.max_y_m", check_scene, &scene, &scene.max_y_m, A_DOUBLE, 0},
+    {"scene.objects", check_scene, &scene, &scene.objects._length, A_LENGTH, MU_OBJECTS_MAX},
+    {"scene.wall.radius_m", check_scene, &scene, &walls[2].radius_m, A_DOUBLE, 0},
+    {"scene.wall.corner", check_scene, &scene, &corners_m[1], A_FLOAT, 0},
+    {"scene.robot.name", check_scene, &scene, &figures[2].name, A_TEXT, MU_NAME_MAX},
+    {"scene.robot.color", check_scene, &scene, &figures[2].color, A_TEXT, MU_FIELD_MAX},
+    {"scene.robot.radius_m", check_scene, &scene, &figures[2].shape.radius_m, A_DOUBLE, 0},
+    REALS("scene.robot.", check_scene, &scene, figures[0], x_m, y_m, heading_rad),
+    {"scene.robot.sonars", check_scene, &scene, &figures[2].sonars._length, A_LENGTH,
+     MU_SONARS_MAX},
+    {"scene.robot.lasers", check_scene, &scene, &figures[2].lasers._length, A_LENGTH,
+     MU_SONARS_MAX},
+    REALS("scene.robot.mount.", check_scene, &scene, mounts[2], x_m, y_m, heading_rad),
+    {"scene.robot.mount.fov_rad", check_scene, &scene, &mounts[2].fov_rad, A_DOUBLE, 0},
+    {"scene.robot.mount.range_m", check_scene, &scene, &mounts[2].range_m, A_DOUBLE, 0},
+    {"scene.object.name", check_scene, &scene, &things[2].name, A_TEXT, MU_NAME_MAX},
+
+    {"frame.simulator", check_frame, &frame, &frame.simulator, A_WORD, MU_PROCESS_MAX},
+    {"frame.robots", check_frame, &frame, &frame.robots._length, A_LENGTH, MU_ROBOTS_MAX},
+    {"frame.robot.name", check_frame, &frame, &views[2].name, A_NAME, 0},
+    REALS("frame.robot.", check_frame, &frame, views[2], x_m, y_m, heading_rad),
+    REALS("frame.robot.", check_frame, &frame, views[2], forward_m_s, turn_rad_s, distance_m),
+    REALS("frame.robot.", check_frame, &frame, views[0], command_forward_m_s, command_turn_rad_s,
+          stalled_s),
+    {"frame.objects", check_frame, &frame, &frame.objects._length, A_LENGTH, MU_OBJECTS_MAX},
+    {"frame.object.x_m", check_frame, &frame, &objects[2].x_m, A_DOUBLE, 0},
+    {"frame.percepts", check_frame, &frame, &frame.percepts._length, A_LENGTH, MU_ROBOTS_MAX},
+    {"frame.percept.robot", check_frame, &frame, &percepts[2].robot, A_NAME, 0},
+    {"frame.percept.beam", check_frame, &frame, &laser_m[2], A_FLOAT, 0},
+    {"frame.acts", check_frame, &frame, &frame.acts._length, A_LENGTH, MU_FRAME_ACTS_MAX},
+    {"frame.act.agent", check_frame, &frame, &acts[2].agent, A_NAME, 0},
+    {"frame.act.diary", check_frame, &frame, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
+    MAIL("frame.act.mail", check_frame, &frame, mails[2]),
+    {"frame.outside", check_frame, &frame, &frame.outside._length, A_LENGTH, MU_FRAME_MAILS_MAX},
+    {"frame.outside.src", check_frame, &frame, &strangers[2].src, A_NAME, 0},
+    {"frame.orders", check_frame, &frame, &frame.orders._length, A_LENGTH, MU_ORDERS_MAX},
+    {"frame.order.source", check_frame, &frame, &orders[2].source, A_TEXT, MU_PROCESS_MAX},
+    {"frame.order.x_m", check_frame, &frame, &orders[2].x_m, A_DOUBLE, 0},
 };
 
 static unsigned wrong;
@@ -418,9 +507,17 @@ static int lists_fill(void)
     }
     for (size_t i = FEW; i <= MU_ROBOTS_MAX; i++) {
         totals[i] = totals[0];
+        views[i] = views[0];
     }
     for (size_t i = FEW; i <= MU_OBJECTS_MAX; i++) {
         objects[i] = objects[0];
+        things[i] = things[0];
+    }
+    for (size_t i = FEW; i <= MU_FRAME_MAILS_MAX; i++) {
+        strangers[i] = strangers[0];
+    }
+    for (size_t i = FEW; i <= MU_ORDERS_MAX; i++) {
+        orders[i] = orders[0];
     }
     return 0;
 }
@@ -467,6 +564,30 @@ static void test_bad_names_of_agents_reach_the_broker(void)
     entries[0].name = W("red");
 }
 
+/* Corners come in pairs, and an outline has no more than 64. */
+static void test_outlines(void)
+{
+    static const struct {
+        uint32_t numbers;
+        bool good;
+    } cases[] = {{0, true}, {1, false}, {2, true}, {127, false}, {128, true}, {129, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        walls[0].corners_m._length = cases[i].numbers;
+        CU_ASSERT_EQUAL(check_scene(&scene), cases[i].good);
+    }
+    walls[0].corners_m._length = 130;
+    CU_ASSERT_FALSE(check_scene(&scene));
+    walls[0].corners_m._length = 2;
+    mounts[2].beams = MU_BEAMS_MAX + 1;
+    CU_ASSERT_FALSE(check_scene(&scene));
+    mounts[2].beams = MU_BEAMS_MAX;
+    CU_ASSERT_TRUE(check_scene(&scene));
+    orders[1].order = muster_RUN_HOLD + 1;
+    CU_ASSERT_FALSE(check_frame(&frame));
+    orders[1].order = muster_RUN_HOLD;
+    CU_ASSERT_TRUE(check_frame(&frame));
+}
+
 static void test_every_topic_has_its_check(void)
 {
     bool (*const checks[BUS_TOPICS])(const void *) = {
@@ -483,6 +604,8 @@ static void test_every_topic_has_its_check(void)
         [BUS_PART_STATUS] = check_part_status,
         [BUS_BROKER_EVENT] = check_broker_event,
         [BUS_BEACON] = check_beacon,
+        [BUS_SCENE] = check_scene,
+        [BUS_FRAME] = check_frame,
     };
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         CU_ASSERT(topic_table[i].check != NULL && topic_table[i].check == checks[i]);
@@ -495,6 +618,7 @@ int main(void)
         {"whole samples pass", test_whole_samples_pass},
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
+        {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},
         CU_TEST_INFO_NULL,
     };

@@ -283,6 +283,25 @@ static void test_children_die_with_their_parent(void)
     }
 }
 
+/* A process that chaos has killed is no crash, and the next of its name takes its place. */
+static void test_a_second_life(void)
+{
+    struct child *red = start("red", "sleep 60");
+    struct child *blue = start("blue", "sleep 60");
+    red->struck = true;
+    supervise_signal(red, SIGKILL);
+    await_end(red);
+    CU_ASSERT_PTR_NULL(supervise_ended(&all));
+    (void)start("red", "echo again; exit 1");
+    CU_ASSERT_EQUAL(all.count, 2);
+    CU_ASSERT_PTR_EQUAL(supervise_find(&all, "red"), red);
+    CU_ASSERT_FALSE(red->struck);
+    await_end(red);
+    CU_ASSERT_STRING_EQUAL(red->words, "again\n");
+    CU_ASSERT_PTR_EQUAL(supervise_ended(&all), red);
+    CU_ASSERT_FALSE(blue->ended);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -299,6 +318,7 @@ int main(void)
         {"a program that is missing", test_a_program_that_is_missing},
         {"limit: children", test_limit_children},
         {"children die with their parent", test_children_die_with_their_parent},
+        {"a second life", test_a_second_life},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"ctl/supervise", NULL, NULL, set_up, tear_down, tests},

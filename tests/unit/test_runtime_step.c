@@ -601,6 +601,18 @@ static void test_rules_that_fired_are_told(void)
     CU_ASSERT_EQUAL(strlen(answer(NULL)->acts._buffer[0].rules), PROCESS_RULES_MAX);
 }
 
+static void test_notes_are_told(void)
+{
+    struct mu_agent *red = join("red", MU_KIND_ROBOT, 0);
+    static char long_note[MU_NOTE_MAX + 100];
+    mu_agent_note(red, "one\n");
+    mu_agent_note(red, "two\n");
+    CU_ASSERT_STRING_EQUAL(answer(NULL)->acts._buffer[0].diary, "one\ntwo\n");
+    memset(long_note, 'n', sizeof long_note - 1);
+    mu_agent_note(red, long_note);
+    CU_ASSERT_EQUAL(strlen(answer(NULL)->acts._buffer[0].diary), MU_NOTE_MAX);
+}
+
 static void test_mail_waits_for_the_verdict(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
@@ -766,6 +778,7 @@ int main(void)
         {"who does not run stands still", test_who_does_not_run_stands_still},
         {"a speed is a number", test_a_speed_is_a_number},
         {"rules that fired are told", test_rules_that_fired_are_told},
+        {"notes are told", test_notes_are_told},
         {"mail waits for the verdict", test_mail_waits_for_the_verdict},
         {"limit: mails in one answer", test_limit_mails_in_one_answer},
         {"limit: bytes in one answer", test_limit_bytes_in_one_answer},

@@ -20,7 +20,8 @@ static mu_result put(const char *source, uint64_t seq)
     char from[16], name[16], file[] = "here";
     snprintf(from, sizeof from, "%s", source);
     snprintf(name, sizeof name, "n%llu", (unsigned long long)seq);
-    muster_RunCommand c = {.source = from, .seq = seq, .name = name, .file = file, .x_m = 0.5};
+    muster_RunCommand c = {
+        .source = from, .seq = seq, .name = name, .file = file, .when = file, .x_m = 0.5};
     mu_result r = orders_put(&orders, &c);
     memset(from, '?', sizeof from - 1); /* what was given is not kept */
     memset(name, '?', sizeof name - 1);

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file traffic.h
+ * Packets that are lost or late on purpose, between the processes of a run on one host.
+ *
+ * Who starts processes makes a table in shared memory, and tells each child in its environment
+ * where the table is and which part of the run it is.  Every UDP packet that Cyclone sends to a
+ * port of another part goes by the table: our own sendmsg() stands before the system's, in programs
+ * that link this file.  Without the table it is the system's.
+ */
+#ifndef MUSTER_BUS_TRAFFIC_H
+#define MUSTER_BUS_TRAFFIC_H
+
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Parts that can be told apart; 0 stands for all others. */
+enum { TRAFFIC_PARTS_MAX = 128 };
+
+struct traffic;
+
+/**
+ * Makes the table, which the children of this process share.
+ *
+ * @param seed  of the chance by which packets are lost
+ * @return MU_OK or MU_FAULT_OS
+ */
+MU_MUST_USE mu_result traffic_make(struct traffic **out, uint64_t seed);
+
+/** Says which part the next child is; 1 to TRAFFIC_PARTS_MAX - 1, or 0. */
+void traffic_child(unsigned part);
+
+/**
+ * Sets what becomes of packets between two parts, both ways.
+ *
+ * @param share  of them that are lost, 0 to 1
+ * @param by_ms  that each is late, 0 to 10000
+ */
+void traffic_set(struct traffic *t, unsigned one, unsigned other, double share, double by_ms);
+
+/** @return how many packets have been lost so, or late, in all processes together */
+uint64_t traffic_struck(const struct traffic *t);
+
+/** Looks into the environment whether there is a table, and takes memory if so; bus_open does. */
+void traffic_join(void);
+
+/** Notes that a socket of this process has a port. */
+void traffic_bound(int fd);
+
+#endif

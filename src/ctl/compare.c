@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster compare: what several runs amount to. */
+#include "report/compare.h"
+
+#include "core/exits.h"
+#include "core/options.h"
+#include "ctl/verbs.h"
+
+#include <string.h>
+
+static struct {
+    const char *by, *page;
+    struct mu_option_list statistics;
+    bool json;
+} chosen;
+
+static struct mu_option option_table[] = {
+    {.name = "by",
+     .kind = MU_OPTION_STRING,
+     .unit = "KEY",
+     .help = "group runs by what --set gave this key (default: by experiment)",
+     .target = &chosen.by},
+    {.name = "statistic",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME",
+     .help = "what to compare, as in summary.json: red.distance_m, mail.sent; robots.distance_m is "
+             "the mean over the robots (default: a dozen that suit any team)",
+     .target = &chosen.statistics},
+    {.name = "out",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .fallback = "compare.html",
+     .help = "the page with the plots",
+     .target = &chosen.page},
+    {.name = "json",
+     .kind = MU_OPTION_FLAG,
+     .help = "one object per line, and no page",
+     .target = &chosen.json},
+};
+
+static mu_result folders_read(struct compare *c, const struct mu_options *o)
+{
+    struct mu_fault fault;
+    for (size_t i = 0; i < o->words_count; i++) {
+        mu_result added = compare_add(c, o->words[i], &fault);
+        if (added == MU_DUPLICATE) {
+            fprintf(stderr, "muster compare: %s has a run that is there already: left out\n",
+                    o->words[i]);
+        } else if (added != MU_OK) {
+            mu_fault_print(&fault);
+            return added;
+        }
+    }
+    if (compare_close(c) != MU_OK) {
+        fprintf(stderr, "muster compare: expected at most %d groups\n", COMPARE_GROUPS_MAX);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+static void missing_tell(const struct compare *c)
+{
+    for (unsigned i = 0; chosen.statistics.count > 0 && i < c->statistics_count; i++) {
+        if (!compare_has(c, i)) {
+            fprintf(stderr, "muster compare: no run has the statistic '%s'\n", c->statistics[i]);
+        }
+    }
+}
+
+static mu_result result_tell(const struct compare *c)
+{
+    struct mu_fault fault;
+    missing_tell(c);
+    compare_print(c, stdout, chosen.json);
+    mu_result written = chosen.json ? MU_OK : compare_page(c, chosen.page, &fault);
+    if (written != MU_OK) {
+        mu_fault_print(&fault);
+        return written;
+    }
+    if (!chosen.json) {
+        printf("page   %s\n", chosen.page);
+    }
+    return MU_OK;
+}
+
+int compare_verb(int argc, char **argv)
+{
+    static struct mu_options options = {
+        .program = "muster compare",
+        .usage = "DIR... [OPTION...]",
+        .about = "Compares runs by their reports: means with 95 % intervals, a table and plots.",
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
+    mu_result done = mu_options_parse(&options, argc, argv);
+    if (done != MU_OK) {
+        return mu_exit_for(done);
+    }
+    if (options.words_count == 0) {
+        fprintf(stderr, "muster compare: name the folders of runs, for example: "
+                        "muster compare out/follow-*\n");
+        return MU_EXIT_USAGE;
+    }
+    struct compare *c;
+    done = compare_open(&c, (unsigned)options.words_count, chosen.by, chosen.statistics.items,
+                        chosen.statistics.count);
+    done = done == MU_OK ? folders_read(c, &options) : done;
+    done = done == MU_OK ? result_tell(c) : done;
+    return mu_exit_for(done);
+}

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The files that a run is made of, for its recording: the experiment, the world and what it takes
+ * in, rule files and what they extend, the shared rules, the policy.
+ *
+ * Worlds and rules are not parsed for that.  A text in quotes behind the word that takes a file in
+ * names one, if there is one: at worst the recording has a file too many.
+ */
+#include "core/paths.h"
+#include "core/sort.h"
+#include "core/text.h"
+#include "ctl/run.h"
+#include "muster/memory.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { TEXT_MAX = 1 << 20 };
+
+struct files {
+    struct run_file *list;
+    size_t count, searched;
+    char *text; /* TEXT_MAX, of the one that is searched */
+};
+
+/* Below the folder in which the run was started, a file is called as from there. */
+static const char *path_from_here(const char *path)
+{
+    char here[PATH_MAX];
+    size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
+    bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
+    return below ? path + len + 1 : path;
+}
+
+static const char *name_make(const char *role, const char *path)
+{
+    char name[PATH_MAX + 32];
+    const char *slash = strrchr(path, '/');
+    bool in_library = strcmp(role, "library") == 0 && slash;
+    snprintf(name, sizeof name, "%s/%s", role, in_library ? slash + 1 : path_from_here(path));
+    for (char *c = name; *c; c++) {
+        *c = *c == '=' ? '_' : *c;
+    }
+    return mu_startup_string(name);
+}
+
+static void file_add(struct files *f, const char *role, const char *path)
+{
+    for (size_t i = 0; i < f->count; i++) {
+        if (strcmp(f->list[i].path, path) == 0) {
+            return;
+        }
+    }
+    if (f->count < RUN_FILES_MAX && access(path, R_OK) == 0) {
+        struct run_file *file = &f->list[f->count++];
+        file->role = role;
+        file->path = mu_startup_string(path);
+        file->name = name_make(role, path);
+    }
+}
+
+/* Adds a file that another one names: it stands beside that. */
+static void file_add_beside(struct files *f, const struct run_file *of, const char *name,
+                            size_t len)
+{
+    char folder[PATH_MAX], file[PATH_MAX], path[PATH_MAX];
+    const char *slash = strrchr(of->path, '/');
+    int folder_len = slash ? (int)(slash - of->path) : 0;
+    if (len == 0 || len >= sizeof file) {
+        return;
+    }
+    snprintf(folder, sizeof folder, "%.*s", folder_len, of->path);
+    snprintf(file, sizeof file, "%.*s", (int)len, name);
+    if (mu_path_join(path, sizeof path, folder, file)) {
+        file_add(f, of->role, path);
+    }
+}
+
+/* What stands in quotes behind a word, wherever that is. */
+static void word_search(struct files *f, const struct run_file *of, const char *word)
+{
+    for (const char *at = strstr(f->text, word); at; at = strstr(at, word)) {
+        at += strlen(word);
+        const char *name = at + strspn(at, " \t\r\n");
+        if (*name == '"') {
+            name++;
+            file_add_beside(f, of, name, strcspn(name, "\"\n"));
+        }
+    }
+}
+
+static void file_search(struct files *f, const struct run_file *of)
+{
+    static const struct {
+        const char *role, *word;
+    } words[] = {{"world", "include"}, {"world", "bitmap"}, {"rules", "extends"}};
+    FILE *file = fopen(of->path, "r");
+    if (!file) {
+        return;
+    }
+    f->text[fread(f->text, 1, TEXT_MAX - 1, file)] = '\0';
+    fclose(file);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(words[i].role, of->role) == 0) {
+            word_search(f, of, words[i].word);
+        }
+    }
+}
+
+static int path_compare(const void *one, const void *other, const void *context)
+{
+    (void)context;
+    return strcmp(((const struct run_file *)one)->path, ((const struct run_file *)other)->path);
+}
+
+/* The rules that every robot has. */
+static void library_add(struct files *f)
+{
+    char folder[PATH_MAX], path[PATH_MAX];
+    size_t before = f->count;
+    if (!mu_path_rules(folder, sizeof folder)) {
+        return;
+    }
+    DIR *all = opendir(folder);
+    for (struct dirent *entry; all && (entry = readdir(all));) {
+        size_t len = strlen(entry->d_name);
+        bool is_rules = len > 4 && strcmp(entry->d_name + len - 4, ".clp") == 0;
+        if (is_rules && mu_path_join(path, sizeof path, folder, entry->d_name)) {
+            file_add(f, "library", path);
+        }
+    }
+    if (all) {
+        closedir(all);
+    }
+    mu_sort(f->list + before, f->count - before, sizeof *f->list, path_compare, NULL);
+}
+
+const struct run_file *run_files(const struct run *r, size_t *count)
+{
+    const struct experiment *e = r->experiment;
+    struct files f = {.list = mu_startup_array(RUN_FILES_MAX, sizeof *f.list),
+                      .text = mu_startup_alloc(TEXT_MAX)};
+    file_add(&f, "experiment", r->options.file);
+    file_add(&f, "world", e->world);
+    for (unsigned i = 0; i < e->robots_count; i++) {
+        file_add(&f, "rules", e->robots[i].rules);
+    }
+    if (e->policy) {
+        file_add(&f, "policy", e->policy);
+    }
+    for (; f.searched < f.count; f.searched++) {
+        file_search(&f, &f.list[f.searched]);
+    }
+    library_add(&f);
+    *count = f.count;
+    return f.list;
+}

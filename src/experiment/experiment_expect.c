@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is expected of a run: which keys belong together, and what they may say. */
+#include "core/text.h"
+#include "experiment/experiment_schema.h"
+#include "muster/memory.h"
+#include "world/condition.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- conditions and statistics ---------------------------------------------------------------- */
+
+int experiment_robot_find(const struct experiment *e, const char *name)
+{
+    const struct experiment_robot *robot = experiment_find_robot(e, name);
+    return robot ? (int)(robot - e->robots) : -1;
+}
+
+/* Things are known when the world is, which the run checks. */
+int experiment_body_find(const void *experiment, const char *name)
+{
+    const struct experiment *e = experiment;
+    int robot = experiment_robot_find(e, name);
+    return robot >= 0 ? robot : (int)e->robots_count;
+}
+
+mu_result experiment_check_condition(struct experiment_source *s, const char *text, int node)
+{
+    char why[CONDITION_WHY_MAX];
+    struct condition c;
+    const struct condition_names names = {.find = experiment_body_find,
+                                          .self = s->experiment,
+                                          .robots = (int)s->experiment->robots_count};
+    if (strlen(text) >= CONDITION_TEXT_MAX) {
+        return experiment_fault(s, NULL, node, "expected a condition of at most %d bytes",
+                                CONDITION_TEXT_MAX - 1);
+    }
+    return condition_read(&c, text, &names, why) == MU_OK
+               ? MU_OK
+               : experiment_fault(s, NULL, node, "%s", why);
+}
+
+static const char *const statistic_names[STATISTICS] = {
+    [STATISTIC_DISTANCE] = "distance_m",
+    [STATISTIC_STALLS] = "stalls",
+    [STATISTIC_STALLED] = "stalled_s",
+    [STATISTIC_MEAN_SPEED] = "mean_speed_m_s",
+    [STATISTIC_MAIL_SENT] = "mail_sent",
+    [STATISTIC_MAIL_RECEIVED] = "mail_received",
+    [STATISTIC_RULE_FIRINGS] = "rule_firings",
+    [STATISTIC_FINAL_X] = "final.x_m",
+    [STATISTIC_FINAL_Y] = "final.y_m",
+    [STATISTIC_FINAL_HEADING] = "final.heading_rad",
+    [STATISTIC_SIM_TIME] = "sim_time_s",
+    [STATISTIC_WALL_TIME] = "wall_time_s",
+    [STATISTIC_REAL_TIME_FACTOR] = "real_time_factor",
+    [STATISTIC_EXPLORED] = "explored_fraction",
+    [STATISTIC_SENT] = "mail.sent",
+    [STATISTIC_DELIVERED] = "mail.delivered",
+    [STATISTIC_WAITING] = "mail.waiting",
+    [STATISTIC_EXPIRED] = "mail.expired",
+    [STATISTIC_REFUSED] = "mail.refused",
+    [STATISTIC_LOST] = "mail.lost",
+    [STATISTIC_DUPLICATED] = "mail.duplicated",
+};
+
+/* @return the statistic of that name from first on, before last; STATISTICS: none */
+static enum experiment_statistic statistic_among(const char *name, unsigned first, unsigned last)
+{
+    for (unsigned i = first; i < last; i++) {
+        if (strcmp(statistic_names[i], name) == 0) {
+            return (enum experiment_statistic)i;
+        }
+    }
+    return STATISTICS;
+}
+
+/* @return what stands behind NAME. in a statistic's name, or NULL */
+static const char *statistic_behind(const char *text, const char *name)
+{
+    size_t len = strlen(name);
+    return strncmp(text, name, len) == 0 && text[len] == '.' ? text + len + 1 : NULL;
+}
+
+enum experiment_statistic experiment_statistic_find(const struct experiment *e, const char *name,
+                                                    int *robot)
+{
+    enum experiment_statistic found = statistic_among(name, STATISTIC_SIM_TIME, STATISTICS);
+    const char *rest = statistic_behind(name, "robots");
+    *robot = rest ? EXPERIMENT_ALL_ROBOTS : EXPERIMENT_NO_ROBOT;
+    for (unsigned i = 0; found == STATISTICS && !rest && i < e->robots_count; i++) {
+        const char *behind = statistic_behind(name, e->robots[i].name);
+        bool known = behind && statistic_among(behind, 0, STATISTIC_SIM_TIME) != STATISTICS;
+        rest = known ? behind : NULL; /* names have dots, too */
+        *robot = known ? (int)i : *robot;
+    }
+    return found == STATISTICS && rest ? statistic_among(rest, 0, STATISTIC_SIM_TIME) : found;
+}
+
+unsigned experiment_event_find(const struct experiment *e, const char *text)
+{
+    for (unsigned i = 0; i < e->events_count; i++) {
+        if (strcmp(e->events[i], text) == 0) {
+            return i;
+        }
+    }
+    return EXPERIMENT_EVENTS_MAX;
+}
+
+static mu_result event_note(struct experiment_source *s, const char *text, int node)
+{
+    struct experiment *e = s->experiment;
+    MU_TRY(experiment_check_condition(s, text, node));
+    if (!e->events) {
+        e->events = mu_startup_array(EXPERIMENT_EVENTS_MAX, sizeof *e->events);
+    }
+    if (experiment_event_find(e, text) < EXPERIMENT_EVENTS_MAX) {
+        return MU_OK;
+    }
+    if (e->events_count == EXPERIMENT_EVENTS_MAX) {
+        return experiment_fault(s, NULL, node, "expected at most %d different events",
+                                EXPERIMENT_EVENTS_MAX);
+    }
+    e->events[e->events_count++] = text;
+    return MU_OK;
+}
+
+/* --- each expectation ------------------------------------------------------------------------- */
+
+/* What is judged from a time on must be judged at all, unless the run is cut short. */
+static mu_result check_from(struct experiment_source *s,
+                            const struct experiment_expectation *expect, int node)
+{
+    const struct experiment *e = s->experiment;
+    if (!(expect->from_s >= 0)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
+                                "expected from: a time from 0");
+    }
+    if (expect->from_s >= e->duration && !experiment_overridden(s, &e->duration)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
+                                "expected a time before the end of the run, %g s", e->duration);
+    }
+    return MU_OK;
+}
+
+static mu_result check_near(struct experiment_source *s, struct experiment_expectation *expect,
+                            int node)
+{
+    const struct experiment *e = s->experiment;
+    int near = yaml_tree_child(s->tree, node, "near");
+    const char *names[] = {expect->near_robot, expect->near_mate};
+    for (size_t i = 0; i < 2; i++) {
+        if (!experiment_find_robot(e, names[i])) {
+            return experiment_fault(s, NULL, yaml_tree_item(s->tree, near, i),
+                                    "no robot '%.80s' in this experiment", names[i]);
+        }
+    }
+    if (strcmp(names[0], names[1]) == 0) {
+        return experiment_fault(s, NULL, near, "expected two different robots");
+    }
+    if (!(expect->within_m > 0)) {
+        int within = yaml_tree_child(s->tree, node, "within");
+        return experiment_fault(s, NULL, within ? within : node,
+                                "expected within: a distance of more than 0 m");
+    }
+    if (!yaml_tree_child(s->tree, node, "to")) {
+        expect->to_s = EXPERIMENT_DURATION_MAX_S;
+    }
+    if (expect->from_s < 0 || !(expect->to_s > expect->from_s)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),
+                                "expected from: a time from 0, and to: a later one");
+    }
+    MU_TRY(check_from(s, expect, node));
+    if (!(expect->share > 0) || expect->share > 1) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "share"),
+                                "expected a share of more than 0 and at most 1, not %g",
+                                expect->share);
+    }
+    return MU_OK;
+}
+
+static mu_result check_objects(struct experiment_source *s, struct experiment_expectation *expect,
+                               int node)
+{
+    if (!expect->at) {
+        return experiment_fault(s, NULL, node, "expected at: [X, Y] beside 'objects'");
+    }
+    if (!(expect->within_m > 0)) {
+        int within = yaml_tree_child(s->tree, node, "within");
+        return experiment_fault(s, NULL, within ? within : node,
+                                "expected within: a distance of more than 0 m");
+    }
+    int count = yaml_tree_child(s->tree, node, "count");
+    if (count && expect->count == 0) {
+        return experiment_fault(s, NULL, count, "expected a count of 1 or more");
+    }
+    return check_from(s, expect, node);
+}
+
+static mu_result check_inside(struct experiment_source *s, struct experiment_expectation *expect,
+                              int node)
+{
+    if (strcmp(expect->inside, "arena") != 0) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "inside"),
+                                "expected arena, not '%.80s'", expect->inside);
+    }
+    return MU_OK;
+}
+
+static mu_result check_stall(struct experiment_source *s, struct experiment_expectation *expect,
+                             int node)
+{
+    if (!(expect->stall_max_s > 0)) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "stall-max"),
+                                "expected a time of more than 0 s");
+    }
+    return MU_OK;
+}
+
+static mu_result check_statistic(struct experiment_source *s, struct experiment_expectation *expect,
+                                 int node)
+{
+    int robot;
+    if (experiment_statistic_find(s->experiment, expect->statistic, &robot) == STATISTICS) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "statistic"),
+                                "no statistic '%.80s'; expected one of summary.json, such as "
+                                "explored_fraction, mail.delivered, red.distance_m, or "
+                                "robots.distance_m, the mean",
+                                expect->statistic);
+    }
+    if (!isfinite(expect->at_least) && !isfinite(expect->at_most)) {
+        return experiment_fault(s, NULL, node, "expected at_least or at_most beside 'statistic'");
+    }
+    if (expect->at_least > expect->at_most) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "at_most"),
+                                "expected at_most: no less than at_least, %g", expect->at_least);
+    }
+    return check_from(s, expect, node);
+}
+
+static mu_result check_sequence(struct experiment_source *s, struct experiment_expectation *expect,
+                                int node)
+{
+    int sequence = yaml_tree_child(s->tree, node, "sequence");
+    int within = yaml_tree_child(s->tree, node, "within_s");
+    for (unsigned i = 0; i < expect->sequence_count; i++) {
+        MU_TRY(event_note(s, expect->sequence[i], yaml_tree_item(s->tree, sequence, i)));
+    }
+    if (within && !(expect->within_s > 0)) {
+        return experiment_fault(s, NULL, within, "expected a time of more than 0 s");
+    }
+    return check_from(s, expect, node);
+}
+
+static mu_result check_never(struct experiment_source *s, struct experiment_expectation *expect,
+                             int node)
+{
+    MU_TRY(event_note(s, expect->never, yaml_tree_child(s->tree, node, "never")));
+    return check_from(s, expect, node);
+}
+
+/* The first key of each, what checks it, and which keys may stand beside it. */
+static const struct {
+    const char *key;
+    mu_result (*check)(struct experiment_source *s, struct experiment_expectation *expect,
+                       int node);
+    const char *beside[5];
+} expect_kinds[] = {
+    {"near", check_near, {"within", "from", "to", "share"}},
+    {"objects", check_objects, {"within", "from", "at", "count"}},
+    {"inside", check_inside, {NULL}},
+    {"stall-max", check_stall, {NULL}},
+    {"statistic", check_statistic, {"at_least", "at_most", "from"}},
+    {"sequence", check_sequence, {"within_s", "from"}},
+    {"never", check_never, {"from"}},
+};
+
+enum { KINDS = sizeof expect_kinds / sizeof expect_kinds[0] };
+
+static bool is_beside(size_t kind, const char *key)
+{
+    for (size_t i = 0; i < 5 && expect_kinds[kind].beside[i]; i++) {
+        if (strcmp(expect_kinds[kind].beside[i], key) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A key that belongs to another expectation: says to which. */
+static mu_result check_beside(struct experiment_source *s, size_t kind, int node)
+{
+    for (size_t i = 0; i < yaml_tree_count(s->tree, node); i++) {
+        int key = yaml_tree_key(s->tree, node, i);
+        const char *name = yaml_tree_scalar(s->tree, key);
+        if (strcmp(name, expect_kinds[kind].key) == 0 || is_beside(kind, name)) {
+            continue;
+        }
+        for (size_t k = 0; k < KINDS; k++) {
+            if (is_beside(k, name)) {
+                return experiment_fault(s, NULL, yaml_tree_value(s->tree, node, i),
+                                        "expected '%s' beside '%s' only", name,
+                                        expect_kinds[k].key);
+            }
+        }
+    }
+    return MU_OK;
+}
+
+mu_result experiment_check_expectation(struct experiment_source *s, size_t index)
+{
+    int node = experiment_item(s, "expect", index);
+    size_t found = 0, kind = 0;
+    for (size_t i = 0; i < KINDS; i++) {
+        bool there = yaml_tree_child(s->tree, node, expect_kinds[i].key) != 0;
+        kind = there ? i : kind;
+        found += there;
+    }
+    if (found != 1) {
+        return experiment_fault(s, NULL, node,
+                                "expected one of near, inside, stall-max, objects, "
+                                "statistic, sequence, never");
+    }
+    mu_result beside = check_beside(s, kind, node);
+    return beside == MU_OK ? expect_kinds[kind].check(s, &s->experiment->expect[index], node)
+                           : beside;
+}

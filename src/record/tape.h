@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file tape.h
+ * A recording of what taps hear: a channel for each topic and partition, a message for each sample.
+ */
+#ifndef MUSTER_RECORD_TAPE_H
+#define MUSTER_RECORD_TAPE_H
+
+#include "bus/tap.h"
+#include "mcap/mcap_write.h"
+#include "muster/limits.h"
+
+enum { TAPE_WRITERS = 4096 };
+
+/* A channel of the file: a topic in one partition, in one encoding. */
+struct tape_channel {
+    const struct tap *tap;
+    char partition[TAP_NAME_MAX + 1];
+    bool plain;        /* in the first version of CDR, which definitions are for */
+    uint32_t sequence; /* of the last message */
+};
+
+struct tape {
+    struct mcap_writer *file;
+    struct tape_channel channels[MU_RECORD_CHANNELS_MAX]; /* as in the file */
+    uint32_t channel_count;
+    /* Which channel a writer's samples go to, by the writer's handle; it is only a short cut. */
+    struct {
+        uint64_t writer;
+        const struct tap *tap; /* NULL: free */
+        uint32_t channel;
+    } writers[TAPE_WRITERS];
+    uint64_t messages, lost; /* lost: for want of a channel, or too long */
+};
+
+/** Takes the memory of a tape, at start-up. */
+struct tape *tape_create(void);
+
+/** Creates the file.  @return MU_OK or MU_FAULT_OS, said on standard error */
+MU_MUST_USE mu_result tape_open(struct tape *t, const char *path, int domain);
+
+/** A tap_taker: records a sample.  @param self  a struct tape */
+void tape_take(void *self, struct tap *tap, const struct tap_sample *sample);
+
+/** Writes what is older than a second.  @return whether the disk is in order */
+bool tape_look(struct tape *t);
+
+/** Ends the file.  @return MU_OK or MU_FAULT_OS, said on standard error */
+MU_MUST_USE mu_result tape_close(struct tape *t);
+
+#endif

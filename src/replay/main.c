@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-replay: a recording on DDS again, for who looks at runs. */
+#include "bus/feed.h"
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/network.h"
+#include "core/options.h"
+#include "mcap/mcap_read.h"
+#include "muster/limits.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* A reader that has been found has not yet found us. */
+static const uint64_t SETTLE_NS = 300000000;
+static const uint64_t DRAIN_NS = 5000000000;
+static const uint64_t ROUND_NS = 5000000;
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+static struct {
+    struct mu_network network;
+    double rate, from_s, to_s, wait_s;
+    bool loop, quiet, verbose;
+    struct mu_option_list topics;
+} set;
+
+static struct mu_option option_table[] = {
+    MU_NETWORK_OPTIONS(set.network),
+    {.name = "rate",
+     .kind = MU_OPTION_REAL,
+     .unit = "R",
+     .fallback = "1",
+     .environment = "MUSTER_RATE",
+     .help = "times the recording's own time; 0: as fast as readers take it",
+     .target = &set.rate,
+     .max = 1e6},
+    {.name = "topics",
+     .kind = MU_OPTION_LIST,
+     .unit = "TOPIC",
+     .help = "only these, or all (default: those that are for who looks at a run)",
+     .target = &set.topics},
+    {.name = "from",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "begin so many seconds after the first message",
+     .target = &set.from_s,
+     .max = 1e9},
+    {.name = "to",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "end so many seconds after the first message; 0: at the last",
+     .target = &set.to_s,
+     .max = 1e9},
+    {.name = "loop", .kind = MU_OPTION_FLAG, .help = "begin again at the end", .target = &set.loop},
+    {.name = "wait",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "1",
+     .help = "begin when each topic has a reader, or after so many seconds",
+     .target = &set.wait_s,
+     .max = 3600},
+    {.name = "quiet",
+     .letter = 'q',
+     .kind = MU_OPTION_FLAG,
+     .help = "say only what goes wrong",
+     .target = &set.quiet},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &set.verbose},
+};
+
+/* What processes say to each other means something to them: it is replayed to who asks for it. */
+static const enum bus_topic for_observers[] = {
+    BUS_SCENE,         BUS_FRAME,       BUS_RUN_STATUS,   BUS_PAGES,
+    BUS_BROKER_STATUS, BUS_PART_STATUS, BUS_BROKER_EVENT,
+};
+
+struct replay {
+    struct bus bus;
+    struct mcap_reader *file;
+    struct feed *feeds[MU_RECORD_CHANNELS_MAX]; /* of the file's channels; NULL: left out */
+    uint64_t from_ns, to_ns;                    /* of the recording */
+    uint64_t messages, malformed;
+};
+
+static mu_result settings_parse(int argc, char **argv, const char **path)
+{
+    static struct mu_options options = {
+        .program = "muster replay",
+        .usage = "FILE [OPTION...]",
+        .about = "Puts a recording back on DDS, in order, for monitors and tools to look at.",
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return parsed;
+    }
+    if (options.words_count != 1) {
+        fprintf(stderr, "muster replay: name one recording, for example: "
+                        "muster replay out/follow-1/run.mcap\n");
+        return MU_FAULT_USAGE;
+    }
+    *path = options.words[0];
+    return MU_OK;
+}
+
+/* --- which channels --------------------------------------------------------------------------- */
+
+static bool is_named(const char *topic)
+{
+    for (size_t i = 0; i < set.topics.count; i++) {
+        if (strcmp(set.topics.items[i], topic) == 0 || strcmp(set.topics.items[i], "all") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_wanted(const char *name, enum bus_topic topic)
+{
+    bool observed = false;
+    for (size_t i = 0; i < sizeof for_observers / sizeof for_observers[0]; i++) {
+        observed = observed || for_observers[i] == topic;
+    }
+    return set.topics.count > 0 ? is_named(name) : observed;
+}
+
+/* @return whether the messages of a channel are what the topic has today */
+static bool is_same_type(const struct mcap_channel *c, enum bus_topic topic)
+{
+    static char bytes[64 * 1024];
+    char name_bytes[256];
+    struct mu_text name, text;
+    mu_text_init(&name, name_bytes, sizeof name_bytes);
+    mu_text_init(&text, bytes, sizeof bytes);
+    return bus_schema(topic, &name, &text) == MU_OK && strcmp(c->encoding, "cdr") == 0 &&
+           c->schema_size == text.len && memcmp(c->schema, text.at, text.len) == 0;
+}
+
+static const char *partition_of(const struct mcap_channel *c)
+{
+    for (size_t i = 0; i < c->pairs_count; i++) {
+        if (strcmp(c->pairs[i].key, "partition") == 0) {
+            return c->pairs[i].value;
+        }
+    }
+    return "";
+}
+
+static mu_result channel_open(struct replay *r, uint32_t index)
+{
+    const struct mcap_channel *c = mcap_reader_channel(r->file, index);
+    char shown[MU_TEXT_SHOWN];
+    enum bus_topic topic;
+    bool ours = feed_topic(c->topic, &topic);
+    mcap_reader_pick(r->file, index, false);
+    if (ours ? !is_wanted(c->topic, topic) : set.topics.count > 0 && !is_named(c->topic)) {
+        return MU_OK;
+    }
+    if (!ours || !is_same_type(c, topic)) {
+        fprintf(stderr, "muster replay: %s is left out: %s\n", mu_text_show(shown, c->topic),
+                ours ? "its type is another one than in this version" : "it is no topic of muster");
+        return MU_OK;
+    }
+    r->feeds[index] = mu_startup_alloc(sizeof *r->feeds[index]);
+    mcap_reader_pick(r->file, index, true);
+    if (topic == BUS_FRAME) { /* to those who want every one, and those who want the latest */
+        return feed_open(r->feeds[index], &r->bus, topic, "every", "latest");
+    }
+    return feed_open(r->feeds[index], &r->bus, topic, partition_of(c), NULL);
+}
+
+static mu_result channels_open(struct replay *r, size_t *count)
+{
+    *count = 0;
+    for (uint32_t i = 0; i < mcap_reader_channels(r->file); i++) {
+        MU_TRY(channel_open(r, i));
+        *count += r->feeds[i] != NULL;
+    }
+    return MU_OK;
+}
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+static void sleep_ns(uint64_t ns)
+{
+    struct timespec t = {.tv_sec = (time_t)(ns / 1000000000u), .tv_nsec = (long)(ns % 1000000000u)};
+    nanosleep(&t, NULL);
+}
+
+static void sleep_until(uint64_t due_ns)
+{
+    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !signal_came; now_ns = mu_clock_ns()) {
+        sleep_ns(due_ns - now_ns < ROUND_NS ? due_ns - now_ns : ROUND_NS);
+    }
+}
+
+static bool all_are_read(const struct replay *r)
+{
+    for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX; i++) {
+        if (r->feeds[i] && bus_writer_matches(&r->feeds[i]->out) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void readers_await(const struct replay *r)
+{
+    uint64_t until_ns = mu_clock_ns() + (uint64_t)(set.wait_s * 1e9);
+    while (!all_are_read(r) && mu_clock_ns() < until_ns && !signal_came) {
+        sleep_ns(ROUND_NS);
+    }
+    sleep_until(mu_clock_ns() + SETTLE_NS);
+}
+
+/* --- the replay ------------------------------------------------------------------------------- */
+
+/* Readers that do not keep up are waited for: nothing of a recording is to be lost. */
+static mu_result message_write(struct replay *r, const struct mcap_message *m)
+{
+    mu_result written = MU_BUSY;
+    while (!signal_came && written == MU_BUSY) {
+        written = feed_write(r->feeds[m->channel], m->data, m->size);
+        if (written == MU_BUSY) {
+            sleep_ns(1000000);
+        }
+    }
+    r->messages += written == MU_OK;
+    r->malformed += written == MU_MALFORMED;
+    return written < 0 ? written : MU_OK;
+}
+
+static mu_result replay_once(struct replay *r)
+{
+    struct mcap_message m;
+    mu_result got;
+    uint64_t began_ns = mu_clock_ns();
+    mcap_reader_seek(r->file, r->from_ns, r->to_ns);
+    while (!signal_came && (got = mcap_reader_next(r->file, &m)) != MU_DONE) {
+        MU_TRY(got);
+        if (set.rate > 0) {
+            double due_ns = (double)(m.log_ns - r->from_ns) / set.rate;
+            sleep_until(began_ns + (uint64_t)fmin(due_ns, 1e18));
+        }
+        MU_TRY(message_write(r, &m));
+    }
+    return MU_OK;
+}
+
+static void feeds_drain(const struct replay *r)
+{
+    for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX && !signal_came; i++) {
+        if (r->feeds[i]) {
+            (void)bus_drain(&r->feeds[i]->out, (int64_t)DRAIN_NS);
+        }
+    }
+}
+
+static mu_result replay_live(struct replay *r)
+{
+    readers_await(r);
+    do {
+        MU_TRY(replay_once(r));
+    } while (set.loop && !signal_came && r->messages > 0);
+    feeds_drain(r);
+    return MU_OK;
+}
+
+static mu_result file_open(struct replay *r, const char *path)
+{
+    struct mu_fault fault;
+    uint64_t first_ns, last_ns;
+    r->file = mcap_reader_create();
+    if (mcap_reader_open(r->file, path, &fault) != MU_OK) {
+        mu_fault_print(&fault);
+        return MU_FAULT_FILE;
+    }
+    if (!mcap_reader_whole(r->file)) {
+        fprintf(stderr, "muster replay: %s has no end; it is replayed as far as it goes\n", path);
+    }
+    (void)mcap_reader_span(r->file, &first_ns, &last_ns);
+    r->from_ns = first_ns + (uint64_t)(set.from_s * 1e9);
+    r->to_ns = set.to_s > 0 ? first_ns + (uint64_t)(set.to_s * 1e9) : last_ns;
+    return MU_OK;
+}
+
+static int network_open(struct replay *r, size_t *channels)
+{
+    struct bus_options options = {.domain = (int)set.network.domain,
+                                  .place = BUS_SIMULATOR,
+                                  .name = "replay",
+                                  .interface = set.network.interface,
+                                  .hub = mu_network_peers(&set.network)};
+    mu_result opened = bus_open(&r->bus, &options);
+    if (opened == MU_BUSY) {
+        fprintf(stderr,
+                "muster replay: a simulator or another replay is in domain %d; choose "
+                "another one with --domain\n",
+                options.domain);
+        return MU_EXIT_DDS;
+    }
+    if (opened != MU_OK || channels_open(r, channels) != MU_OK) {
+        return MU_EXIT_DDS;
+    }
+    return MU_EXIT_DONE;
+}
+
+static int result_print(const struct replay *r, size_t channels)
+{
+    uint64_t bad = r->malformed + mcap_reader_broken(r->file);
+    if (bad > 0) {
+        fprintf(stderr, "muster replay: %" PRIu64 " messages or chunks are damaged\n", bad);
+    }
+    if (!set.quiet) {
+        printf("%" PRIu64 " messages of %zu topics\n", r->messages, channels);
+    }
+    return signal_came ? MU_EXIT_INTERRUPTED : bad > 0 ? MU_EXIT_FILE : MU_EXIT_DONE;
+}
+
+int main(int argc, char **argv)
+{
+    const char *path;
+    size_t channels = 0;
+    mu_result parsed = settings_parse(argc, argv, &path);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    mu_log_open("replay", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    struct replay *r = mu_startup_alloc(sizeof *r);
+    if (file_open(r, path) != MU_OK) {
+        return MU_EXIT_FILE;
+    }
+    int code = network_open(r, &channels);
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    if (channels == 0) {
+        fprintf(stderr, "muster replay: nothing in %s is to be replayed; --topics names what is\n",
+                path);
+        return MU_EXIT_FILE;
+    }
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_memory_seal();
+    mu_result lived = replay_live(r);
+    bus_close(&r->bus);
+    return lived < 0 ? mu_exit_for(lived) : result_print(r, channels);
+}

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file compare.h
+ * Runs side by side: what their summary.json say, by group, as means with intervals.
+ *
+ * A statistic is a number of summary.json by its name there: explored_fraction, mail.sent, of a
+ * robot red.distance_m, red.final.x_m.  robots.distance_m is the mean over a run's robots, and
+ * expectations.met the share of them that is met.
+ */
+#ifndef MUSTER_REPORT_COMPARE_H
+#define MUSTER_REPORT_COMPARE_H
+
+#include "core/fault.h"
+#include "report/interval.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum {
+    COMPARE_RUNS_MAX = 1024,
+    COMPARE_GROUPS_MAX = 64,
+    COMPARE_STATISTICS_MAX = 64,
+    COMPARE_NAME_MAX = 128, /* bytes of a name, with the zero; so of a group */
+    COMPARE_FILE_MAX = 16 << 20
+};
+
+struct compare_run {
+    const char *folder;
+    char experiment[COMPARE_NAME_MAX], group[COMPARE_NAME_MAX], hash[80];
+    uint64_t seed;
+    unsigned expected, met;                /* expectations */
+    double values[COMPARE_STATISTICS_MAX]; /* NaN: this run has none of that name */
+};
+
+/* Runs of one experiment, or of one value of what they are grouped by. */
+struct compare_group {
+    char name[COMPARE_NAME_MAX];
+    unsigned runs, as_expected; /* all expectations of so many are met */
+    struct interval statistics[COMPARE_STATISTICS_MAX];
+};
+
+struct compare {
+    const char *by; /* the key of --set that runs are grouped by; NULL: the experiment */
+    char statistics[COMPARE_STATISTICS_MAX][COMPARE_NAME_MAX];
+    unsigned statistics_count;
+    struct compare_run *runs; /* runs_max */
+    unsigned runs_count, runs_max;
+    struct compare_group groups[COMPARE_GROUPS_MAX]; /* numbers in order, or as they came */
+    unsigned groups_count;
+};
+
+/**
+ * Begins a comparison; takes memory at start-up.
+ *
+ * @param statistics  names; count 0: those that say most about any team
+ * @return MU_OK; MU_FAULT_USAGE: too many names, or one that is too long, explained
+ */
+MU_MUST_USE mu_result compare_open(struct compare **out, unsigned runs_max, const char *by,
+                                   const char *const *statistics, size_t count);
+
+/**
+ * Reads folder/summary.json; the folder's name must live as long as the comparison.
+ *
+ * @return MU_OK; MU_DUPLICATE: the same run was added before, and this one is left out; MU_FULL:
+ *         no room for another run or group; MU_FAULT_FILE with the place
+ */
+MU_MUST_USE mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fault);
+
+/** Makes the groups, when all runs are there.  @return MU_OK; MU_FULL: more groups than fit */
+MU_MUST_USE mu_result compare_close(struct compare *c);
+
+/** @return whether some run has that statistic */
+bool compare_has(const struct compare *c, unsigned statistic);
+
+/** Writes a statistic's name for people: "robots: distance (m)". */
+void compare_label(char label[COMPARE_NAME_MAX + 16], const char *statistic);
+
+/** Prints a table, or an object for each statistic of each group. */
+void compare_print(const struct compare *c, FILE *to, bool json);
+
+/**
+ * Writes a page with a plot for each statistic.
+ *
+ * @return MU_OK; MU_FAULT_OS: it cannot be written
+ */
+MU_MUST_USE mu_result compare_page(const struct compare *c, const char *path,
+                                   struct mu_fault *fault);
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "report/report.h"
+
+#include "muster/memory.h"
+#include "report/color.h"
+#include "report/report_data.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what)
+{
+    mu_fault_at(fault, path, 0, 0, "cannot %s: %s", what, strerror(errno));
+    return MU_FAULT_OS;
+}
+
+struct report_file {
+    const char *name;
+    void (*write)(FILE *, const struct report_data *);
+    void (*write_page)(FILE *, const struct report_data *, const char *folder);
+};
+
+/* The page is last: it links to what is there. */
+static const struct report_file report_files[] = {
+    {"summary.json", report_write_json, NULL},
+    {"tracks.svg", report_write_tracks, NULL},
+    {"bearing.svg", report_write_bearing, NULL},
+    {"report.html", NULL, report_write_html},
+};
+
+static mu_result report_write_file(const struct report_file *what, const char *folder,
+                                   const struct report_data *data, struct mu_fault *fault)
+{
+    char path[REPORT_PATH_MAX], draft[REPORT_PATH_MAX];
+    int len = snprintf(draft, sizeof draft, "%s/.%s.new", folder, what->name);
+    if (len < 0 || (size_t)len >= sizeof draft) {
+        errno = ENAMETOOLONG;
+        return report_os_fault(fault, folder, "write the report");
+    }
+    snprintf(path, sizeof path, "%s/%s", folder, what->name);
+    FILE *file = fopen(draft, "we");
+    if (!file) {
+        return report_os_fault(fault, path, "write");
+    }
+    if (what->write) {
+        what->write(file, data);
+    } else {
+        what->write_page(file, data, folder);
+    }
+    errno = 0;
+    bool written = fflush(file) == 0 && !ferror(file);
+    int why = errno ? errno : EIO;
+    bool closed = fclose(file) == 0;
+    if (!written || !closed || rename(draft, path) != 0) {
+        why = written ? errno : why;
+        unlink(draft);
+        errno = why;
+        return report_os_fault(fault, path, "write");
+    }
+    return MU_OK;
+}
+
+mu_result report_write(const char *folder, const struct report_input *input,
+                       struct report_result *result, struct mu_fault *fault)
+{
+    MU_ASSERT(input->robots_count <= MU_ROBOTS_MAX);
+    struct report_data data = {.input = input, .result = result};
+    data.colors = mu_startup_array(input->robots_count, sizeof *data.colors);
+    for (size_t i = 0; i < input->robots_count; i++) {
+        data.colors[i] = color_of_track(input->robots[i].color, input->robots[i].name, i);
+    }
+    mu_result done = report_stats(&data, folder, fault);
+    for (size_t i = 0; done == MU_OK && i < sizeof report_files / sizeof report_files[0]; i++) {
+        done = report_write_file(&report_files[i], folder, &data, fault);
+    }
+    return done;
+}

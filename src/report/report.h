@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file report.h
+ * What a run leaves in its folder: summary.json, tracks.svg, bearing.svg, report.html, made from
+ * the run.csv that the simulator wrote there, from events.csv, if the experiment expects events,
+ * and from what the processes said at the end.
+ */
+#ifndef MUSTER_REPORT_H
+#define MUSTER_REPORT_H
+
+#include "core/fault.h"
+#include "experiment/experiment.h"
+#include "world/world.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct report_robot {
+    const char *name;
+    const char *color; /* CSS */
+    uint64_t mail_sent, mail_received, rule_firings;
+};
+
+/* A thing that can be moved. */
+struct report_object {
+    const char *name;
+    struct world_pose pose; /* at the end */
+};
+
+struct report_mail {
+    uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
+};
+
+/* What became of a piece of chaos, in the order of the experiment. */
+struct report_chaos {
+    bool done;
+    double at_s;        /* simulated, when it was done */
+    const char *reason; /* why not; "": its time, or its condition, has not come */
+};
+
+struct report_input {
+    const struct experiment *experiment;
+    const struct world *world; /* its outline is drawn */
+    uint64_t seed;
+    const char *hash;               /* or "none" */
+    double sim_time_s, wall_time_s; /* from the first to the last step */
+    const char *command;            /* how to run it again */
+    const char *const *overrides;   /* of --set, "key=value" */
+    size_t overrides_count;
+    const struct report_robot *robots; /* in the order of run.csv */
+    size_t robots_count;
+    const struct report_object *objects;
+    size_t objects_count;
+    struct report_mail mail;
+    const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
+    uint64_t packets_struck;          /* lost or late by it */
+    const char *versions;             /* of what the run is made of */
+};
+
+/* What one robot did, from run.csv. */
+struct report_robot_result {
+    double distance_m, stalled_s, mean_speed_m_s;
+    double longest_stall_s;
+    uint32_t stalls; /* times that it became stalled */
+    double final_x_m, final_y_m, final_heading_rad;
+};
+
+struct report_result {
+    struct report_robot_result robots[MU_ROBOTS_MAX];
+    /* Of the 0.5 m cells of floor that a robot can reach, how many a robot's centre crossed. */
+    double explored_fraction;
+    const char *most_efficient; /* most metres per second not stalled; NULL: nobody moved */
+    /* Each expectation: what it says, what was measured, and whether it was met.  One whose time
+     * begins after the end of a run that was cut short on purpose is not judged: met is true, and
+     * summary.json leaves it out. */
+    bool judged[EXPERIMENT_EXPECTATIONS_MAX];
+    bool met[EXPERIMENT_EXPECTATIONS_MAX];
+    char texts[EXPERIMENT_EXPECTATIONS_MAX][256];
+    char measured[EXPERIMENT_EXPECTATIONS_MAX][160];
+    bool all_met;
+};
+
+/**
+ * Takes a run's folder for the life of this process, and makes it and its parents.  An empty folder
+ * is used as it is; an earlier report of that name is moved to the first free one of .1, .2, ...
+ *
+ * @param or_beside when a live run has the folder, take the first free one of .1, .2, ... instead
+ * @param taken     filled with the folder that is ours
+ * @return MU_OK, or MU_FAULT_OS with the reason: a live run has the folder, something there is no
+ *         report, or the system refuses
+ */
+MU_MUST_USE mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
+                                    struct mu_fault *fault);
+
+/** Says that the report is complete; the folder may be moved away from now on. */
+void report_folder_release(const char *folder);
+
+/**
+ * Reads folder/run.csv and writes the rest beside it, each file under a temporary name first.
+ * Takes start-up memory: call it before mu_memory_seal(), or in a process without a seal.
+ *
+ * @return MU_OK; MU_FAULT_FILE when run.csv is broken, with its line; MU_FAULT_OS when a file
+ *         cannot be read or written (disk full, no permission), with its path
+ */
+MU_MUST_USE mu_result report_write(const char *folder, const struct report_input *input,
+                                   struct report_result *result, struct mu_fault *fault);
+
+#endif

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file report_data.h
+ * A report while it is made: what run.csv says, and the parts that write it down.
+ */
+#ifndef MUSTER_REPORT_DATA_H
+#define MUSTER_REPORT_DATA_H
+
+#include "report/report.h"
+
+#include <limits.h>
+#include <stdio.h>
+
+enum { REPORT_PATH_MAX = PATH_MAX + 32, REPORT_NO_SAMPLE = -1 };
+
+/* Points that the pictures are drawn from; a longer run is thinned out evenly. */
+enum { REPORT_SAMPLES_MAX = 1 << 18 };
+
+/* One row of run.csv. */
+struct report_row {
+    size_t robot; /* in report_input */
+    double time_s, x_m, y_m, heading_rad;
+    bool stalled;
+};
+
+struct report_sample {
+    float time_s, x_m, y_m, heading_rad;
+    int32_t next; /* of the same robot, or REPORT_NO_SAMPLE */
+};
+
+struct report_track {
+    int32_t first, last;
+};
+
+struct report_data {
+    const struct report_input *input;
+    struct report_result *result;
+    size_t rows_count;
+    double start_s, end_s;         /* of the rows */
+    struct report_sample *samples; /* by time, all robots' */
+    size_t samples_count;
+    size_t stride;               /* every how many steps there is a sample */
+    struct report_track *tracks; /* of each robot */
+    const char **colors;         /* of each robot, CSS, fit for a white ground */
+    struct report_events *events;
+};
+
+/* --- report_read.c: run.csv, row by row ------------------------------------------------------- */
+
+struct report_reader {
+    FILE *file;
+    char path[REPORT_PATH_MAX];
+    const struct report_input *input;
+    int line;
+    size_t robot;  /* of the last row */
+    double time_s; /* of the last row */
+};
+
+/** Opens folder/run.csv and checks its first line.  @param rows_max  no more rows than this */
+MU_MUST_USE mu_result report_reader_open(struct report_reader *r, const char *folder,
+                                         const struct report_input *input, size_t *rows_max,
+                                         struct mu_fault *fault);
+
+/** @return MU_OK, MU_DONE at the end, or MU_FAULT_FILE with the line and what was expected */
+MU_MUST_USE mu_result report_reader_next(struct report_reader *r, struct report_row *row,
+                                         struct mu_fault *fault);
+
+void report_reader_close(struct report_reader *r);
+
+/* --- report_stats.c, report_explored.c: what the rows amount to ------------------------------- */
+
+/** Reads run.csv and fills data and result.  @return as report_write */
+MU_MUST_USE mu_result report_stats(struct report_data *data, const char *folder,
+                                   struct mu_fault *fault);
+
+struct report_explored;
+
+/** @return start-up memory; NULL when the world is empty or too large to be divided into cells */
+struct report_explored *report_explored_open(const struct world *world);
+
+/** Notes that a robot's centre moved along a line.  Nothing happens when e is NULL. */
+void report_explored_cross(struct report_explored *e, double x0_m, double y0_m, double x1_m,
+                           double y1_m);
+
+/** @return the explored fraction, 0 to 1; 0 when e is NULL */
+double report_explored_fraction(struct report_explored *e);
+
+/* --- report_expect.c: what was expected of the run -------------------------------------------- */
+
+struct report_expect;
+
+struct report_expect *report_expect_open(const struct report_input *input);
+
+/** Takes one row; when its time is a new one, the step before is over. */
+void report_expect_row(struct report_expect *x, const struct report_row *row);
+
+/** Judges every expectation; the robots' results and the events must be complete. */
+void report_expect_close(struct report_expect *x, struct report_data *data);
+
+/* What came true when: times of the experiment's events, from events.csv. */
+enum { REPORT_EVENTS_MAX = 1 << 16 };
+
+struct report_events {
+    struct report_event {
+        float time_s;
+        uint16_t event;      /* its number in the experiment */
+    } at[REPORT_EVENTS_MAX]; /* by time; more are left out */
+    size_t count;
+};
+
+/** Reads folder/events.csv, if the experiment has events.  @return as report_write */
+MU_MUST_USE mu_result report_events_read(struct report_data *data, const char *folder,
+                                         struct mu_fault *fault);
+
+/** @return the number of the next occurrence of an event, from `from` on; count: there is none */
+size_t report_events_next(const struct report_events *events, unsigned event, size_t from);
+
+/** @return a statistic of experiment_statistic_find, as summary.json has it */
+double report_statistic(const struct report_data *data, enum experiment_statistic statistic,
+                        int robot);
+
+/* --- what is written; errors stay with the FILE ----------------------------------------------- */
+
+void report_write_json(FILE *file, const struct report_data *data);
+void report_write_tracks(FILE *file, const struct report_data *data);
+void report_write_bearing(FILE *file, const struct report_data *data);
+
+/** What the observer commanded, what went wrong on purpose and what was expected, over time. */
+void report_write_timeline(FILE *file, const struct report_data *data);
+
+/** @param folder  for links to files that are there */
+void report_write_html(FILE *file, const struct report_data *data, const char *folder);
+
+/** Says in fault why what could not be done to a path, out of errno.  @return MU_FAULT_OS */
+mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what);
+
+#endif

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* summary.json */
+#include "core/json.h"
+#include "report/report_data.h"
+
+#include <math.h>
+
+static void json_write_robots(struct mu_json *j, const struct report_data *data)
+{
+    mu_json_list(j, "robots");
+    for (size_t i = 0; i < data->input->robots_count; i++) {
+        const struct report_robot *robot = &data->input->robots[i];
+        const struct report_robot_result *result = &data->result->robots[i];
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", robot->name);
+        mu_json_real(j, "distance_m", result->distance_m);
+        mu_json_uint(j, "stalls", result->stalls);
+        mu_json_real(j, "stalled_s", result->stalled_s);
+        mu_json_real(j, "mean_speed_m_s", result->mean_speed_m_s);
+        mu_json_uint(j, "mail_sent", robot->mail_sent);
+        mu_json_uint(j, "mail_received", robot->mail_received);
+        mu_json_uint(j, "rule_firings", robot->rule_firings);
+        mu_json_object(j, "final");
+        mu_json_real(j, "x_m", result->final_x_m);
+        mu_json_real(j, "y_m", result->final_y_m);
+        mu_json_real(j, "heading_rad", result->final_heading_rad);
+        mu_json_end(j);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_objects(struct mu_json *j, const struct report_input *input)
+{
+    if (input->objects_count == 0) {
+        return;
+    }
+    mu_json_list(j, "objects");
+    for (size_t i = 0; i < input->objects_count; i++) {
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", input->objects[i].name);
+        mu_json_real(j, "x_m", input->objects[i].pose.x_m);
+        mu_json_real(j, "y_m", input->objects[i].pose.y_m);
+        mu_json_real(j, "heading_rad", input->objects[i].pose.heading_rad);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_mail(struct mu_json *j, const struct report_mail *mail)
+{
+    mu_json_object(j, "mail");
+    mu_json_uint(j, "sent", mail->sent);
+    mu_json_uint(j, "delivered", mail->delivered);
+    mu_json_uint(j, "waiting", mail->waiting);
+    mu_json_uint(j, "expired", mail->expired);
+    mu_json_uint(j, "refused", mail->refused);
+    mu_json_uint(j, "lost", mail->lost);
+    mu_json_uint(j, "duplicated", mail->duplicated);
+    mu_json_end(j);
+}
+
+static void json_write_expectations(struct mu_json *j, const struct report_data *data)
+{
+    mu_json_list(j, "expectations");
+    for (unsigned i = 0; i < data->input->experiment->expect_count; i++) {
+        if (!data->result->judged[i]) {
+            continue;
+        }
+        mu_json_object(j, NULL);
+        mu_json_string(j, "text", data->result->texts[i]);
+        mu_json_bool(j, "met", data->result->met[i]);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_chaos(struct mu_json *j, const struct report_input *input)
+{
+    if (input->experiment->chaos_count == 0) {
+        return;
+    }
+    mu_json_list(j, "chaos");
+    for (unsigned i = 0; i < input->experiment->chaos_count; i++) {
+        const struct report_chaos *chaos = &input->chaos[i];
+        mu_json_object(j, NULL);
+        mu_json_real(j, "at_s", chaos->done ? chaos->at_s : (double)NAN);
+        mu_json_string(j, "text", input->experiment->chaos[i].text);
+        mu_json_bool(j, "done", chaos->done);
+        if (!chaos->done && chaos->reason[0]) {
+            mu_json_string(j, "reason", chaos->reason);
+        }
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+    mu_json_uint(j, "packets_struck", input->packets_struck);
+}
+
+void report_write_json(FILE *file, const struct report_data *data)
+{
+    const struct report_input *input = data->input;
+    struct mu_json j;
+    mu_json_to_file(&j, file, MU_JSON_INDENTED);
+    mu_json_object(&j, NULL);
+    mu_json_string(&j, "experiment", input->experiment->name);
+    mu_json_uint(&j, "seed", input->seed);
+    mu_json_string(&j, "hash", input->hash);
+    mu_json_string(&j, "command", input->command);
+    mu_json_list(&j, "overrides");
+    for (size_t i = 0; i < input->overrides_count; i++) {
+        mu_json_string(&j, NULL, input->overrides[i]);
+    }
+    mu_json_end(&j);
+    mu_json_real(&j, "sim_time_s", input->sim_time_s);
+    mu_json_real(&j, "wall_time_s", input->wall_time_s);
+    mu_json_real(&j, "real_time_factor",
+                 input->wall_time_s > 0 ? input->sim_time_s / input->wall_time_s : 0);
+    json_write_robots(&j, data);
+    json_write_objects(&j, input);
+    mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
+    mu_json_string(&j, "most_efficient", data->result->most_efficient);
+    json_write_mail(&j, &input->mail);
+    json_write_chaos(&j, input);
+    json_write_expectations(&j, data);
+    mu_json_end(&j);
+}

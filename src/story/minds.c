@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "story/minds.h"
+
+#include "muster/memory.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lines are longer than this, in the mean. */
+enum { MINDS_LINE_BYTES = 8, MINDS_LINES_LEAST = 1024 };
+
+static const char minds_causes[] = "0SMELR";
+static const char minds_effects[] = "+-VTA";
+
+struct minds *minds_open(size_t text_max, uint32_t robots_max)
+{
+    struct minds *m = mu_startup_alloc(sizeof *m);
+    size_t lines = text_max / MINDS_LINE_BYTES + MINDS_LINES_LEAST;
+    m->text_max = text_max < UINT32_MAX ? text_max : UINT32_MAX;
+    m->text = mu_startup_alloc(m->text_max + 1);
+    m->lines_max = lines < INT32_MAX ? (int32_t)lines : INT32_MAX;
+    m->lines = mu_startup_array((size_t)m->lines_max, sizeof *m->lines);
+    m->robots_max = (int32_t)robots_max;
+    m->robots = mu_startup_array(robots_max, sizeof *m->robots);
+    mu_table_init(&m->names, robots_max);
+    return m;
+}
+
+/* Keeps text with a zero behind it. */
+static const char *text_keep(struct minds *m, const char *text, size_t len)
+{
+    if (len >= m->text_max - m->text_len) {
+        m->cut = true;
+        return NULL;
+    }
+    char *to = m->text + m->text_len;
+    memcpy(to, text, len);
+    to[len] = '\0';
+    m->text_len += len + 1;
+    return to;
+}
+
+int32_t minds_robot(const struct minds *m, const char *name)
+{
+    uint32_t index = mu_table_find(&m->names, name);
+    return index == MU_NONE ? MINDS_NONE : (int32_t)index;
+}
+
+static int32_t robot_enter(struct minds *m, const char *name)
+{
+    int32_t index = minds_robot(m, name);
+    if (index != MINDS_NONE) {
+        return index;
+    }
+    char *kept = m->robots_count < m->robots_max
+                     ? (char *)(uintptr_t)text_keep(m, name, strlen(name))
+                     : NULL;
+    if (!kept) {
+        m->cut = true;
+        return MINDS_NONE;
+    }
+    m->robots[m->robots_count] = (struct minds_robot){.name = kept,
+                                                      .first = MINDS_NONE,
+                                                      .last = MINDS_NONE,
+                                                      .stands = MINDS_NONE,
+                                                      .cause = MINDS_NONE};
+    (void)mu_table_put(&m->names, kept, (uint32_t)m->robots_count);
+    return m->robots_count++;
+}
+
+/* --- facts that stand ------------------------------------------------------------------------- */
+
+static void facts_void(struct minds *m, struct minds_robot *r, int32_t line)
+{
+    for (int32_t f = r->stands; f != MINDS_NONE; f = m->lines[f].older) {
+        m->lines[f].end = line;
+    }
+    r->stands = MINDS_NONE;
+}
+
+static void fact_end(struct minds *m, struct minds_robot *r, int32_t line)
+{
+    int32_t *link = &r->stands;
+    while (*link != MINDS_NONE && m->lines[*link].fact != m->lines[line].fact) {
+        link = &m->lines[*link].older;
+    }
+    if (*link != MINDS_NONE) {
+        m->lines[*link].end = line;
+        *link = m->lines[*link].older;
+    }
+}
+
+/* --- lines ------------------------------------------------------------------------------------ */
+
+static void line_take(struct minds *m, struct minds_robot *r, int32_t index)
+{
+    struct minds_line *line = &m->lines[index];
+    if (strchr(minds_causes, line->letter)) {
+        r->cause = index;
+    }
+    line->cause = r->cause;
+    switch (line->letter) {
+    case '0': facts_void(m, r, index); break;
+    case '-': fact_end(m, r, index); break;
+    case '+':
+        line->older = r->stands;
+        r->stands = index;
+        break;
+    default: break;
+    }
+    line->before = r->last;
+    if (r->last == MINDS_NONE) {
+        r->first = index;
+    } else {
+        m->lines[r->last].next = index;
+    }
+    r->last = index;
+}
+
+static void line_add(struct minds *m, int32_t robot, uint32_t step, const char *text, size_t len)
+{
+    struct minds_robot *r = &m->robots[robot];
+    char letter = text[0];
+    if (letter == '~') {
+        r->lost += strtoull(text + 1, NULL, 10);
+        return;
+    }
+    bool known = letter && (strchr(minds_causes, letter) || strchr(minds_effects, letter));
+    bool fact = letter == '+' || letter == '-';
+    char *rest = NULL;
+    long long number = fact ? strtoll(text + 1, &rest, 10) : 0;
+    const char *from = fact ? rest : text + 1;
+    from += from < text + len && *from == ' ';
+    if (!known || (fact && rest == text + 1) || from > text + len) {
+        return;
+    }
+    size_t bytes = (size_t)(text + len - from);
+    const char *kept = m->lines_count < m->lines_max ? text_keep(m, from, bytes) : NULL;
+    if (!kept) {
+        m->cut = true;
+        return;
+    }
+    m->lines[m->lines_count] = (struct minds_line){.at = (uint32_t)(kept - m->text),
+                                                   .bytes = (uint32_t)bytes,
+                                                   .step = step,
+                                                   .robot = robot,
+                                                   .next = MINDS_NONE,
+                                                   .end = MINDS_NONE,
+                                                   .older = MINDS_NONE,
+                                                   .fact = number,
+                                                   .letter = letter};
+    line_take(m, r, m->lines_count++);
+}
+
+void minds_add(struct minds *m, const char *robot, uint32_t step, const char *diary)
+{
+    int32_t index = diary[0] ? robot_enter(m, robot) : MINDS_NONE;
+    if (index == MINDS_NONE) {
+        return;
+    }
+    while (*diary) {
+        size_t len = strcspn(diary, "\n");
+        line_add(m, index, step, diary, len);
+        diary += len + (diary[len] == '\n');
+    }
+}
+
+/* --- questions -------------------------------------------------------------------------------- */
+
+const char *minds_text(const struct minds *m, int32_t line, size_t *bytes)
+{
+    *bytes = m->lines[line].bytes;
+    return m->text + m->lines[line].at;
+}
+
+int32_t minds_at(const struct minds *m, int32_t robot, uint32_t step)
+{
+    int32_t line = m->robots[robot].last;
+    while (line != MINDS_NONE && m->lines[line].step > step) {
+        line = m->lines[line].before;
+    }
+    return line;
+}
+
+/* @return whether a line asserted a fact that stood behind another line */
+static bool stood(const struct minds *m, int32_t fact, int32_t line)
+{
+    const struct minds_line *f = &m->lines[fact];
+    return f->letter == '+' && (f->end == MINDS_NONE || f->end > line);
+}
+
+int32_t minds_next_fact(const struct minds *m, int32_t line, int32_t from)
+{
+    if (line == MINDS_NONE) {
+        return MINDS_NONE;
+    }
+    int32_t at = from == MINDS_NONE ? m->robots[m->lines[line].robot].first : m->lines[from].next;
+    while (at != MINDS_NONE && at <= line && !stood(m, at, line)) {
+        at = m->lines[at].next;
+    }
+    return at != MINDS_NONE && at <= line ? at : MINDS_NONE;
+}
+
+int32_t minds_fact(const struct minds *m, int32_t line, long long index)
+{
+    for (; line != MINDS_NONE && m->lines[line].letter != '0'; line = m->lines[line].before) {
+        if (m->lines[line].letter == '+' && m->lines[line].fact == index) {
+            return line;
+        }
+    }
+    return MINDS_NONE;
+}
+
+int32_t minds_last(const struct minds *m, int32_t line, char letter)
+{
+    while (line != MINDS_NONE && m->lines[line].letter != letter) {
+        line = m->lines[line].before;
+    }
+    return line;
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "story/recording.h"
+
+#include "bus/bus.h"
+#include "muster/limits.h"
+#include "muster/memory.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* No Frame is shorter. */
+enum { RECORDING_FRAME_BYTES = 64 };
+
+mu_result recording_create(struct recording *r, const char *path, struct mu_fault *fault)
+{
+    struct stat file;
+    if (stat(path, &file) != 0) {
+        return mu_fault_at(fault, path, 0, 0, "%s", strerror(errno));
+    }
+    *r = (struct recording){.reader = mcap_reader_create()};
+    r->steps_max = (size_t)file.st_size / RECORDING_FRAME_BYTES + 1;
+    r->steps = mu_startup_array(r->steps_max, sizeof *r->steps);
+    r->minds = minds_open((size_t)file.st_size, MU_ROBOTS_MAX);
+    r->room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
+    return MU_OK;
+}
+
+/* The next message of a topic that is picked, as a sample; NULL: there is none any more. */
+static void *sample_next(struct recording *r, enum bus_topic topic, uint64_t *log_ns)
+{
+    struct mcap_message message;
+    void *sample;
+    while (mcap_reader_next(r->reader, &message) == MU_OK) {
+        if (message.size <= MU_RECORD_MESSAGE_MAX) {
+            memcpy(r->room, message.data, message.size);
+            *log_ns = message.log_ns;
+            if (bus_decode(topic, r->room, message.size, &sample) == MU_OK) {
+                return sample;
+            }
+        }
+        r->malformed++;
+    }
+    return NULL;
+}
+
+/* Leaves out all channels but one. */
+static void channel_pick(struct recording *r, uint32_t channel)
+{
+    for (uint32_t i = 0; i < mcap_reader_channels(r->reader); i++) {
+        mcap_reader_pick(r->reader, i, i == channel);
+    }
+    mcap_reader_seek(r->reader, 0, UINT64_MAX);
+}
+
+static void frame_drop(struct recording *r)
+{
+    bus_decode_free(BUS_FRAME, r->frame);
+    r->frame = NULL;
+}
+
+static void scene_read(struct recording *r)
+{
+    uint32_t channel = mcap_reader_find(r->reader, "Scene");
+    if (channel != MU_NONE) {
+        uint64_t log_ns;
+        channel_pick(r, channel);
+        r->scene = sample_next(r, BUS_SCENE, &log_ns);
+    }
+    r->step_ns = r->scene ? r->scene->step_ns : MU_STEP_NS;
+}
+
+/* A Frame that came in two ways is taken once. */
+static void frame_enter(struct recording *r, const muster_Frame *f)
+{
+    bool later = r->steps_count == 0 || f->step > r->steps[r->steps_count - 1].step;
+    if (!later || r->steps_count == r->steps_max) {
+        return;
+    }
+    r->steps[r->steps_count++] = (struct recording_step){f->step, r->frame_ns};
+    for (uint32_t i = 0; i < f->acts._length; i++) {
+        minds_add(r->minds, f->acts._buffer[i].agent, (uint32_t)f->step, f->acts._buffer[i].diary);
+    }
+}
+
+static void frames_read(struct recording *r)
+{
+    recording_rewind(r);
+    for (const muster_Frame *f = recording_next(r); f; f = recording_next(r)) {
+        frame_enter(r, f);
+    }
+}
+
+mu_result recording_open(struct recording *r, const char *path, struct mu_fault *fault)
+{
+    MU_TRY(mcap_reader_open(r->reader, path, fault));
+    r->frames = mcap_reader_find(r->reader, "Frame");
+    if (r->frames == MU_NONE) {
+        return mu_fault_at(fault, path, 0, 0, "expected a recording of a run: it has no Frame");
+    }
+    scene_read(r);
+    frames_read(r);
+    return MU_OK;
+}
+
+/* @return the index of the last step up to this one; 0 when all are later */
+static size_t step_find(const struct recording *r, int64_t step)
+{
+    size_t from = 0, to = r->steps_count;
+    while (to - from > 1) {
+        size_t middle = from + (to - from) / 2;
+        if (r->steps[middle].step <= step) {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
+    return from;
+}
+
+const muster_Frame *recording_frame(struct recording *r, int64_t step)
+{
+    size_t index = step_find(r, step);
+    if (r->steps_count == 0 || r->steps[index].step != step) {
+        return NULL;
+    }
+    uint64_t log_ns = r->steps[index].log_ns;
+    mcap_reader_seek(r->reader, log_ns, log_ns);
+    const muster_Frame *f = recording_next(r);
+    while (f && f->step != step) {
+        f = recording_next(r);
+    }
+    return f;
+}
+
+void recording_rewind(struct recording *r)
+{
+    channel_pick(r, r->frames);
+}
+
+const muster_Frame *recording_next(struct recording *r)
+{
+    frame_drop(r);
+    r->frame = sample_next(r, BUS_FRAME, &r->frame_ns);
+    return r->frame;
+}
+
+int64_t recording_step_at(const struct recording *r, double time_s)
+{
+    double step = floor(time_s * 1e9 / (double)r->step_ns + 0.5);
+    int64_t whole = step < 0x1p62 ? (int64_t)step : INT64_MAX;
+    return r->steps_count > 0 ? r->steps[step_find(r, whole)].step : 0;
+}
+
+void recording_close(struct recording *r)
+{
+    frame_drop(r);
+    bus_decode_free(BUS_SCENE, r->scene);
+    r->scene = NULL;
+    mcap_reader_close(r->reader);
+}

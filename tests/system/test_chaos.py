@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What goes wrong on purpose, and what is expected of a run in spite of it."""
+import re
+
+from support import ROOT, check, check_equal, experiment_run, folder
+
+TEAM = f"""
+name: chaos
+world: {ROOT}/worlds/arena.world
+duration: 12
+robots:
+  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
+  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red,  line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+"""
+
+
+def run(out, name, text, *words):
+    file = out / f"{name}.yaml"
+    file.write_text(TEAM + text)
+    return experiment_run(out / name, *words, file=file)
+
+
+def test_the_world_goes_wrong_the_same_way_every_time():
+    with folder() as out:
+        _, plain = run(out, "plain", "")
+        text = """
+chaos:
+  - {at: 3, push: red, force: [0, 80], for: 0.5}
+  - {when: "red.distance_m > 1", block: blue, sensor: sonar, for: 2}
+  - {when: "red told mate-pos", push: blue, force: [2, 0]}
+  - {at: 8, place: blue, pose: [0, 2, 90]}
+  - {when: "red near blue 0.1", push: red, force: [1, 0]}
+"""
+        _, first = run(out, "a", text)
+        _, second = run(out, "b", text, "--rate", "20")
+        check(first["hash"] != plain["hash"], "chaos changes the hash")
+        check_equal(second["hash"], first["hash"], "the same chaos, paced")
+        chaos = first["chaos"]
+        check_equal([c["done"] for c in chaos], [True, True, True, True, False], "what was done")
+        check_equal((chaos[0]["at_s"], chaos[3]["at_s"], chaos[4]["at_s"]), (3, 8, None), "when")
+        check_equal(chaos[1]["text"], "block blue's sonar for 2 s when red.distance_m > 1", "text")
+        check(0 < chaos[1]["at_s"] < 8, f"the condition came true: {chaos[1]}")
+        page = (out / "a/report.html").read_text()
+        check("push red with 0, 80 N for 0.5 s" in page, "the report tells of it")
+        final = {r["name"]: r["final"] for r in first["robots"]}
+        check(final["blue"]["y_m"] > 0, f"blue was put elsewhere: {final}")
+
+
+def test_lost_and_late_packets_change_nothing():
+    """Reliable topics send again what is lost, and lock step waits for it."""
+    with folder() as out:
+        _, plain = run(out, "plain", "", "--duration", "6")
+        _, struck = run(out, "struck", """
+chaos:
+  - {at: 1, lose: [red, all], share: 0.1}
+  - {at: 1, lose: [broker, all], share: 0.1}
+  - {at: 2, delay: [blue, simulator], by_ms: 5}
+  - {at: 4, cut: [blue, broker], for: 0.5}
+""", "--duration", "6")
+        check_equal(struck["hash"], plain["hash"], "the hash with one packet of ten lost")
+        check(struck["packets_struck"] > 50, f"packets struck: {struck['packets_struck']}")
+        check_equal([c["at_s"] for c in struck["chaos"]], [1, 1, 2, 4], "when")
+        check_equal((struck["mail"]["lost"], struck["mail"]["duplicated"]), (0, 0), "mail")
+
+
+def test_a_stopped_process_is_waited_for():
+    with folder() as out:
+        _, plain = run(out, "plain", "", "--duration", "5")
+        _, stopped = run(out, "stopped", """
+chaos:
+  - {at: 2, stop: blue, for: 0.4}
+  - {at: 3, stop: broker, for: 0.4}
+""", "--duration", "5")
+        check_equal(stopped["hash"], plain["hash"], "the hash with a process that stood still")
+        check_equal([c["done"] for c in stopped["chaos"]], [True, True], "they were stopped")
+
+
+def test_a_killed_robot_ends_a_run_in_lock_step():
+    with folder() as out:
+        done, summary = run(out, "a", "chaos:\n  - {at: 2, kill: blue}\n")
+        check_equal((done.returncode, summary), (5, None), "the exit code")
+        check("blue" in done.stderr, done.stderr)
+
+
+def test_a_killed_broker_comes_back_with_its_mail():
+    with folder() as out:
+        done, summary = run(out, "a", """
+free: true
+broker: {store: true}
+chaos:
+  - {at: 3, kill: broker, for: 1}
+expect:
+  - {statistic: mail.delivered, at_least: 60}
+  - sequence: ["time > 8", "red told mate-pos"]
+""")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal(summary["hash"], "none", "it ran free")
+        check_equal([c["done"] for c in summary["chaos"]], [True], "it was killed")
+        blue = summary["robots"][1]
+        check(blue["mail_received"] > 70, f"mail came through to the end: {blue}")
+        check((out / "a/broker.db").exists(), "its store")
+
+
+def test_expectations_on_statistics_and_events():
+    with folder() as out:
+        done, summary = run(out, "a", """
+expect:
+  - {statistic: red.distance_m, at_least: 1}
+  - {statistic: red.distance_m, at_most: 1}
+  - {statistic: mail.lost, at_most: 0}
+  - {sequence: ["red told mate-pos", "blue near red 3", "red told mate-pos"], within_s: 10}
+  - {sequence: ["red told mate-pos", "red told nothing"]}
+  - {never: red stalled}
+  - {never: blue near red 3}
+  - {statistic: red.distance_m, at_least: 100, from: 11}
+""")
+        check_equal(done.returncode, 1, "some are not met")
+        met = [e["met"] for e in summary["expectations"]]
+        check_equal(met, [True, False, True, True, False, True, False, False], "which are met")
+        check("red told mate-pos, then red told nothing" in done.stdout, done.stdout)
+        events = (out / "a/events.csv").read_text().splitlines()
+        check_equal(events[0], "time_s,event", "the first line of events.csv")
+        check_equal(sum(line.endswith(",red told mate-pos") for line in events), 120,
+                    "a mail in each step")
+        _, short = run(out, "short", """
+expect:
+  - {statistic: red.distance_m, at_least: 100, from: 11}
+""", "--duration", "3")
+        check_equal(short["expectations"], [], "what is later than the end is not judged")
+
+
+def test_wrong_chaos_is_refused_with_its_place():
+    with folder() as out:
+        for text, expected in (
+                ("chaos:\n  - {at: 1, push: rad, force: [1, 1]}\n", r"\.yaml:12:5: no robot or thing 'rad'"),
+                ("chaos:\n  - {when: red likes blue, kill: red}\n", r"\.yaml:12:12: expected near"),
+                ("expect:\n  - {never: red near puck 1}\n", r"no robot or thing 'puck'"),
+                ("expect:\n  - {statistic: red.speed, at_least: 1}\n",
+                 r"\.yaml:12:17: no statistic 'red.speed'")):
+            done, _ = run(out, "wrong", text)
+            check_equal(done.returncode, 3, text)
+            check(re.search(expected, done.stderr), f"{text}: {done.stderr}")

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""muster run --seeds and muster compare: many runs, what they amount to, and their end."""
+import json
+import re
+import signal
+import subprocess
+
+from support import (FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
+                     experiment_run, folder, muster, wait_for)
+
+
+def descendants(pid):
+    found = []
+    for child in children_of(pid):
+        found += [child] + descendants(child)
+    return found
+
+
+def test_a_series_leaves_whole_reports_and_a_table():
+    with folder() as out:
+        done = muster("run", FOLLOW, "--seeds", "3,1..2", "--duration", "15", "--out", out)
+        check_equal(done.returncode, 0, f"the series: {done.stdout} {done.stderr}")
+        hashes = set()
+        for seed in (1, 2, 3):
+            report = out / f"follow-{seed}"
+            summary = json.loads((report / "summary.json").read_text())
+            check_equal(summary["seed"], seed, "the seed of a report")
+            check((report / "report.html").exists() and (report / "run.csv").exists(), report)
+            hashes.add(summary["hash"])
+        check_equal(len(hashes), 3, "different runs")
+        _, alone = experiment_run(out / "alone", "--seed", "2", "--duration", "15")
+        check(alone["hash"] in hashes, "a run of the series and the same run alone")
+        check(re.search(r"robots\.distance_m +follow +3 +\d", done.stdout), done.stdout)
+        check("follow: 3 of 3 runs as expected" in done.stdout, done.stdout)
+        page = (out / "follow-series.html").read_text()
+        check("<svg" in page and "http://" not in page.replace("http://www.w3.org/", ""), "page")
+
+
+def test_the_worst_exit_code_counts():
+    with folder() as out:
+        strict = out / "strict.yaml"
+        text = (ROOT / "experiments/follow.yaml").read_text().replace("../", f"{ROOT}/")
+        strict.write_text(text.split("expect:")[0] + "expect:\n  - {near: [yellow, red], "
+                          "within: 0.1, from: 0, to: 5}\n")
+        done = muster("run", strict, "--seeds", "1,2", "--duration", "5", "--out", out, "--json")
+        check_equal(done.returncode, 1, f"a series with a failed expectation: {done.stderr}")
+        runs = [json.loads(line) for line in done.stdout.splitlines()]
+        check_equal(sorted(r["seed"] for r in runs), [1, 2], "one object per run")
+        rules = out / "bad.clp"
+        rules.write_text("(defrule broken\n")
+        done = muster("run", FOLLOW, "--seeds", "1,2", "--out", out / "b", "--set",
+                      f"robots.red.rules={rules}")
+        check_equal(done.returncode, 3, "a series whose rules are wrong")
+        check("bad.clp" in done.stderr, done.stderr)
+
+
+def test_wrong_seeds_are_refused():
+    for seeds in ("", "3..1", "1..5000", "1,1", "a"):
+        done = muster("run", FOLLOW, "--seeds", seeds)
+        check_equal((done.returncode, "--seeds" in done.stderr), (2, True), f"--seeds {seeds}")
+
+
+def test_ctrl_c_ends_all_runs_and_says_what_is_done():
+    with folder() as out, Processes() as processes:
+        series = processes.start(MUSTER, "run", FOLLOW, "--seeds", "1..40", "--rate", "1",
+                                 "--jobs", "2", "--duration", "60", "--out", out,
+                                 stderr=subprocess.PIPE)
+        pids = wait_for(lambda: len(descendants(series.pid)) == 14 and descendants(series.pid),
+                        20, "two runs with six processes each")
+        series.send_signal(signal.SIGINT)
+        _, words = series.communicate(timeout=20)
+        check_equal(series.returncode, 130, "exit code")
+        check("interrupted: 0 of 40 runs are done" in words.decode(), words.decode())
+        wait_for(lambda: not any(alive(pid) for pid in pids), 5, "the end of every process")
+
+
+def test_compare_groups_by_a_key():
+    with folder() as out:
+        runs = []
+        for seed in (1, 2):
+            for color in ("red", "#00aa00"):
+                runs.append(out / f"{seed}-{color[-2:]}")
+                experiment_run(runs[-1], "--seed", seed, "--duration", "5", "--set",
+                               f"robots.red.color={color}")
+        page = out / "compare.html"
+        done = muster("compare", *runs, "--out", page)
+        check_equal(done.returncode, 0, done.stderr)
+        check("left out" in done.stderr, "two colours of one run are one run")
+        done = muster("compare", *runs, "--by", "robots.red.color", "--statistic",
+                      "red.distance_m", "--statistic", "red.nothing", "--json")
+        check_equal(done.returncode, 0, done.stderr)
+        check("red.nothing" in done.stderr, done.stderr)
+        rows = [json.loads(line) for line in done.stdout.splitlines()]
+        check_equal([(r["group"], r["runs"]) for r in rows], [("red", 2), ("#00aa00", 2)], "groups")
+        check_equal(rows[0]["mean"], rows[1]["mean"], "a colour changes nothing")
+        distances = [json.loads((run / "summary.json").read_text())["robots"][0]["distance_m"]
+                     for run in runs[::2]]
+        check(abs(rows[0]["mean"] - sum(distances) / 2) < 1e-9, "the mean")
+        check(rows[0]["half_width_95"] > 0, f"the interval: {rows[0]}")
+        check("<svg" in page.read_text(), "the page's plots")
+        check_equal(muster("compare", out / "nothing").returncode, 3, "a missing report")
+        check_equal(muster("compare").returncode, 2, "no report")

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A recorded run read back: its steps, its minds, and when its robots were stalled. */
+#include "../support/suite.h"
+#include "bus/bus.h"
+#include "core/text.h"
+#include "mcap/mcap_write.h"
+#include "story/stalls.h"
+
+#include <CUnit/Basic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define W(s) ((char *)(uintptr_t)(s))
+
+enum { STEPS = 40, STEP_MS = 100 };
+
+static char path[] = "/tmp/story-XXXXXX";
+static struct mcap_writer *writer;
+static uint32_t scenes, frames;
+
+/* --- a recording ------------------------------------------------------------------------------ */
+
+static void message_write(uint32_t channel, enum bus_topic topic, const void *sample,
+                          uint64_t log_ns)
+{
+    struct bus_bytes bytes = {0};
+    CU_ASSERT_EQUAL_FATAL(bus_encode(topic, sample, &bytes), MU_OK);
+    struct mcap_message m = {
+        .channel = channel, .log_ns = log_ns, .data = bytes.data, .size = bytes.size};
+    CU_ASSERT_EQUAL(mcap_writer_message(writer, &m), MU_OK);
+    bus_bytes_free(&bytes);
+}
+
+static void scene_write(void)
+{
+    float corners[] = {2, -2, 2.5F, -2, 2.5F, 2, 2, 2};
+    muster_Outline wall = {.corners_m = {._length = 8, ._maximum = 8, ._buffer = corners}};
+    muster_Scene scene = {.simulator = W("sim"),
+                          .world = W("w.world"),
+                          .step_ns = STEP_MS * 1000000,
+                          .max_x_m = 3,
+                          .max_y_m = 3};
+    scene.walls._buffer = &wall;
+    scene.walls._length = scene.walls._maximum = 1;
+    message_write(scenes, BUS_SCENE, &scene, 0);
+}
+
+/* red drives at the wall and is stalled in the steps 20 to 24 and from 30 on; blue stands. */
+static void frame_write(int64_t step)
+{
+    char diary[64];
+    bool stalled = (step >= 20 && step < 25) || step >= 30;
+    muster_RobotView robots[2] = {{.name = W("red"),
+                                   .state = muster_STATE_RUNNING,
+                                   .x_m = stalled ? 1.8 : 0.05 * (double)step,
+                                   .command_forward_m_s = 0.5,
+                                   .stalled = stalled},
+                                  {.name = W("blue"), .x_m = -5, .state = muster_STATE_STANDBY}};
+    snprintf(diary, sizeof diary, "%sS\n+%lld (position %lld)\nR go %lld\nV 500.0 0.0\n",
+             step == 0 ? "0\n" : "", (long long)step, (long long)step, (long long)step);
+    muster_Act act = {
+        .agent = W("red"), .state = muster_STATE_RUNNING, .rules = W(""), .diary = diary};
+    muster_Frame frame = {
+        .simulator = W("sim"), .step = step, .time_ns = (uint64_t)step * STEP_MS * 1000000};
+    frame.robots._buffer = robots;
+    frame.robots._length = frame.robots._maximum = 2;
+    frame.acts._buffer = &act;
+    frame.acts._length = frame.acts._maximum = 1;
+    message_write(frames, BUS_FRAME, &frame, frame.time_ns);
+}
+
+static void recording_begin(void)
+{
+    static const struct mcap_channel scene = {
+        .topic = "Scene", .encoding = "cdr", .schema_name = "", .schema_encoding = ""};
+    static const struct mcap_channel frame = {
+        .topic = "Frame", .encoding = "cdr", .schema_name = "", .schema_encoding = ""};
+    CU_ASSERT_EQUAL_FATAL(mcap_writer_open(writer, path, "test"), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_channel(writer, &scene, &scenes), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_channel(writer, &frame, &frames), MU_OK);
+}
+
+static struct recording *recording_read(void)
+{
+    static struct recording all[8]; /* its memory is for the life of the process */
+    static size_t count;
+    struct mu_fault fault;
+    CU_ASSERT_FATAL(count < sizeof all / sizeof all[0]);
+    struct recording *r = &all[count++];
+    CU_ASSERT_EQUAL_FATAL(recording_create(r, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_open(r, path, &fault), MU_OK);
+    return r;
+}
+
+/* Step 7 is missing, and a message is no Frame. */
+static struct recording *recording_make(void)
+{
+    recording_begin();
+    scene_write();
+    for (int64_t step = 0; step < STEPS; step++) {
+        if (step != 7) {
+            frame_write(step);
+        }
+    }
+    struct mcap_message junk = {
+        .channel = frames, .log_ns = 1000000000, .data = "junk", .size = sizeof "junk"};
+    CU_ASSERT_EQUAL(mcap_writer_message(writer, &junk), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    return recording_read();
+}
+
+/* --- what is read ----------------------------------------------------------------------------- */
+
+static void test_steps(void)
+{
+    struct recording *r = recording_make();
+    CU_ASSERT_EQUAL(r->steps_count, STEPS - 1);
+    CU_ASSERT_EQUAL(r->malformed, 1);
+    CU_ASSERT_EQUAL(r->step_ns, STEP_MS * 1000000);
+    for (int64_t step = STEPS - 1; step >= 0; step--) {
+        const muster_Frame *f = recording_frame(r, step);
+        CU_ASSERT_EQUAL(f != NULL, step != 7);
+        CU_ASSERT(!f || f->step == step);
+    }
+    CU_ASSERT_PTR_NULL(recording_frame(r, -1));
+    CU_ASSERT_PTR_NULL(recording_frame(r, STEPS));
+    recording_close(r);
+}
+
+static void test_times(void)
+{
+    struct recording *r = recording_make();
+    CU_ASSERT_EQUAL(recording_step_at(r, -5), 0);
+    CU_ASSERT_EQUAL(recording_step_at(r, 1.2), 12);
+    CU_ASSERT_EQUAL(recording_step_at(r, 0.7), 6); /* 7 is missing */
+    CU_ASSERT_EQUAL(recording_step_at(r, 1e300), STEPS - 1);
+    recording_close(r);
+}
+
+static void test_minds(void)
+{
+    struct recording *r = recording_make();
+    int32_t red = minds_robot(r->minds, "red");
+    CU_ASSERT_NOT_EQUAL_FATAL(red, MINDS_NONE);
+    CU_ASSERT_EQUAL(minds_robot(r->minds, "blue"), MINDS_NONE);
+    size_t facts = 0;
+    int32_t line = minds_at(r->minds, red, 10);
+    for (int32_t f = minds_next_fact(r->minds, line, MINDS_NONE); f != MINDS_NONE;
+         f = minds_next_fact(r->minds, line, f)) {
+        facts++;
+    }
+    CU_ASSERT_EQUAL(facts, 10); /* of the steps 0 to 10, but for 7 */
+    recording_close(r);
+}
+
+static void test_stalls(void)
+{
+    struct recording *r = recording_make();
+    struct stall s[4];
+    uint32_t red = stalls_robot(r, "red");
+    CU_ASSERT_EQUAL_FATAL(red, 0);
+    CU_ASSERT_EQUAL(stalls_robot(r, "green"), MU_NONE);
+    CU_ASSERT_EQUAL_FATAL(stalls_find(r, red, s, 4), 2);
+    CU_ASSERT_EQUAL(s[0].from, 20);
+    CU_ASSERT_EQUAL(s[0].to, 24);
+    CU_ASSERT_EQUAL(s[1].from, 30);
+    CU_ASSERT_EQUAL(s[1].to, STEPS - 1);
+    CU_ASSERT_STRING_EQUAL(s[0].near, "a wall");
+    CU_ASSERT_DOUBLE_EQUAL(s[0].near_m, 0.2, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(s[0].forward_m_s, 0.5, 0);
+    CU_ASSERT_EQUAL(s[0].state, muster_STATE_RUNNING);
+    CU_ASSERT_PTR_EQUAL(stalls_at(s, 2, 0), &s[0]);
+    CU_ASSERT_PTR_EQUAL(stalls_at(s, 2, 26), &s[0]);
+    CU_ASSERT_PTR_EQUAL(stalls_at(s, 2, 28), &s[1]);
+    CU_ASSERT_PTR_EQUAL(stalls_at(s, 2, 35), &s[1]);
+    CU_ASSERT_PTR_NULL(stalls_at(s, 0, 35));
+    CU_ASSERT_EQUAL(stalls_find(r, red, s, 1), 2); /* no room, and counted all the same */
+    CU_ASSERT_EQUAL(stalls_find(r, stalls_robot(r, "blue"), s, 4), 0);
+    recording_close(r);
+}
+
+/* --- what is no recording ----------------------------------------------------------------------
+ */
+
+static void test_no_frames(void)
+{
+    static struct recording r;
+    struct mu_fault fault;
+    recording_begin();
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL(recording_open(&r, path, &fault), MU_OK); /* a channel, and nothing on it */
+    CU_ASSERT_EQUAL(r.steps_count, 0);
+    CU_ASSERT_PTR_NULL(recording_frame(&r, 0));
+    CU_ASSERT_EQUAL(recording_step_at(&r, 1), 0);
+    CU_ASSERT_EQUAL(stalls_robot(&r, "red"), MU_NONE);
+    recording_close(&r);
+    CU_ASSERT_EQUAL(recording_create(&r, "/tmp/no/such.mcap", &fault), MU_FAULT_FILE);
+}
+
+static void test_something_else(void)
+{
+    static struct recording r;
+    struct mu_fault fault;
+    CU_ASSERT_EQUAL_FATAL(mcap_writer_open(writer, path, "test"), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL(recording_open(&r, path, &fault), MU_FAULT_FILE);
+    CU_ASSERT_PTR_NOT_NULL(strstr(fault.text, "no Frame"));
+    recording_close(&r);
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"steps", test_steps},
+        {"times", test_times},
+        {"minds", test_minds},
+        {"stalls", test_stalls},
+        {"no frames", test_no_frames},
+        {"something else", test_something_else},
+        CU_TEST_INFO_NULL,
+    };
+    int fd = mkstemp(path);
+    if (fd < 0) {
+        return 1;
+    }
+    close(fd);
+    writer = mcap_writer_create();
+    int code = suite_run("story/recording", tests);
+    unlink(path);
+    return code;
+}
