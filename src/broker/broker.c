@@ -6,6 +6,7 @@
 #include "broker/border.h"
 #include "broker/outcome.h"
 #include "broker/parts.h"
+#include "broker/posting.h"
 #include "broker/presence.h"
 #include "broker/relay.h"
 #include "broker/router.h"
@@ -53,6 +54,7 @@ struct broker *broker_open(const struct broker_options *options)
     store_init(&b->store);
     schedule_init(&b->due, SCHEDULE_DUE);
     schedule_init(&b->expiry, SCHEDULE_EXPIRY);
+    schedule_init(&b->replays, SCHEDULE_DUE);
     mailbox_init(&b->mailbox, REGISTRY_MAX);
     mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
     share_init(&b->shares, REGISTRY_MAX);
@@ -148,7 +150,7 @@ void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_n
 /* --- what processes send ---------------------------------------------------------------------- */
 
 /* When what an Up says takes effect. */
-enum up_effect { EFFECT_NOW, EFFECT_STEP, EFFECT_STEP_AS_OUTSIDE };
+enum up_effect { EFFECT_NOW, EFFECT_STEP, EFFECT_STEP_AS_OUTSIDE, EFFECT_REPLAY };
 
 /* @return the agent of that name, if it lives there, or MU_NONE */
 static uint32_t agent_at(const struct broker *b, uint32_t place, const char *name)
@@ -165,9 +167,13 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
     if (!m) {
         return;
     }
+    if (effect == EFFECT_REPLAY && posting_is_held(b, m)) {
+        lockstep_keep_replay(b, m);
+        return;
+    }
     bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
-                   (effect == EFFECT_NOW && b->lockstep.on && router_meets_lockstep(b, m));
-    if (effect == EFFECT_NOW && !outside) {
+                   (effect != EFFECT_STEP && b->lockstep.on && router_meets_lockstep(b, m));
+    if (effect != EFFECT_STEP && !outside) {
         (void)router_route(b, m);
     } else if (!lockstep_keep(&b->lockstep, m, outside)) {
         router_turn_away(b, m);
@@ -199,6 +205,8 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
     if (effect == EFFECT_STEP) {
         lockstep_keep_state(&b->lockstep, agent, act->state);
         depot_review(b, agent); /* it answers where it lives now */
+    } else if (act->replays) {
+        effect = EFFECT_REPLAY;
     }
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *letter = &act->mails._buffer[i];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/lockstep.h"
 
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -213,6 +214,26 @@ static void outside_apply(struct broker *b)
     }
 }
 
+void lockstep_keep_replay(struct broker *b, struct mail *m)
+{
+    m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
+    m->order = ++b->orders;
+    schedule_add(&b->replays, m);
+    outcome_stored(b, m);
+}
+
+/* What came in with this step when it was recorded comes in with it again. */
+static void replays_keep(struct broker *b, uint64_t run_ns)
+{
+    for (struct mail *m = schedule_first(&b->replays); m && m->at_ns[SCHEDULE_DUE] <= run_ns;
+         m = schedule_first(&b->replays)) {
+        schedule_remove(&b->replays, m);
+        if (!lockstep_keep(&b->lockstep, m, true)) {
+            router_turn_away(b, m);
+        }
+    }
+}
+
 void lockstep_told(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
@@ -224,6 +245,7 @@ void lockstep_told(struct broker *b)
 static void step_apply(struct broker *b)
 {
     b->lockstep.applying = true;
+    replays_keep(b, runclock_run_ns(&b->clock));
     turns_order(b);
     acks_apply(b);
     router_expire(b, runclock_mail_ns(&b->clock));

@@ -4,8 +4,9 @@
  * The step barrier: what the processes of the roster do in a step is collected, and takes effect
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
- * The order: acknowledgements, expiry of mail and leases, states, mails by (src, seq), mails from
- * outside by (src, seq), addresses that nobody has resolved in time, mails that have become due.
+ * The order: mails of a recording come in, acknowledgements, expiry of mail and leases, states,
+ * mails by (src, seq), mails from outside by (src, seq), addresses that nobody has resolved in
+ * time, mails that have become due.
  * Only which mails from outside have arrived by then depends on the clock, and the simulator is
  * told which.
  */
@@ -85,6 +86,10 @@ void lockstep_open_turn(struct lockstep *l);
  *         into its sender's share of a quarter of that
  */
 bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
+
+/** Keeps an admitted mail of a recording until the step that ends when it is due; there it is one
+ * from outside. */
+void lockstep_keep_replay(struct broker *b, struct mail *m);
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);

@@ -82,6 +82,7 @@ struct broker {
     struct store store;
     struct share_accounts shares; /* of the store */
     struct schedule due, expiry;
+    struct schedule replays; /* mails of a recording, which nobody has been told of yet */
     struct mailbox mailbox;
     struct receipts receipts;
     struct lockstep lockstep;

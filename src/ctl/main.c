@@ -91,6 +91,7 @@ static const struct verb verbs[] = {
     {"world", world_verb, NULL, "check|place|...",
      "world files: check, draw, import; the world of a run: place, push, reset, ..."},
     {"record", record_verb, NULL, "[TOPIC...]", "topics into a file, until interrupted"},
+    {"verify", verify_verb, NULL, "FILE", "do a recorded run again, and compare it step by step"},
     {"why", why_verb, NULL, "[FILE] ROBOT [...]", "why a recorded robot stalled, drove, believed"},
     {"replay", NULL, "muster-replay", "FILE", "a recording on DDS again"},
     {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},

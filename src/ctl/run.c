@@ -8,6 +8,7 @@
 #include "ctl/run.h"
 #include "ctl/chaos.h"
 #include "ctl/receivers.h"
+#include "ctl/run_inputs.h"
 
 #include "core/clock.h"
 #include "core/exits.h"
@@ -105,9 +106,24 @@ static struct mu_option option_table[] = {
      .kind = MU_OPTION_STRING,
      .unit = "none|run|full",
      .environment = "MUSTER_RECORD",
-     .help = "what run.mcap has: nothing, all but what robots sensed, or all (default: full to 64 "
+     .help = "what run.mcap has: nothing; poses, commands and mails; what robots sensed and "
+             "thought, too (default: full to 64 "
              "robots, run beyond)",
      .target = &chosen.record},
+    {.name = "no-diary",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave what goes on in minds out of the recording",
+     .target = &chosen.no_diary},
+    {.name = "inputs",
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "put in again what came into a recorded run from outside, each at its step",
+     .target = &chosen.inputs},
+    {.name = "root",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .help = "let absolute paths in the experiment start here",
+     .target = &chosen.root},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
      .unit = "D",
@@ -185,6 +201,9 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
 
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
 {
+    if (r->options.root) {
+        experiment_root(r->options.root);
+    }
     MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
                            fault));
     struct experiment *e = r->experiment;
@@ -216,6 +235,10 @@ static mu_result files_prepare(struct run *r)
 {
     struct mu_fault fault;
     mu_result done = experiment_prepare(r, &fault);
+    if (done == MU_OK && r->options.inputs) {
+        r->inputs = run_inputs_open(r->options.inputs, &fault);
+        done = r->inputs ? MU_OK : MU_FAULT_FILE;
+    }
     done = done == MU_OK ? run_place(r, &fault) : done;
     done = done == MU_OK ? chaos_prepare(r, &fault) : done;
     done = done == MU_OK && r->options.seeds_count == 0 ? folder_prepare(r, &fault) : done;
@@ -558,6 +581,24 @@ static int pages_gather(struct run *r)
     return code;
 }
 
+/* Hands over what a recording has from outside.  @return -1, or the exit code */
+static int inputs_gather(struct run *r)
+{
+    int code = -1;
+    if (r->inputs) {
+        run_inputs_join(r->inputs, r->process, r->observer, &r->command, r->simulator);
+    }
+    while (code < 0 && r->inputs && !run_inputs_tell(r->inputs)) {
+        code = round_live(r);
+        code = code < 0 ? start_patience(r) : code;
+    }
+    if (code < 0 && r->inputs && run_inputs_refused(r->inputs)) {
+        fprintf(stderr, "muster run: some of what came from outside cannot be put in again\n");
+        return MU_EXIT_REFUSED;
+    }
+    return code;
+}
+
 /* Until all are there and the broker has every command. */
 static int gather(struct run *r)
 {
@@ -578,7 +619,7 @@ static int gather(struct run *r)
         code = code < 0 && r->command_unknown ? MU_EXIT_NO_AGENT : code;
         code = code < 0 ? start_patience(r) : code;
     }
-    return code;
+    return code < 0 ? inputs_gather(r) : code;
 }
 
 static int watch(struct run *r)

@@ -22,8 +22,8 @@ struct run_options {
     int64_t seed, domain; /* < 0: the file's; the first free one */
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
-    bool free, quiet, json, no_spread;
-    const char *out, *record;
+    bool free, quiet, json, no_spread, no_diary;
+    const char *out, *record, *inputs, *root;
     const char *const *set;
     size_t set_count;
     const uint64_t *seeds; /* of a series */
@@ -32,6 +32,7 @@ struct run_options {
 };
 
 struct run_observer;
+struct run_inputs;
 struct chaos;
 
 struct run {
@@ -44,6 +45,7 @@ struct run {
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
+    struct run_inputs *inputs;    /* of a recording; NULL: there are none */
     struct chaos *chaos;          /* NULL: the experiment has none */
     struct bus_reader status, broker_status;
     struct bus_writer command;

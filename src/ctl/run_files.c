@@ -14,6 +14,7 @@
 
 #include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -25,21 +26,29 @@ struct files {
     char *text; /* TEXT_MAX, of the one that is searched */
 };
 
-/* Below the folder in which the run was started, a file is called as from there. */
-static const char *path_from_here(const char *path)
+/* Below the folder in which the run was started, a file is called as from there; else as from the
+ * root, which is called _. */
+static void name_add(struct mu_text *name, const char *path)
 {
     char here[PATH_MAX];
     size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
     bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
-    return below ? path + len + 1 : path;
+    mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
+    mu_text_add(name, below ? "" : path);
 }
 
 static const char *name_make(const char *role, const char *path)
 {
     char name[PATH_MAX + 32];
     const char *slash = strrchr(path, '/');
-    bool in_library = strcmp(role, "library") == 0 && slash;
-    snprintf(name, sizeof name, "%s/%s", role, in_library ? slash + 1 : path_from_here(path));
+    struct mu_text t;
+    mu_text_init(&t, name, sizeof name);
+    mu_text_add(&t, role);
+    if (strcmp(role, "library") == 0 && slash) {
+        mu_text_add(&t, slash);
+    } else {
+        name_add(&t, path);
+    }
     for (char *c = name; *c; c++) {
         *c = *c == '=' ? '_' : *c;
     }
@@ -142,7 +151,9 @@ const struct run_file *run_files(const struct run *r, size_t *count)
     const struct experiment *e = r->experiment;
     struct files f = {.list = mu_startup_array(RUN_FILES_MAX, sizeof *f.list),
                       .text = mu_startup_alloc(TEXT_MAX)};
-    file_add(&f, "experiment", r->options.file);
+    char experiment[PATH_MAX];
+    file_add(&f, "experiment",
+             realpath(r->options.file, experiment) ? experiment : r->options.file);
     file_add(&f, "world", e->world);
     for (unsigned i = 0; i < e->robots_count; i++) {
         file_add(&f, "rules", e->robots[i].rules);

@@ -6,6 +6,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -121,7 +122,7 @@ static bool record_is(const struct run *r, const char *level)
 
 static void recording_add(const struct run *r)
 {
-    char command[2048];
+    char command[2048], here[PATH_MAX];
     size_t count = 0;
     if (record_is(r, "none")) {
         return;
@@ -138,6 +139,7 @@ static void recording_add(const struct run *r)
     word_add("--note=rate=%.17g", r->options.rate);
     word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
     word_add("--note=clips=%s", MU_CLIPS_VERSION);
+    word_add("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
     for (size_t i = 0; i < r->options.set_count; i++) {
         word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
@@ -145,6 +147,13 @@ static void recording_add(const struct run *r)
     for (size_t i = 0; i < count; i++) {
         word_add("--attach=%s=%s", files[i].name, files[i].path);
     }
+}
+
+/* What one processor is enough for, is kept on one. */
+static bool simulator_is_wide(const struct experiment *e)
+{
+    uint64_t threads = e->simulator.threads;
+    return threads > 1 || (threads == 0 && getenv("MUSTER_SIM_THREADS"));
 }
 
 static mu_result simulator_start(struct run *r)
@@ -162,6 +171,9 @@ static mu_result simulator_start(struct run *r)
     if (r->options.free) {
         word_add("--free");
     }
+    if (e->simulator.threads > 0) {
+        word_add("--threads=%llu", (unsigned long long)e->simulator.threads);
+    }
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
@@ -176,7 +188,18 @@ static mu_result simulator_start(struct run *r)
     for (unsigned i = 0; i < e->events_count; i++) {
         word_add("--event=%s", e->events[i]);
     }
+    if (simulator_is_wide(e)) {
+        chaos_child(r, "simulator");
+        return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
+    }
     return child_start(r, "simulator", "muster-sim");
+}
+
+static void diary_add(const struct run *r)
+{
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
 }
 
 /* What robots bear that share an entry of the experiment, they share here, too. */
@@ -194,6 +217,7 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
+    diary_add(r);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
@@ -238,6 +262,7 @@ static mu_result host_start(struct run *r, const char *host)
     if (r->options.free) {
         word_add("--restore");
     }
+    diary_add(r);
     natives_add(r, host);
     return child_start(r, host, "muster-host");
 }

@@ -74,8 +74,9 @@ static struct child *child_place(struct supervise *s, const char *name)
     return &s->children[s->count++];
 }
 
-mu_result supervise_start(struct supervise *s, const char *name, const char *program,
-                          const char *const *argv)
+/* @param processors  that it may use; NULL: as we may */
+static mu_result child_launch(struct supervise *s, const char *name, const char *program,
+                              const char *const *argv, const cpu_set_t *processors)
 {
     char path[PATH_MAX];
     int ends[2];
@@ -87,11 +88,10 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
         return MU_FAULT_OS;
     }
     pid_t parent = getpid();
-    cpu_set_t processors = processor_choose(s);
     pid_t pid = fork();
     if (pid == 0) {
-        if (s->spread) {
-            sched_setaffinity(0, sizeof processors, &processors);
+        if (processors) {
+            sched_setaffinity(0, sizeof *processors, processors);
         }
         child_become(path, argv, ends[1], parent);
     }
@@ -106,6 +106,19 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
     *child = (struct child){.pid = pid, .output = ends[0]};
     mu_text_copy(child->name, sizeof child->name, name);
     return MU_OK;
+}
+
+mu_result supervise_start(struct supervise *s, const char *name, const char *program,
+                          const char *const *argv)
+{
+    cpu_set_t processors = processor_choose(s);
+    return child_launch(s, name, program, argv, s->spread ? &processors : NULL);
+}
+
+mu_result supervise_start_wide(struct supervise *s, const char *name, const char *program,
+                               const char *const *argv)
+{
+    return child_launch(s, name, program, argv, NULL);
 }
 
 /* Keeps the last words, dropping the oldest. */

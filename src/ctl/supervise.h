@@ -53,6 +53,10 @@ void supervise_init(struct supervise *s, bool quiet, bool spread);
 MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                                       const char *const *argv);
 
+/** The same for a program whose threads work side by side: it may use all processors. */
+MU_MUST_USE mu_result supervise_start_wide(struct supervise *s, const char *name,
+                                           const char *program, const char *const *argv);
+
 /** Reads what children say and notes who has ended; never blocks. */
 void supervise_look(struct supervise *s);
 

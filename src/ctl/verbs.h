@@ -33,6 +33,7 @@ int service_verb(int argc, char **argv);
 
 int launch_verb(int argc, char **argv);
 
+int verify_verb(int argc, char **argv);
 int why_verb(int argc, char **argv);
 
 int world_verb(int argc, char **argv);

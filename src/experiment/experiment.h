@@ -21,7 +21,8 @@ enum {
     EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
     EXPERIMENT_RESOLVERS_MAX = 16,
     EXPERIMENT_HOSTS_MAX = 32,
-    EXPERIMENT_BROKERS_MAX = 4, /* as many as one host can have */
+    EXPERIMENT_BROKERS_MAX = 4,  /* as many as one host can have */
+    EXPERIMENT_THREADS_MAX = 64, /* as many as the simulator takes */
     EXPERIMENT_CHAOS_MAX = 64,
     EXPERIMENT_SEQUENCE_MAX = 16, /* events of one */
     EXPERIMENT_EVENTS_MAX = 64,   /* different ones, of all expectations */
@@ -144,6 +145,11 @@ struct experiment_broker {
     bool store;                  /* it has one, in the run's folder: mail can outlive its death */
 };
 
+/* What the run's simulator is told. */
+struct experiment_simulator {
+    uint64_t threads; /* that read the sensors; 0: as it does by itself */
+};
+
 struct experiment {
     char *name;   /* the file's name without folder and ending, unless it says otherwise;
                      letters, digits, _ . -, so that a folder may bear it */
@@ -160,6 +166,7 @@ struct experiment {
     char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
     unsigned resolvers_count;
     struct experiment_broker broker;
+    struct experiment_simulator simulator;
     struct experiment_robot *robots;
     unsigned robots_count;
     struct experiment_crew *crews; /* in the robots' order */
@@ -176,6 +183,10 @@ struct experiment {
     char *file;       /* its path, for faults */
     char folder[256]; /* of the file: what relative paths start from */
 };
+
+/** Lets absolute paths in experiment files start from a folder, for files that were recorded; the
+ * text stays the caller's.  "": from where they say */
+void experiment_root(const char *folder);
 
 /* Robots' numbers of summary.json, as statistics name them. */
 enum experiment_statistic {
@@ -230,8 +241,9 @@ int experiment_robot_find(const struct experiment *e, const char *name);
  * Loads and checks an experiment.  Lives as long as the process.
  *
  * @param set        overrides as "key=value", e.g. "duration=30" or "robots.red.rules=x.clp"; what
- *                   may be set: name world seed duration step_ms on-crash policy, and of each robot
- * NAME robots.NAME.body, .color, .rules and .globals.G; paths as in the file
+ *                   may be set: name world seed duration step_ms on-crash policy simulator.threads,
+ *                   and of each robot robots.NAME.body, .color, .rules and .globals.G; paths as in
+ *                   the file
  * @return MU_OK; MU_FAULT_FILE with file, line, column and what was expected; MU_FAULT_USAGE when
  *         an override is wrong (fault->file is "--set key=value")
  */

@@ -54,13 +54,20 @@ bool experiment_overridden(const struct experiment_source *s, const void *field)
     return false;
 }
 
+static const char *files_root = "";
+
+void experiment_root(const char *folder)
+{
+    files_root = folder;
+}
+
 /* Replaces a path by the absolute one of an existing, readable file. */
 static mu_result check_file(struct experiment_source *s, char **path, int node, const char *what)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     bool relative = (*path)[0] != '/';
-    int len = snprintf(joined, sizeof joined, "%s%s%s", relative ? s->experiment->folder : "",
-                       relative ? "/" : "", *path);
+    int len = snprintf(joined, sizeof joined, "%s%s%s",
+                       relative ? s->experiment->folder : files_root, relative ? "/" : "", *path);
     if (len < 0 || (size_t)len >= sizeof joined) {
         return experiment_fault(s, path, node, "expected a shorter path");
     }
@@ -127,6 +134,19 @@ static mu_result check_hosts(struct experiment_source *s)
             return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
                                     "a second host, or a robot, has the name '%s'", name);
         }
+    }
+    return MU_OK;
+}
+
+/* 0 stands for what nobody said. */
+static mu_result check_simulator(struct experiment_source *s)
+{
+    const uint64_t *threads = &s->experiment->simulator.threads;
+    int node = yaml_tree_child(s->tree, experiment_section(s, "simulator"), "threads");
+    bool said = node != 0 || experiment_overridden(s, threads);
+    if ((said && *threads == 0) || *threads > EXPERIMENT_THREADS_MAX) {
+        return experiment_fault(s, threads, node, "expected 1 to %d threads, not %llu",
+                                EXPERIMENT_THREADS_MAX, (unsigned long long)*threads);
     }
     return MU_OK;
 }
@@ -413,6 +433,7 @@ mu_result experiment_check(struct experiment_source *source)
 {
     const struct experiment *e = source->experiment;
     mu_result result = check_top(source);
+    result = result == MU_OK ? check_simulator(source) : result;
     result = result == MU_OK ? check_resolvers(source) : result;
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);

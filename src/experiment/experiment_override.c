@@ -23,6 +23,7 @@ static const struct override_key override_keys[] = {
     {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},
     {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment, on_crash)},
     {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
+    {"simulator.threads", OVERRIDE_UINT, offsetof(struct experiment, simulator.threads)},
 };
 
 static const struct override_key override_robot_keys[] = {

@@ -129,6 +129,10 @@ static const cyaml_schema_field_t schema_broker_fields[] = {
     CYAML_FIELD_BOOL("store", CYAML_FLAG_OPTIONAL, struct experiment_broker, store),
     CYAML_FIELD_END};
 
+static const cyaml_schema_field_t schema_simulator_fields[] = {
+    CYAML_FIELD_UINT("threads", CYAML_FLAG_OPTIONAL, struct experiment_simulator, threads),
+    CYAML_FIELD_END};
+
 static const cyaml_schema_field_t schema_fields[] = {
     TEXT("name", MAY, struct experiment, name),
     TEXT("world", NEEDED, struct experiment, world),
@@ -146,6 +150,8 @@ static const cyaml_schema_field_t schema_fields[] = {
                          EXPERIMENT_RESOLVERS_MAX),
     CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,
                         schema_broker_fields),
+    CYAML_FIELD_MAPPING("simulator", CYAML_FLAG_OPTIONAL, struct experiment, simulator,
+                        schema_simulator_fields),
     TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),

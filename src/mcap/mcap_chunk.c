@@ -75,8 +75,11 @@ static bool records_find(struct mcap_reader *r, const struct reader_slot *slot,
         return true;
     }
     records->left = stored == size && stored <= in.left ? (size_t)stored : 0;
-    return stored == records->left &&
-           (crc == 0 || crc == (uint32_t)crc32_z(0, records->at, records->left));
+    bool right = crc == 0 || crc == (uint32_t)crc32_z(0, records->at, records->left);
+    if (!right && r->believes) {
+        r->broken++;
+    }
+    return stored == records->left && (right || r->believes);
 }
 
 mu_result mcap_chunk_load(struct mcap_reader *r, struct reader_slot *slot,

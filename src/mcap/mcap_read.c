@@ -378,6 +378,11 @@ bool mcap_reader_whole(const struct mcap_reader *r)
     return r->whole;
 }
 
+void mcap_reader_believe(struct mcap_reader *r)
+{
+    r->believes = true;
+}
+
 uint64_t mcap_reader_broken(const struct mcap_reader *r)
 {
     return r->broken;

@@ -58,6 +58,10 @@ bool mcap_reader_whole(const struct mcap_reader *r);
 /** @return chunks that were left out because their checksum or their records were wrong */
 uint64_t mcap_reader_broken(const struct mcap_reader *r);
 
+/** Has chunks read, from the next open on, although their checksums are wrong; they are counted all
+ * the same.  For who looks for what was changed. */
+void mcap_reader_believe(struct mcap_reader *r);
+
 /** The times of the first and the last message.  @return false: there are no messages */
 bool mcap_reader_span(const struct mcap_reader *r, uint64_t *first_ns, uint64_t *last_ns);
 

@@ -342,6 +342,22 @@ mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
     return put;
 }
 
+mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail)
+{
+    bool follows = a->replays && seq == a->outbox.next_seq;
+    if (!follows && a->outbox.first_seq != a->outbox.next_seq) {
+        return MU_BUSY;
+    }
+    if (!follows) { /* what waits would be numbered anew */
+        outbox_continue(&a->outbox, seq - 1);
+    }
+    if (seq != a->outbox.next_seq) {
+        return MU_MALFORMED;
+    }
+    a->replays = true;
+    return mu_agent_send(a, mail, NULL);
+}
+
 mu_result mu_agent_broadcast(mu_agent *a, const char *content)
 {
     return mu_agent_send(

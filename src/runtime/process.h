@@ -52,6 +52,7 @@ struct mu_agent {
     uint64_t box_bytes;            /* of so many bytes; 0: the broker's own limit */
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
     struct queue_link links[QUEUES];
+    bool replays;             /* its mails are a recording's, from now on */
     bool gone;                /* takes no part any more */
     bool departed;            /* it lives in another process now */
     bool leaving;             /* its registration is still there, until its last mails are out, */
@@ -151,6 +152,15 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
 
 /** Its mail went out, or was answered for. */
 void agent_progress(struct mu_agent *a);
+
+/**
+ * Sends a mail of a recording with the number that it had; from now on all mails of this agent are
+ * a recording's.  Numbers must grow.
+ *
+ * @return as mu_agent_send, MU_MALFORMED also of a number that was had; MU_BUSY: what it sent
+ *         before has no answer yet, and must have one
+ */
+MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail);
 
 /** What a directive, or a mail of that word, does to its life. */
 void agent_live(struct mu_agent *a, enum life_event event);

@@ -4,6 +4,8 @@
  * Threads that share the pieces of one job.
  *
  * Which thread does which piece is left to chance, so pieces must not depend on one another.
+ * Between jobs that follow one another within parts of a millisecond the threads spin; else they
+ * sleep.
  */
 #ifndef MUSTER_SIM_POOL_H
 #define MUSTER_SIM_POOL_H
@@ -26,7 +28,8 @@ void pool_close(struct pool *pool);
 /** @return how many threads work, the caller's included */
 size_t pool_threads(const struct pool *pool);
 
-/** Does all pieces, and returns when they are done.  Only one thread may ask. */
+/** Does all pieces, and returns when they are done; wakes nobody for little work.  Only one thread
+ * may ask. */
 void pool_run(struct pool *pool, size_t pieces, pool_work *work, void *context);
 
 #endif

@@ -85,11 +85,16 @@ struct senses {
 
 /* --- start ------------------------------------------------------------------------------------ */
 
-static bool senses_alike(const struct world_robot *a, const struct world_robot *b)
+static bool senses_same_ring(const struct world_robot *a, const struct world_robot *b)
 {
     return a->sonar_count == b->sonar_count &&
-           memcmp(a->sonars, b->sonars, a->sonar_count * sizeof a->sonars[0]) == 0 &&
-           memcmp(&a->laser, &b->laser, sizeof a->laser) == 0 &&
+           (a->sonar_count == 0 || a->sonars == b->sonars ||
+            memcmp(a->sonars, b->sonars, a->sonar_count * sizeof a->sonars[0]) == 0);
+}
+
+static bool senses_alike(const struct world_robot *a, const struct world_robot *b)
+{
+    return senses_same_ring(a, b) && memcmp(&a->laser, &b->laser, sizeof a->laser) == 0 &&
            memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 &&
            memcmp(&a->finder, &b->finder, sizeof a->finder) == 0;
 }

@@ -7,10 +7,24 @@
 
 enum { DEVICE_RAYS_MAX = 32 };
 
+/* The sonars of robots that have the same. */
+struct device_ring {
+    struct device_ring *next;
+    size_t count;
+    struct world_sonar sonars[]; /* without gaps of chance in them: they are compared as bytes */
+};
+
+/* The sonars of the robot that is read. */
+struct device_sonars {
+    struct world_sonar list[MU_SONARS_MAX];
+    size_t count;
+};
+
 /* What is being read, and what it is mounted on. */
 struct device_reader {
     struct builder *builder;
     struct world_robot *robot;
+    struct device_sonars *sonars;
     struct world_pose mount; /* in the robot's frame */
     uint64_t period_ns;      /* of the ranger that is read */
     int depth;
@@ -102,16 +116,16 @@ static mu_result device_add_sonar(struct device_reader *reader,
                                   const struct device_range *range)
 {
     struct builder *b = reader->builder;
-    struct world_robot *robot = reader->robot;
+    struct device_sonars *sonars = reader->sonars;
     uint32_t rays = 1;
     double specular_deg = 0;
     MU_TRY(builder_count(b, entity, "rays", DEVICE_RAYS_MAX, &rays));
     MU_TRY(builder_number(b, entity, (struct builder_numbers){"specular", &specular_deg, 1, 1, "a"},
                           0, 90));
-    if (robot->sonar_count == MU_SONARS_MAX) {
+    if (sonars->count == MU_SONARS_MAX) {
         return builder_fault(b, &entity->at, "more than %d sonars on one robot", MU_SONARS_MAX);
     }
-    robot->sonars[robot->sonar_count++] = (struct world_sonar){
+    sonars->list[sonars->count++] = (struct world_sonar){
         .pose = range->pose,
         .range_min_m = range->view[0],
         .range_max_m = range->view[1],
@@ -120,7 +134,7 @@ static mu_result device_add_sonar(struct device_reader *reader,
         .specular_rad = specular_deg * M_PI / 180,
         .noise = range->noise,
     };
-    robot->period_ns[WORLD_SONAR] = reader->period_ns;
+    reader->robot->period_ns[WORLD_SONAR] = reader->period_ns;
     return MU_OK;
 }
 
@@ -409,10 +423,55 @@ static mu_result device_visit(void *context, const struct worldfile_entity *enti
     return builder_go_on(b, builder_skip_model(b, entity));
 }
 
+/* @return the ring that has these sonars; NULL: none has */
+static const struct device_ring *device_find_ring(const struct world_file *file,
+                                                  const struct device_sonars *sonars)
+{
+    const struct device_ring *ring = file->rings;
+    while (ring && (ring->count != sonars->count ||
+                    memcmp(ring->sonars, sonars->list, ring->count * sizeof ring->sonars[0]))) {
+        ring = ring->next;
+    }
+    return ring;
+}
+
+/* @return NULL: there is no room */
+static const struct device_ring *device_add_ring(struct world_file *file,
+                                                 const struct device_sonars *sonars)
+{
+    size_t bytes = sonars->count * sizeof sonars->list[0];
+    struct device_ring *ring = worldfile_take(file, sizeof *ring + bytes);
+    if (ring) {
+        ring->next = file->rings;
+        ring->count = sonars->count;
+        memcpy(ring->sonars, sonars->list, bytes);
+        file->rings = ring;
+    }
+    return ring;
+}
+
+static mu_result device_share_ring(struct builder *b, const struct worldfile_entity *entity,
+                                   const struct device_sonars *sonars, struct world_robot *robot)
+{
+    struct world_file *file = b->world->source;
+    const struct device_ring *ring = device_find_ring(file, sonars);
+    ring = ring ? ring : device_add_ring(file, sonars);
+    if (!ring) {
+        return builder_full(b, &entity->at, "the world is too large: more than %d bytes",
+                            WORLDFILE_BYTES_MAX);
+    }
+    robot->sonars = ring->sonars;
+    robot->sonar_count = ring->count;
+    return MU_OK;
+}
+
 mu_result device_read_all(struct builder *b, const struct worldfile_entity *entity,
                           struct world_robot *robot)
 {
-    struct device_reader reader = {.builder = b, .robot = robot};
+    struct device_sonars sonars;
+    memset(&sonars, 0, sizeof sonars);
+    struct device_reader reader = {.builder = b, .robot = robot, .sonars = &sonars};
     MU_TRY(builder_go_on(b, device_read_power(b, entity, robot)));
-    return builder_children(entity, device_visit, &reader);
+    MU_TRY(builder_children(entity, device_visit, &reader));
+    return device_share_ring(b, entity, &sonars, robot);
 }

@@ -128,10 +128,10 @@ struct world_robot {
     double gps_noise_m,
         gps_drift_m; /* of the absolute position; the drift per square root of 1 s */
     double compass_noise_rad;
-    double battery_j, battery_max_j; /* at the start, and full; battery_max_j 0: it has none */
-    double power_w, take_w;          /* what it uses at all times, and can be charged with */
-    struct world_sonar sonars[MU_SONARS_MAX];
-    size_t sonar_count;
+    double battery_j, battery_max_j;  /* at the start, and full; battery_max_j 0: it has none */
+    double power_w, take_w;           /* what it uses at all times, and can be charged with */
+    const struct world_sonar *sonars; /* the world's: robots with the same ring share it */
+    size_t sonar_count;               /* at most MU_SONARS_MAX */
     struct world_laser laser;
     struct world_camera camera;
     struct world_fiducial_finder finder;

@@ -75,6 +75,8 @@ struct worldfile_origin {
     bool misplaced;                        /* where it stands could not be read */
 };
 
+struct device_ring; /* device.c */
+
 struct world_file {
     char *bytes;
     size_t bytes_used;
@@ -83,7 +85,8 @@ struct world_file {
     struct worldfile_entity *definitions; /* the latest first */
     struct worldfile_origin *origins;     /* of the robots of struct world, in their order */
     struct worldfile_origin *object_origins;
-    double box_m[4]; /* around all that is no robot: least x, least y, most x, most y */
+    struct device_ring *rings; /* of sonars, each once; the latest first */
+    double box_m[4];           /* around all that is no robot: least x, least y, most x, most y */
     const struct mu_fault_listener *listener; /* NULL: the first mistake ends the parsing */
     size_t mistake_count;                     /* that it was told */
 };

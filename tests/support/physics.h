@@ -27,6 +27,7 @@ enum { PHYSICS_THINGS = 16, PHYSICS_ENGINES = 64 };
 
 static struct world_shape physics_shapes[PHYSICS_THINGS];
 static struct world_robot physics_robots[PHYSICS_THINGS];
+static struct world_sonar physics_sonars[PHYSICS_THINGS][MU_SONARS_MAX];
 static struct world_object physics_objects[PHYSICS_THINGS];
 static struct world physics_world;
 
@@ -38,6 +39,7 @@ static inline void physics_clear(void)
 {
     memset(physics_shapes, 0, sizeof physics_shapes);
     memset(physics_robots, 0, sizeof physics_robots);
+    memset(physics_sonars, 0, sizeof physics_sonars);
     memset(physics_objects, 0, sizeof physics_objects);
     physics_world = (struct world){
         .shapes = physics_shapes, .robots = physics_robots, .objects = physics_objects};
@@ -84,6 +86,14 @@ static inline struct world_robot *physics_robot(double x_m, double y_m, double h
                               .turn_accel_rad_s2 = M_PI / 2};
     snprintf(r->name, sizeof r->name, "robot%zu", physics_world.robot_count++);
     return r;
+}
+
+/* One more sonar, of which nothing is said yet. */
+static inline struct world_sonar *physics_sonar(struct world_robot *r)
+{
+    struct world_sonar *ring = physics_sonars[r - physics_robots];
+    r->sonars = ring;
+    return &ring[r->sonar_count++];
 }
 
 static inline struct world_object *physics_object(double x_m, double y_m, double half_m)

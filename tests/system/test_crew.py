@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many robots in one process: nothing but the number of processes is different."""
+import os
 import subprocess
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run, folder,
-                     members, muster, new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, command_of,
+                     experiment_run, folder, members, muster, new_domain, wait_for)
 
 
 def crowd(out, processes, robots=20):
@@ -38,6 +39,35 @@ def test_the_number_of_processes_changes_nothing():
             for key in ("name", "distance_m", "mail_sent", "mail_received", "rule_firings", "final"):
                 check_equal([r[key] for r in summary["robots"]],
                             [r[key] for r in first["robots"]], f"{key} in {processes} processes")
+
+
+def test_threads_of_the_simulator_change_nothing():
+    with folder() as out:
+        path, hashes = crowd(out, 1, robots=40), {}
+        for key in ("", "\nsimulator: {threads: 3}\n"):
+            path.write_text(path.read_text() + key)
+            done, summary = experiment_run(out / str(len(hashes)), "--duration", "5", file=path)
+            check(summary, f"no summary: {done.stderr}")
+            hashes[key] = summary["hash"]
+        check_equal(len(set(hashes.values())), 1, "hashes")
+
+
+def simulator_of(run):
+    """Its process, once it is that program."""
+    found = [pid for pid in children_of(run.pid) if command_of(pid) == "muster-sim"]
+    return found[0] if found else None
+
+
+def test_a_simulator_with_threads_has_all_processors():
+    words = ("run", ROOT / "experiments/follow.yaml", "--quiet", "--set")
+    for threads in (1, 3):
+        with folder() as out, Processes() as processes:
+            run = processes.start(MUSTER, *words, f"simulator.threads={threads}", "--duration", "600",
+                                  "--out", out / "run", "--domain", new_domain())
+            pid = wait_for(lambda: simulator_of(run), 10, "a simulator")
+            ours = os.sched_getaffinity(0)
+            check_equal(len(os.sched_getaffinity(pid)), len(ours) if threads > 1 else 1,
+                        f"processors for {threads} threads, of {len(ours)}")
 
 
 def test_another_seed_is_another_place():

@@ -88,6 +88,52 @@ static void test_outside_mail_waits_for_the_step(void)
            "outside operator/3");
 }
 
+/* A mail of a recording, as its sender's process hands it over. */
+static void replay(const char *src, uint64_t seq, int64_t due_ns, const char *content)
+{
+    struct one_up u;
+    char process[MU_PROCESS_MAX + 1];
+    muster_Mail m = letter(src, seq, "red", content);
+    m.due_ns = due_ns;
+    snprintf(process, sizeof process, "p-%s", src);
+    one_up(&u, src, process, &m, 1, 0);
+    u.act.replays = true;
+    u.act.first_seq = seq;
+    broker_up(story.b, &u.up, story.now_ns);
+}
+
+/* What came from outside in a step comes in there again, whenever it was handed over. */
+static void test_replays_come_in_with_their_step(void)
+{
+    story_begin();
+    story_join("green");
+    story_join("red");
+    story_join("operator");
+    story_join("observer");
+    story_match("sim");
+    (void)story_collect();
+    replay("operator", 1, (int64_t)(200 * MS), "stop");
+    replay("operator", 5, (int64_t)(200 * MS), "later"); /* numbers between were no input */
+    replay("observer", 3, (int64_t)(200 * MS), "first");
+    replay("operator", 6, (int64_t)(100 * MS), "before"); /* a step goes by numbers alone */
+    EXPECT("operator 1-1 stored; operator 5-6 stored; observer 3-3 stored");
+    roster_say(true, 0, "p-green p-red");
+    EXPECT("p-green@-1; p-red@-1; sim@-1");
+    answer("red", 0);
+    answer("green", 0);
+    EXPECT("p-red@0; red #1 operator/6 before; p-green@0; sim@0; outside operator/6");
+    answer_with(letter("green", 1, "red", "hi"), 1);
+    answer("red", 1);
+    EXPECT("p-red@1; red #2 green/1 hi; red #3 observer/3 first; red #4 operator/1 stop; "
+           "red #5 operator/5 later; p-green@1; sim@1; outside observer/3; "
+           "outside operator/1; outside operator/5");
+    replay("operator", 7, (int64_t)(100 * MS), "too late: with the step at hand");
+    answer("red", 2);
+    answer("green", 2);
+    EXPECT("p-red@2; red #6 operator/7 too late: with the step at hand; p-green@2; sim@2; "
+           "outside operator/7");
+}
+
 static void test_an_untrusted_directive_from_outside(void)
 {
     run_begin();
@@ -594,6 +640,7 @@ int main(void)
         {"the barrier", test_the_barrier},
         {"a repeated answer is dropped", test_a_repeated_answer_is_dropped},
         {"outside mail waits for the step", test_outside_mail_waits_for_the_step},
+        {"replays come in with their step", test_replays_come_in_with_their_step},
         {"an untrusted directive from outside", test_an_untrusted_directive_from_outside},
         {"states come from acts", test_states_come_from_acts},
         {"white pages change between steps", test_white_pages_of_a_step_do_not_show_outsiders},

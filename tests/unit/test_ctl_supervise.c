@@ -206,6 +206,10 @@ static void test_spread_children_take_turns(void)
     struct child *second = start("second", which_processors);
     await_end(first);
     await_end(second);
+    const char *const argv[] = {"sh", "-c", which_processors, NULL};
+    CU_ASSERT_EQUAL_FATAL(supervise_start_wide(&all, "wide", "/bin/sh", argv), MU_OK);
+    const struct child *wide = &all.children[all.count - 1];
+    await_end(wide);
     bool many = CPU_COUNT(&all.processors) > 1;
     const struct child *const both[] = {first, second};
     for (size_t i = 0; i < 2; i++) { /* one number, no list */
@@ -215,6 +219,7 @@ static void test_spread_children_take_turns(void)
     }
     CU_ASSERT_EQUAL(strcmp(first->words, second->words) != 0, many);
     CU_ASSERT_EQUAL(strcmp(free->words, first->words) != 0, many);
+    CU_ASSERT_STRING_EQUAL(wide->words, free->words);
 }
 
 static void test_spread_without_a_known_processor(void)

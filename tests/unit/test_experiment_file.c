@@ -49,6 +49,7 @@ static void test_defaults(void)
     CU_ASSERT_DOUBLE_EQUAL(e->duration, 120, 0);
     CU_ASSERT_DOUBLE_EQUAL(e->step_ms, 100, 0);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_EQUAL(e->simulator.threads, 0);
     CU_ASSERT_EQUAL(e->observer_count, 0);
     CU_ASSERT_STRING_EQUAL(e->folder, folder);
     snprintf(want, sizeof want, "%s/a.world", folder);
@@ -68,7 +69,7 @@ static void test_everything(void)
     CU_ASSERT_EQUAL_FATAL(
         load("name: all-of-it\nseed: 18446744073709551615\nstep_ms: 60\non-crash: stop\n"
              "brokers: [b1]\nbroker: {delivery-interval: 20}\nresolvers: [near, role]\n"
-             "world: a.world\nduration: 60.5\n"
+             "simulator: {threads: 4}\nworld: a.world\nduration: 60.5\n"
              "robots:\n  - name: red\n    rules: a.clp\n    globals: {mate: blue, n: '\"a b\"'}\n"
              "  - {name: blue, rules: a.clp, groups: [g, scouts], services: [map x=1 y=2, sing]}\n"
              "observer:\n  - {at: 0, do: all, line: '(run)'}\n"
@@ -82,6 +83,7 @@ static void test_everything(void)
     CU_ASSERT_EQUAL(e->seed, UINT64_MAX);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
     CU_ASSERT_DOUBLE_EQUAL(e->broker.delivery_interval_ms, 20, 0);
+    CU_ASSERT_EQUAL(e->simulator.threads, 4);
     CU_ASSERT_EQUAL_FATAL(e->brokers_count, 1);
     CU_ASSERT_STRING_EQUAL(e->brokers[0], "b1");
     CU_ASSERT_EQUAL_FATAL(e->resolvers_count, 2);
@@ -281,6 +283,10 @@ static void test_other_faults(void)
         {BASE "broker: {delivery-interval: .nan}\n", 6, 29, "expected"},
         {BASE "broker: {delivery: 1}\n", 6, 10, "expected"},
         {BASE "broker: main\n", 6, 9, "expected a mapping"},
+        {BASE "simulator: {threads: 0}\n", 6, 22, "expected 1 to 64 threads, not 0"},
+        {BASE "simulator: {threads: 65}\n", 6, 22, "expected 1 to 64 threads, not 65"},
+        {BASE "simulator: {threads: two}\n", 6, 22, "expected"},
+        {BASE "simulator: {thread: 2}\n", 6, 13, "expected"},
         {BASE "brokers: [a, b, c, d, e]\n", 6, 10, "expected at most 4"},
         {BASE "brokers: [b, c, b]\n", 6, 17, "a second broker with the name 'b'"},
         {"world: a.world\nduration: 1\nbrokers: [b]\n"
@@ -507,6 +513,10 @@ static void test_overrides(void)
     CU_ASSERT_DOUBLE_EQUAL(e->duration, 30, 0);
     CU_ASSERT_EQUAL_FATAL(load(BASE, "seed=7"), MU_OK);
     CU_ASSERT_EQUAL(e->seed, 7);
+    CU_ASSERT_EQUAL_FATAL(load(BASE, "simulator.threads=2"), MU_OK);
+    CU_ASSERT_EQUAL(e->simulator.threads, 2);
+    CU_ASSERT_EQUAL_FATAL(load(BASE "simulator: {threads: 8}\n", "simulator.threads=3"), MU_OK);
+    CU_ASSERT_EQUAL(e->simulator.threads, 3);
     CU_ASSERT_EQUAL_FATAL(load(BASE, "on-crash=stop"), MU_OK);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
     CU_ASSERT_EQUAL_FATAL(load(BASE, "robots.red.rules=b.clp"), MU_OK);
@@ -532,6 +542,8 @@ static void test_override_faults(void)
         {"duration=soon", "expected a number"},
         {"duration=-1", "expected a duration of more than 0"},
         {"seed=1.5", "expected a whole number"},
+        {"simulator.threads=0", "expected 1 to 64 threads"},
+        {"simulator.threads=-1", "expected a whole number"},
         {"on-crash=", "expected stop"},
         {"world=", "expected a text"},
         {"world=no.world", "no.world': No such file"},

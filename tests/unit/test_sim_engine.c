@@ -10,7 +10,7 @@
 
 static void add_sonar(struct world_robot *r, double x_m, double y_m, double heading_deg)
 {
-    r->sonars[r->sonar_count++] = (struct world_sonar){
+    *physics_sonar(r) = (struct world_sonar){
         .pose = {x_m, y_m, heading_deg * M_PI / 180}, .range_min_m = 0.05, .range_max_m = 5};
 }
 

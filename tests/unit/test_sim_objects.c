@@ -139,7 +139,7 @@ static void test_sonars_see_objects_and_ghosts_stop_nobody(void)
 {
     physics_clear();
     struct world_robot *r = physics_robot(0, 0, 0);
-    r->sonars[r->sonar_count++] =
+    *physics_sonar(r) =
         (struct world_sonar){.pose = {0.1, 0, 0}, .range_min_m = 0.05, .range_max_m = 5, .rays = 1};
     physics_object(2, 0, 0.25);
     struct engine *e = physics_start(1);

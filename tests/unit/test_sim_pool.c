@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { PIECES = 64, ROUNDS = 2000, THREADS = 4 };
@@ -85,12 +86,54 @@ static void test_the_others_help_also_after_a_rest(void)
     pool_close(pool);
 }
 
+/* Some jobs at once, some after a breath, some when the others have lain down. */
+static void test_jobs_may_come_at_any_pace(void)
+{
+    static const unsigned breaths_us[] = {0, 0, 0, 100, 0, 1000, 0, 0, 300};
+    enum { BREATHS = sizeof breaths_us / sizeof breaths_us[0], TIMES = 30 };
+    for (size_t threads = 2; threads <= THREADS; threads++) {
+        static struct job job;
+        memset(&job, 0, sizeof job);
+        struct pool *pool = pool_open(threads);
+        for (int round = 0; round < TIMES * BREATHS; round++) {
+            usleep(breaths_us[round % BREATHS]);
+            pool_run(pool, PIECES, work, &job);
+        }
+        CU_ASSERT_EQUAL(pieces_wrong(&job, PIECES, TIMES * BREATHS), 0);
+        pool_close(pool);
+    }
+}
+
+static double processor_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void test_nobody_spins_for_long(void)
+{
+    static struct job job;
+    struct pool *pool = pool_open(THREADS);
+    for (int round = 0; round < ROUNDS; round++) {
+        pool_run(pool, PIECES, work, &job);
+    }
+    double before_s = processor_s();
+    usleep(200000);
+    CU_ASSERT(processor_s() - before_s < 0.1);
+    pool_run(pool, PIECES, work, &job);
+    CU_ASSERT_EQUAL(pieces_wrong(&job, PIECES, ROUNDS + 1), 0);
+    pool_close(pool);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"each piece is done once", test_each_piece_is_done_once},
         {"few pieces and none", test_few_pieces_and_none},
         {"the others help also after a rest", test_the_others_help_also_after_a_rest},
+        {"jobs may come at any pace", test_jobs_may_come_at_any_pace},
+        {"nobody spins for long", test_nobody_spins_for_long},
         CU_TEST_INFO_NULL,
     };
     return suite_run("sim/pool", tests);

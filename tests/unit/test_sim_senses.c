@@ -21,6 +21,7 @@ enum { SONAR = 1, LASER = 2, CAMERA = 4, FIDUCIALS = 8, ALL = 15 };
 static struct scene {
     struct world world;
     struct world_robot robots[TEAM];
+    struct world_sonar sonars[TEAM][MU_SONARS_MAX];
     struct solid still[SOLIDS], moving[SOLIDS];
     size_t still_count, moving_count;
     struct grid grid;
@@ -106,7 +107,9 @@ static void near_to(double got, double want)
 
 static struct world_sonar *add_sonar(struct world_robot *r, double heading_deg, uint32_t rays)
 {
-    struct world_sonar *sonar = &r->sonars[r->sonar_count++];
+    struct world_sonar *ring = scene->sonars[r - scene->robots];
+    struct world_sonar *sonar = &ring[r->sonar_count++];
+    r->sonars = ring;
     *sonar = (struct world_sonar){
         .pose = {0, 0, heading_deg * DEG}, .range_max_m = 5, .fov_rad = 30 * DEG, .rays = rays};
     return sonar;

@@ -77,8 +77,9 @@ static void scene_world(void)
     struct world_robot *r = physics_robot(1, -1, 90);
     r->origin_x_m = -0.04;
     snprintf(r->color, sizeof r->color, "red");
-    r->sonar_count = 2;
-    r->sonars[1] = (struct world_sonar){.pose = {0.1, 0.2, 0.3}, .range_max_m = 5, .fov_rad = 0.5};
+    (void)physics_sonar(r);
+    *physics_sonar(r) =
+        (struct world_sonar){.pose = {0.1, 0.2, 0.3}, .range_max_m = 5, .fov_rad = 0.5};
     physics_robot(2, 2, 0)->laser =
         (struct world_laser){.pose = {0.05, 0, 0}, .range_max_m = 8, .fov_rad = 3, .samples = 180};
     physics_object(3, 3, 0.25)->shape.look.rgb = 0xff8000;

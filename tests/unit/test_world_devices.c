@@ -65,6 +65,29 @@ static void test_sonar(void)
     NEAR(r->sonars[2].pose.y_m, 0.1);
 }
 
+static void test_robots_with_the_same_ring_share_it(void)
+{
+    struct world *w =
+        load("define bot position ( size [0.1 0.1] sonar ( ) sonar ( range_max 3 ) )\n"
+             "bot ( pose [0 0 0 0] ) bot ( pose [1 0 0 0] )\n"
+             "bot ( pose [2 0 0 0] sonar ( ) ) bot ( pose [3 0 0 0] )\n"
+             "position ( pose [4 0 0 0] )");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(w);
+    CU_ASSERT_EQUAL_FATAL(w->robot_count, 5);
+    const struct world_robot *r = w->robots;
+    CU_ASSERT_EQUAL(r[0].sonar_count, 2);
+    NEAR(r[0].sonars[1].range_max_m, 3);
+    CU_ASSERT_PTR_EQUAL(r[1].sonars, r[0].sonars);
+    CU_ASSERT_EQUAL(r[2].sonar_count, 3);
+    CU_ASSERT_PTR_NOT_EQUAL(r[2].sonars, r[0].sonars);
+    CU_ASSERT_PTR_EQUAL(r[3].sonars, r[0].sonars);
+    CU_ASSERT_EQUAL(r[4].sonar_count, 0);
+    struct world_pose pose = {5, 0, 0};
+    CU_ASSERT_EQUAL(world_add_robot(w, "late", "bot", &pose, NULL, &fault), MU_OK);
+    CU_ASSERT_EQUAL(r[5].sonar_count, 2);
+    CU_ASSERT_PTR_EQUAL(r[5].sonars, r[0].sonars);
+}
+
 static void test_camera_finder_and_gripper(void)
 {
     const struct world_robot *r =
@@ -345,6 +368,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"laser", test_laser},
         {"sonar", test_sonar},
+        {"robots with the same ring share it", test_robots_with_the_same_ring_share_it},
         {"camera, fiducial finder, gripper", test_camera_finder_and_gripper},
         {"odometer and errors", test_odometer_and_errors},
         {"a robot that is moved", test_a_robot_that_is_moved_counts_from_its_new_place},

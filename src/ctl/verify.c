@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * muster verify: does a recorded run again from what its recording has, and compares.
+ *
+ * The recording's files go into a folder of their own, as they stood to one another; `muster run`
+ * lives through the experiment there, with what came from outside put in again; then two recordings
+ * are compared step by step.
+ */
+#include "core/exits.h"
+#include "core/json.h"
+#include "core/options.h"
+#include "core/text.h"
+#include "ctl/run.h"
+#include "ctl/verbs.h"
+#include "muster/memory.h"
+#include "story/differ.h"
+
+#include <errno.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { SETS_MAX = 64, FILES_OPEN = 16, STOP_PATIENCE_MS = 5000 };
+
+static const struct timespec ROUND = {.tv_nsec = 10000000};
+
+static struct {
+    bool json, keep, verbose;
+} chosen;
+
+static struct mu_option option_table[] = {
+    {.name = "keep",
+     .kind = MU_OPTION_FLAG,
+     .help = "leave the folder of the second run, and say where it is",
+     .target = &chosen.keep},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "show what the second run says",
+     .target = &chosen.verbose},
+    {.name = "json",
+     .kind = MU_OPTION_FLAG,
+     .help = "say what came out as one line of JSON",
+     .target = &chosen.json}};
+
+struct verify {
+    const char *file;
+    char path[PATH_MAX]; /* of the recording, absolute */
+    struct recording before, after;
+    char folder[64];           /* of the second run */
+    char experiment[PATH_MAX]; /* the file of it in there */
+    char record[PATH_MAX];     /* what it leaves */
+    char words[8][PATH_MAX + 16];
+    char sets[SETS_MAX][1024];
+    const char *argv[32 + 2 * SETS_MAX];
+    int argc;
+};
+
+static const char *note(const struct verify *v, const char *key)
+{
+    const char *value = mcap_reader_value(v->before.reader, "run", key);
+    return value ? value : "";
+}
+
+/* --- the folder ------------------------------------------------------------------------------- */
+
+static mu_result folders_make(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        int made = mkdir(path, 0700);
+        *slash = '/';
+        if (made != 0 && errno != EEXIST) {
+            return MU_FAULT_OS;
+        }
+    }
+    return MU_OK;
+}
+
+/* Where a recorded file is to lie: "ROLE/PATH" below the folder that the run was started in,
+ * "ROLE/_/PATH" anywhere; the library apart.  @return false: a name that leads out of the folder */
+static bool place_find(const struct verify *v, const char *name, char *path, size_t size)
+{
+    struct mu_text t;
+    const char *rest = strchr(name, '/');
+    mu_text_init(&t, path, size);
+    if (!rest || strstr(name, "..") || strncmp(name, "/", 1) == 0 ||
+        strstr(note(v, "folder"), "..")) {
+        return false;
+    }
+    mu_text_add(&t, v->folder);
+    if (strncmp(name, "library/", 8) == 0) {
+        mu_text_add(&t, "/library");
+    } else if (strncmp(rest, "/_/", 3) == 0) {
+        mu_text_add(&t, "/files");
+        rest += 2;
+    } else {
+        mu_text_format(&t, "/files%s", note(v, "folder"));
+    }
+    mu_text_add(&t, rest);
+    return !t.cut;
+}
+
+static mu_result file_unpack(struct verify *v, uint32_t index, void *room)
+{
+    const struct mcap_attachment *a = mcap_reader_attachment(v->before.reader, index);
+    char path[PATH_MAX];
+    if (!place_find(v, a->name, path, sizeof path)) {
+        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", v->file, a->name);
+        return MU_FAULT_FILE;
+    }
+    if (mcap_reader_attachment_read(v->before.reader, index, room, MU_RECORD_MESSAGE_MAX) !=
+        MU_OK) {
+        fprintf(stderr, "%s: %s in it is not whole\n", v->file, a->name);
+        return MU_FAULT_FILE;
+    }
+    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wx") : NULL;
+    bool good = out && fwrite(room, 1, (size_t)a->size, out) == a->size;
+    good = out && fclose(out) == 0 && good;
+    if (!good) {
+        fprintf(stderr, "muster verify: cannot write %s: %s\n", path, strerror(errno));
+        return MU_FAULT_OS;
+    }
+    if (strncmp(a->name, "experiment/", 11) == 0) {
+        mu_text_copy(v->experiment, sizeof v->experiment, path);
+    }
+    return MU_OK;
+}
+
+static mu_result files_unpack(struct verify *v)
+{
+    static const char template[] = "/tmp/muster-verify-XXXXXX";
+    void *room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
+    memcpy(v->folder, template, sizeof template);
+    if (!mkdtemp(v->folder)) {
+        fprintf(stderr, "muster verify: cannot make a folder in /tmp: %s\n", strerror(errno));
+        v->folder[0] = '\0';
+        return MU_FAULT_OS;
+    }
+    for (uint32_t i = 0; mcap_reader_attachment(v->before.reader, i); i++) {
+        MU_TRY(file_unpack(v, i, room));
+    }
+    if (!v->experiment[0]) {
+        fprintf(stderr, "%s: expected the files of a run, and there is no experiment in it\n",
+                v->file);
+        return MU_FAULT_FILE;
+    }
+    return MU_OK;
+}
+
+static int entry_remove(const char *path, const struct stat *is, int kind, struct FTW *place)
+{
+    (void)is;
+    (void)kind;
+    (void)place;
+    return remove(path);
+}
+
+static void folder_remove(const struct verify *v)
+{
+    if (v->folder[0] && chosen.keep) {
+        fprintf(stderr, "muster verify: the second run is in %s\n", v->folder);
+    } else if (v->folder[0]) {
+        (void)nftw(v->folder, entry_remove, FILES_OPEN, FTW_DEPTH | FTW_PHYS);
+    }
+}
+
+/* --- the second run --------------------------------------------------------------------------- */
+
+static void word_add(struct verify *v, const char *word)
+{
+    v->argv[v->argc++] = word;
+}
+
+/* As long as the recording is: what was interrupted, or is cut, is compared as far as it goes. */
+static double duration_s(const struct verify *v)
+{
+    int64_t last = v->before.steps[v->before.steps_count - 1].step;
+    bool cut = !mcap_reader_whole(v->before.reader); /* its last Frame was no run's last one */
+    return (double)(last + cut) * (double)v->before.step_ns * 1e-9;
+}
+
+static void words_make(struct verify *v)
+{
+    snprintf(v->words[0], sizeof v->words[0], "--seed=%s", note(v, "seed"));
+    snprintf(v->words[1], sizeof v->words[1], "--duration=%.17g", duration_s(v));
+    snprintf(v->words[2], sizeof v->words[2], "--out=%s/out", v->folder);
+    snprintf(v->words[3], sizeof v->words[3], "--inputs=%s", v->path);
+    snprintf(v->words[4], sizeof v->words[4], "--root=%s/files", v->folder);
+    snprintf(v->words[5], sizeof v->words[5], "--record=%s",
+             strcmp(note(v, "record"), "run") == 0 ? "run" : "full");
+    snprintf(v->record, sizeof v->record, "%s/out/run.mcap", v->folder);
+    word_add(v, "muster");
+    word_add(v, "run");
+    word_add(v, v->experiment);
+    word_add(v, "--quiet");
+    for (size_t i = 0; i < 6; i++) {
+        word_add(v, v->words[i]);
+    }
+    for (size_t i = 0; i < SETS_MAX; i++) {
+        char key[16];
+        snprintf(key, sizeof key, "set.%zu", i + 1);
+        if (note(v, key)[0]) {
+            snprintf(v->sets[i], sizeof v->sets[i], "--set=%s", note(v, key));
+            word_add(v, v->sets[i]);
+        }
+    }
+    word_add(v, NULL);
+}
+
+/* @return the exit code of the second run */
+static int run_again(struct verify *v)
+{
+    static struct supervise children;
+    char library[128];
+    snprintf(library, sizeof library, "%s/library", v->folder);
+    setenv("MUSTER_RULES", library, 1);
+    words_make(v);
+    supervise_init(&children, !chosen.verbose, false);
+    if (supervise_start(&children, "run", "muster", v->argv) != MU_OK) {
+        return MU_EXIT_CRASH;
+    }
+    const struct child *run = supervise_find(&children, "run");
+    while (!run->ended && !run_signal) {
+        nanosleep(&ROUND, NULL);
+        supervise_look(&children);
+    }
+    supervise_stop_all(&children, STOP_PATIENCE_MS);
+    if (run_signal) {
+        return MU_EXIT_INTERRUPTED;
+    }
+    int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
+    bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION;
+    if (!ran) {
+        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s\n", code,
+                run->words);
+    }
+    return ran ? MU_EXIT_DONE : code;
+}
+
+/* --- what came out ---------------------------------------------------------------------------- */
+
+static const char *hash_of(struct recording *r)
+{
+    const char *hash = mcap_reader_value(r->reader, "end", "hash");
+    return hash ? hash : "none";
+}
+
+static bool is_changed(const struct verify *v)
+{
+    return mcap_reader_broken(v->before.reader) > 0;
+}
+
+static void result_json(struct verify *v, const struct difference *d)
+{
+    struct mu_json j;
+    mu_json_to_file(&j, stdout, MU_JSON_LINE);
+    mu_json_object(&j, NULL);
+    mu_json_string(&j, "file", v->file);
+    mu_json_bool(&j, "equal", !d);
+    mu_json_uint(&j, "steps", v->before.steps_count);
+    mu_json_bool(&j, "changed", is_changed(v));
+    mu_json_bool(&j, "whole", mcap_reader_whole(v->before.reader));
+    mu_json_string(&j, "hash", hash_of(&v->after));
+    if (d) {
+        mu_json_int(&j, "step", d->step);
+        mu_json_real(&j, "time_s", (double)d->step * (double)v->before.step_ns * 1e-9);
+        mu_json_string(&j, "who", d->who);
+        mu_json_string(&j, "what", d->what);
+        mu_json_string(&j, "recorded", d->one);
+        mu_json_string(&j, "now", d->other);
+    }
+    mu_json_end(&j);
+}
+
+static void result_print(struct verify *v, const struct difference *d)
+{
+    if (!mcap_reader_whole(v->before.reader)) {
+        printf("the recording ends at %.1f s without its end; compared as far as it goes\n",
+               duration_s(v));
+    }
+    if (is_changed(v)) {
+        printf("the recording has been changed: a checksum in it is wrong\n");
+    }
+    if (d) {
+        printf("different at step %lld (%.1f s): %s%s%s is %s in the recording, and %s now\n",
+               (long long)d->step, (double)d->step * (double)v->before.step_ns * 1e-9, d->who,
+               d->who[0] ? " " : "", d->what, d->one, d->other);
+    } else {
+        printf("equal  %zu steps\n", v->before.steps_count);
+        printf("hash   %s\n", hash_of(&v->after));
+    }
+}
+
+static int compare(struct verify *v)
+{
+    struct mu_fault fault;
+    struct difference d;
+    if (recording_create(&v->after, v->record, &fault) != MU_OK ||
+        recording_open(&v->after, v->record, &fault) != MU_OK) {
+        mu_fault_print(&fault);
+        return MU_EXIT_FILE;
+    }
+    bool differ = differ_find(&v->before, &v->after, &d);
+    if (chosen.json) {
+        result_json(v, differ ? &d : NULL);
+    } else {
+        result_print(v, differ ? &d : NULL);
+    }
+    return differ || is_changed(v) ? MU_EXIT_EXPECTATION : MU_EXIT_DONE;
+}
+
+/* --- the verb --------------------------------------------------------------------------------- */
+
+static void signal_note(int number)
+{
+    run_signal = number;
+}
+
+/* @return the exit code of what cannot be verified; what is wrong is said */
+static int recording_check(const struct verify *v)
+{
+    if (strcmp(note(v, "lockstep"), "no") == 0) {
+        fprintf(stderr, "%s: a run with --free goes another way each time: it cannot be verified\n",
+                v->file);
+        return MU_EXIT_USAGE;
+    }
+    if (v->before.steps_count == 0 || !note(v, "seed")[0]) {
+        fprintf(stderr, "%s: expected a recording of `muster run`\n", v->file);
+        return MU_EXIT_FILE;
+    }
+    return MU_EXIT_DONE;
+}
+
+static int recording_read(struct verify *v)
+{
+    struct mu_fault fault;
+    bool there = recording_create(&v->before, v->file, &fault) == MU_OK;
+    if (there) {
+        mcap_reader_believe(v->before.reader);
+    }
+    if (!there || recording_open(&v->before, v->file, &fault) != MU_OK) {
+        mu_fault_print(&fault);
+        return MU_EXIT_FILE;
+    }
+    return realpath(v->file, v->path) ? recording_check(v) : MU_EXIT_FILE;
+}
+
+int verify_verb(int argc, char **argv)
+{
+    static struct mu_options o = {.program = "muster verify",
+                                  .usage = "FILE [OPTION...]",
+                                  .about = "Does a recorded run again and says whether it went the "
+                                           "same way, or where it did not.",
+                                  .table = option_table,
+                                  .count = sizeof option_table / sizeof option_table[0]};
+    mu_result parsed = mu_options_parse(&o, argc, argv);
+    if (parsed == MU_OK && o.words_count != 1) {
+        fprintf(stderr, "muster verify: name one recording, for example: "
+                        "muster verify out/follow-1/run.mcap\n");
+        parsed = MU_FAULT_USAGE;
+    }
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    struct sigaction note_it = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note_it, NULL);
+    sigaction(SIGTERM, &note_it, NULL);
+    struct verify *v = mu_startup_alloc(sizeof *v);
+    v->file = o.words[0];
+    int code = recording_read(v);
+    code = code == MU_EXIT_DONE ? mu_exit_for(files_unpack(v)) : code;
+    code = code == MU_EXIT_DONE ? run_again(v) : code;
+    code = code == MU_EXIT_DONE ? compare(v) : code;
+    folder_remove(v);
+    return code;
+}
