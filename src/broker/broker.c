@@ -221,7 +221,10 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
     uint32_t agent = agent_at(b, place, ack->box);
     if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
         b->counters.malformed += !b->places.at[place].is_broker;
-    } else if (b->places.at[place].rostered) {
+        return;
+    }
+    depot_acknowledged(b, agent, place);
+    if (b->places.at[place].rostered) {
         lockstep_keep_ack(&b->lockstep, agent, ack->number);
     } else {
         router_acknowledge(b, agent, ack->number);

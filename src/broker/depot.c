@@ -420,6 +420,16 @@ void depot_gone(struct broker *b, uint32_t place)
     }
 }
 
+/* The agent lives at its target. */
+static void capsule_end(struct broker *b, struct depot_capsule *c)
+{
+    if (!c->seated) {
+        c->target = b->registry.agents[c->agent].process;
+        word_of(b, c, c->source, muster_TRIP_TAKEN, "");
+    }
+    capsule_drop(b, c);
+}
+
 void depot_review(struct broker *b, uint32_t agent)
 {
     struct depot_capsule *c = capsule_of(b, agent);
@@ -429,13 +439,18 @@ void depot_review(struct broker *b, uint32_t agent)
     const struct agent *a = &b->registry.agents[agent];
     bool lives = a->process != MU_NONE && a->is.state != muster_STATE_MOVING;
     bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
-    bool is_there = lives && elsewhere && c->phase == DEPOT_KEPT;
-    if (is_there && !c->seated) {
-        c->target = a->process;
-        word_of(b, c, c->source, muster_TRIP_TAKEN, "");
-    }
-    if (is_there || a->is.epoch > c->epoch) {
+    if (a->is.epoch > c->epoch) {
         capsule_drop(b, c);
+    } else if (lives && elsewhere && c->phase == DEPOT_KEPT) {
+        capsule_end(b, c);
+    }
+}
+
+void depot_acknowledged(struct broker *b, uint32_t agent, uint32_t place)
+{
+    struct depot_capsule *c = capsule_of(b, agent);
+    if (c && !c->holds && c->phase == DEPOT_KEPT && place != c->source) {
+        capsule_end(b, c);
     }
 }
 

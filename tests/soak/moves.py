@@ -84,7 +84,8 @@ class Host:
         self.name, self.lines, self.news = name, [], threading.Condition()
         self.process = team.processes.start(MUSTER, "host", name, "--verbose", "--domain", team.domain,
                                             *words, stderr=subprocess.PIPE, text=True)
-        threading.Thread(target=self.read, daemon=True).start()
+        self.reader = threading.Thread(target=self.read, daemon=True)
+        self.reader.start()
 
     def read(self):
         for line in self.process.stderr:
@@ -101,7 +102,7 @@ class Host:
 class Team:
     def __init__(self, processes, out, step_ms, robots, minutes):
         self.processes, self.out, self.domain = processes, out, new_domain()
-        self.broker = broker_start(processes, self.domain)
+        self.broker, self.all = broker_start(processes, self.domain), []
         self.hosts = {name: self.host_start(name) for name in ("north", "south")}
         for name, rules in robots.items():
             (out / f"{name}.clp").write_text(rules)
@@ -117,8 +118,13 @@ class Team:
         store = self.out / f"store.{name}"
         store.mkdir(exist_ok=True)
         host = Host(self, name, "--checkpoint", 1, "--folder", store, *words)
+        self.all.append(host)
         wait_for(lambda: members(self.domain).get(name, {"state": "absent"})["state"] == "running", 10, name)
         return host
+
+    def log(self):
+        """The last lines of all hosts there have been, in order of time."""
+        return "".join(sorted(line for host in self.all for line in host.lines)[-20:])
 
     def done(self, *words):
         done = muster(*words, "--domain", self.domain)
@@ -204,6 +210,7 @@ def killed(t, dice, which):
         t.hosts[name].process.kill()
     for name in victims:
         t.hosts[name].process.wait()
+        t.hosts[name].reader.join()  # it has read the last words
     move.wait()
     over = t.hosts[target].saw("name=red state=running", 0, since[target])
     for name in victims:
@@ -227,7 +234,10 @@ def kills(count, dice):
             wait_for(lambda s=sent: int(t.ask("red", "?*last*")) >= s, 20, "the mail of the move")
             if in_time:
                 fates[which, fate] += 1
-                wrong += int(t.ask("red", "?*wrong*")) - before
+                bad = int(t.ask("red", "?*wrong*")) - before
+                wrong += bad
+                if bad:
+                    print(f"{which} killed, red {fate}: {bad} mails\n" + t.log())
             late += not in_time
         told = ", ".join(f"{which} killed, red {fate}: {n}" for (which, fate), n in sorted(fates.items()))
         print(f"kills: {count} ({late} more came when the move was over); {told}; one agent after each;"

@@ -247,6 +247,23 @@ static void test_a_move(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
+/* Its first word from there may come before its state does. */
+static void test_who_acknowledges_mail_lives(void)
+{
+    free_begin();
+    story_send("red", 1, "red", "a note");
+    register_as("p-north", "red", 1, muster_STATE_MOVING);
+    ready("p-north", "red", 1);
+    story_leave("red", "p-red");
+    (void)story_collect();
+    CU_ASSERT_EQUAL(story.b->depot.count, 1);
+    struct one_up u;
+    one_up(&u, "red", "p-north", NULL, 0, 1);
+    broker_up(story.b, &u.up, story.now_ns);
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    EXPECT("p-red: red taken 1");
+}
+
 static void test_a_host_dies_with_the_name(void)
 {
     free_begin();
@@ -361,6 +378,7 @@ int main(void)
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a move", test_a_move},
+        {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},
         {"both die", test_both_die},
         {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
