@@ -369,7 +369,7 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     struct courier *c = &b->courier;
     struct place *at = &b->places.at[place];
     c->open_lockstep = at->rostered || at->simulator;
-    if (c->open_lockstep && (!at->step_due || b->lockstep.held)) {
+    if (c->open_lockstep && (!at->step_due || b->lockstep.awaits_moves)) {
         return false;
     }
     c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.changes.version;

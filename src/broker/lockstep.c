@@ -273,10 +273,10 @@ static void delivery_owe(struct broker *b, uint32_t place)
 void lockstep_release(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    if (!l->held) {
+    if (!l->awaits_moves) {
         return;
     }
-    l->held = false;
+    l->awaits_moves = false;
     l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         delivery_owe(b, l->roster[i]);
@@ -295,7 +295,7 @@ static void step_end(struct broker *b)
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].answered = false;
     }
-    l->held = true;
+    l->awaits_moves = true;
     if (!depot_step_ended(b)) {
         lockstep_release(b);
     }
@@ -429,7 +429,7 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 static void lockstep_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    l->held = false;
+    l->awaits_moves = false;
     depot_lockstep_over(b);
     do { /* nothing that was admitted is lost */
         lockstep_told(b);
