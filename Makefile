@@ -266,6 +266,10 @@ soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs tha
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-moves
+soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way
+	@BUILD=$(BUILD) tests/soak/moves.py
+
 .PHONY: soak-verify
 soak-verify: all ## twenty recordings that go the same way again, and every stall of ten runs explained
 	@BUILD=$(BUILD) tests/soak/verify.py

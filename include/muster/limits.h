@@ -133,6 +133,14 @@
 #define MU_STEP_BYTES_MAX (64u << 20)
 #endif
 
+/** Agents on their way whose capsules one broker keeps. */
+#ifndef MU_CAPSULES_MAX
+#define MU_CAPSULES_MAX 64
+#endif
+
+/** A capsule with its passport, in bytes with the terminating zero. */
+#define MU_CAPSULE_MAX (1u << 20)
+
 /** Places in all boxes together: a mail takes one in the box of each of its receivers. */
 #ifndef MU_POSTS_MAX
 #define MU_POSTS_MAX (1u << 20)

@@ -23,8 +23,8 @@ static const char SUFFIX[] = ".capsule";
 
 mu_result checkpoint_settings_check(const struct checkpoint_settings *set, const char *program)
 {
-    if ((set->every_s > 0 || set->restore) && !set->folder) {
-        fprintf(stderr, "%s: --checkpoint and --restore need --folder DIR\n", program);
+    if (set->every_s > 0 && !set->folder) {
+        fprintf(stderr, "%s: --checkpoint needs --folder DIR\n", program);
         return MU_FAULT_USAGE;
     }
     return MU_OK;

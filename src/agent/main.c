@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "core/paths.h"
 #include "runtime/process.h"
+#include "runtime/trips.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -64,6 +65,21 @@ static void crew_save(void *self)
     checkpoint_round(self);
 }
 
+static void on_trip(void *self, const muster_Trip *word)
+{
+    trip_hear(self, word);
+}
+
+static void on_step_end(void *self)
+{
+    trip_step_end(self);
+}
+
+static void on_answered(void *self)
+{
+    trip_step_answered(self);
+}
+
 static void crew_round(void *self)
 {
     trip_round(self);
@@ -89,6 +105,9 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
+    struct trips listener = {
+        .self = c, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
+    trips_listen(c->process, &listener);
     mu_process_each_round(c->process, crew_round, c);
     process_before_up(c->process, crew_save, c);
     mu_memory_seal();

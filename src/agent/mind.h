@@ -271,10 +271,12 @@ bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *o
  */
 bool mind_understands(const struct mind *m, const struct mind_mail *mail);
 
-/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens. */
+/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens; that
+ * it leaves or arrives, if a rule's pattern looks at events. */
 void mind_event(struct mind *m, enum mu_event event);
 
-/** The same at once, for what cannot wait: rules fire once more, outside of a step. */
+/** The same at once, for what cannot wait: when a rule is about to fire for it, all that are on the
+ * agenda do once more, outside of a step; else none does. */
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act);
 
 /** The broker refused a change: (event refused group-create scouts group-exists). */

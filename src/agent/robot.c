@@ -41,7 +41,11 @@ mu_result robot_join(struct robot *r)
     }
     struct mu_handlers handlers = robot_handlers_of(r);
     mu_process *p = r->crew->process;
-    MU_TRY(mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers));
+    mu_result joined = mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers);
+    if (joined != MU_OK) {
+        fprintf(stderr, "%s: %s\n", r->name, mu_result_text(joined));
+        return joined < 0 ? joined : MU_FAULT_USAGE;
+    }
     mu_agent_be(r->agent, &robot_kind);
     body_ask(r->agent, r->mind);
     return MU_OK;
@@ -50,7 +54,11 @@ mu_result robot_join(struct robot *r)
 mu_result robot_arrive(struct robot *r, const struct mu_passage *from, enum mu_event event)
 {
     struct mu_handlers handlers = robot_handlers_of(r);
-    MU_TRY(mu_agent_arrive(r->crew->process, &r->agent, r->name, from, event, &handlers));
+    mu_result joined =
+        mu_agent_arrive(r->crew->process, &r->agent, r->name, from, event, &handlers);
+    if (joined != MU_OK) {
+        return joined;
+    }
     r->arrives = true;
     r->out = false;
     mu_agent_be(r->agent, &robot_kind);

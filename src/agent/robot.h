@@ -97,6 +97,10 @@ struct robot {
 void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
                         const char *host);
 
+/** Sets a global of a mind: "mate=red".  @return MU_OK; MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result robot_set_global(struct mind *mind, const char *word);
+
 /** Lets it join its crew's process, or come back.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
 

@@ -47,12 +47,12 @@ void robot_crew_look(struct crew *c)
 /* Who has come goes on where it was interrupted; who does not get its name is not here. */
 static void arrive(struct robot *r, bool accepted, const char *reason)
 {
-    r->arrives = false;
     mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
            "name=%s %s", r->name, reason);
     if (accepted) {
         mu_agent_set_state(r->agent, r->returns_as);
     }
+    r->arrives = false;
     if (r->crew->on_arrived) {
         r->crew->on_arrived(r, accepted, reason);
     }
@@ -122,7 +122,7 @@ static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
     struct mind_act act;
     robot_settle(r);
     mind_event_now(r->mind, event, &act);
-    mu_agent_fired(a, act.firings, act.rules);
+    mu_agent_fired_also(a, act.firings, act.rules);
 }
 
 static void on_leave(void *self, mu_agent *a)
@@ -169,8 +169,8 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
     robot_settle(r);
-    r->rules_left = 0;
-    if (state == MU_RUNNING) {
+    r->rules_left = r->arrives ? r->rules_left : 0; /* who arrives goes on where it was */
+    if (state == MU_RUNNING && !r->arrives) {
         mind_forgive(r->mind);
         mind_go_on(r->mind);
     }

@@ -9,23 +9,28 @@
 #include <stdio.h>
 #include <string.h>
 
+mu_result robot_set_global(struct mind *mind, const char *word)
+{
+    char name[MU_FIELD_MAX + 1];
+    const char *equals = strchr(word, '=');
+    size_t len = equals ? (size_t)(equals - word) : 0;
+    if (len == 0 || len >= sizeof name) {
+        fprintf(stderr, "--global %s: expected NAME=VALUE\n", word);
+        return MU_FAULT_USAGE;
+    }
+    memcpy(name, word, len);
+    name[len] = '\0';
+    if (mind_set_global(mind, name, equals + 1) != MU_OK) {
+        fprintf(stderr, "--global %s: no such global, or not a CLIPS field\n", word);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
 {
     for (size_t i = 0; i < globals->count; i++) {
-        char name[MU_FIELD_MAX + 1];
-        const char *equals = strchr(globals->items[i], '=');
-        size_t len = equals ? (size_t)(equals - globals->items[i]) : 0;
-        if (len == 0 || len >= sizeof name) {
-            fprintf(stderr, "--global %s: expected NAME=VALUE\n", globals->items[i]);
-            return MU_FAULT_USAGE;
-        }
-        memcpy(name, globals->items[i], len);
-        name[len] = '\0';
-        if (mind_set_global(mind, name, equals + 1) != MU_OK) {
-            fprintf(stderr, "--global %s: no such global, or not a CLIPS field\n",
-                    globals->items[i]);
-            return MU_FAULT_USAGE;
-        }
+        MU_TRY(robot_set_global(mind, globals->items[i]));
     }
     return MU_OK;
 }

@@ -80,6 +80,10 @@ static mu_result settings_check(const struct settings *set)
         return MU_FAULT_USAGE;
     }
     MU_TRY(checkpoint_settings_check(&set->checkpoints, "muster robot"));
+    if (set->checkpoints.restore && !set->checkpoints.folder) {
+        fprintf(stderr, "muster robot: --restore needs --folder DIR\n");
+        return MU_FAULT_USAGE;
+    }
     return pages_check(set);
 }
 

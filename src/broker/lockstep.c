@@ -277,6 +277,20 @@ static void delivery_owe(struct broker *b, uint32_t place)
     places_wake(&b->places, place);
 }
 
+void lockstep_release(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    if (!l->awaits_moves) {
+        return;
+    }
+    l->awaits_moves = false;
+    l->version = b->registry.changes.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        delivery_owe(b, l->roster[i]);
+    }
+    delivery_owe(b, l->simulator);
+}
+
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
@@ -285,12 +299,13 @@ static void step_end(struct broker *b)
     step_apply(b);
     l->step++;
     l->answered = 0;
-    l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].answered = false;
-        delivery_owe(b, l->roster[i]);
     }
-    delivery_owe(b, l->simulator);
+    l->awaits_moves = true;
+    if (!depot_step_ended(b)) {
+        lockstep_release(b);
+    }
 }
 
 static bool step_is_complete(const struct lockstep *l)
@@ -426,6 +441,8 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 static void lockstep_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
+    l->awaits_moves = false;
+    depot_lockstep_over(b);
     do { /* nothing that was admitted is lost */
         lockstep_told(b);
         step_apply(b);

@@ -285,7 +285,10 @@ static const char *line_of(const struct experiment *e, const char *in_reply_to)
 {
     char *end;
     unsigned long index = strtoul(in_reply_to, &end, 10);
-    return in_reply_to[0] && !*end && index < e->observer_count ? e->observer[index].line : "it";
+    if (!in_reply_to[0] || *end || index >= e->observer_count) {
+        return "it";
+    }
+    return e->observer[index].line ? e->observer[index].line : "the move";
 }
 
 /* Robots answer commands; only what went wrong is worth a line. */
@@ -360,9 +363,9 @@ static mu_result command_send(struct run *r, const struct experiment_command *c,
                               const char *label)
 {
     return directive_send(r, (struct mu_mail){.dst = to,
-                                              .performative = "do",
+                                              .performative = c->move ? "move" : "do",
                                               .reply_with = label,
-                                              .content = c->line,
+                                              .content = c->move ? c->move : c->line,
                                               .timed = true,
                                               .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
@@ -493,6 +496,31 @@ static bool simulator_silent(struct run *r)
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
 }
 
+/* @return whether one of the experiment's robots lives in a child */
+static bool child_has_robots(const struct run *r, const struct child *child)
+{
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct mu_member *m = mu_process_lookup(r->process, r->experiment->robots[i].name);
+        if (m && m->pid == (uint32_t)child->pid) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A host that dies with no robot in it has only ceased to be one. */
+static void hosts_excuse(struct run *r)
+{
+    for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        struct child *child = supervise_find(&r->children, r->experiment->hosts[i]);
+        if (child && child->ended && !child->excused && r->state == muster_RUN_RUNNING &&
+            !child_has_robots(r, child)) {
+            child->excused = true;
+            fprintf(stderr, "muster run: the host %s is no more; the run goes on\n", child->name);
+        }
+    }
+}
+
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -501,6 +529,7 @@ static int round_live(struct run *r)
     run_observer_look(r);
     chaos_look(r);
     supervise_look(&r->children);
+    hosts_excuse(r);
     progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;

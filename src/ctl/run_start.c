@@ -187,6 +187,9 @@ static mu_result simulator_start(struct run *r)
     if (run_restarts_any(r)) {
         word_add("--return=%.17g", e->return_within_s);
     }
+    if (e->hosts_count > 0) {
+        word_add("--hosts=%u", e->hosts_count);
+    }
     places_add(e);
     recording_add(r);
     if (e->events_count > 0) {
@@ -218,6 +221,13 @@ static void checkpoints_add(const struct run *r, const struct experiment_robot *
     }
 }
 
+static void diary_add(const struct run *r)
+{
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
+}
+
 /* What robots bear that share an entry of the experiment, they share here, too. */
 static mu_result crew_start(struct run *r, const struct experiment_crew *crew, struct child *again)
 {
@@ -233,9 +243,7 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
-    if (record_is(r, "full") && !r->options.no_diary) {
-        word_add("--diary");
-    }
+    diary_add(r);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
@@ -252,6 +260,40 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
         r->children.children[r->children.count - 1].may_leave = r->options.free;
     }
     return MU_OK;
+}
+
+/* The robots that begin on a host, with their rules and globals. */
+static void natives_add(const struct run *r, const char *host)
+{
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct experiment_robot *robot = &r->experiment->robots[i];
+        if (!robot->host || strcmp(robot->host, host) != 0) {
+            continue;
+        }
+        word_add("--robot=%s=%s", robot->name, robot->rules);
+        for (unsigned k = 0; k < robot->globals_count; k++) {
+            word_add("--global=%s.%s=%s", robot->name, robot->globals[k].name,
+                     robot->globals[k].value);
+        }
+    }
+}
+
+static mu_result host_start(struct run *r, const char *host)
+{
+    unsigned robots = r->experiment->robots_count;
+    words_begin("muster-host");
+    word_add("%s", host);
+    word_add("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);
+    word_add("--world=%s", r->experiment->world);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (r->options.free) {
+        word_add("--restore");
+    }
+    diary_add(r);
+    natives_add(r, host);
+    return child_start(r, NULL, host, "muster-host");
 }
 
 static mu_result resolver_start(struct run *r, const char *scheme, struct child *again)
@@ -317,8 +359,13 @@ mu_result run_start(struct run *r)
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
         MU_TRY(resolver_start(r, r->experiment->resolvers[i], NULL));
     }
+    for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        MU_TRY(host_start(r, r->experiment->hosts[i]));
+    }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
-        MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
+        if (!r->experiment->robots[r->experiment->crews[i].robot].host) {
+            MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
+        }
     }
     return MU_OK;
 }

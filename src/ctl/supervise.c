@@ -185,7 +185,7 @@ void supervise_look(struct supervise *s)
 bool supervise_has_died(const struct child *child)
 {
     bool left = child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
-    return child->ended && !child->struck && !left;
+    return child->ended && !child->excused && !child->struck && !left;
 }
 
 const struct child *supervise_ended(const struct supervise *s)

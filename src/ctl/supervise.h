@@ -27,6 +27,7 @@ struct child {
     uint32_t restarts;
     uint64_t restart_ns; /* when it is to be started again; 0: it has not died */
     bool returned;       /* it was started again, and not everybody in it was seen yet */
+    bool excused;        /* its end, however it came, is none that matters */
     bool struck;         /* its end is meant: chaos.c */
     bool ended;
     int status;                      /* of waitpid */

@@ -20,6 +20,7 @@ enum {
     EXPERIMENT_OVERRIDES_MAX = 64,
     EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
     EXPERIMENT_RESOLVERS_MAX = 16,
+    EXPERIMENT_HOSTS_MAX = 32,
     EXPERIMENT_BROKERS_MAX = 4,  /* as many as one host can have */
     EXPERIMENT_THREADS_MAX = 64, /* as many as the simulator takes */
     EXPERIMENT_CHAOS_MAX = 64,
@@ -49,12 +50,13 @@ struct experiment_robot {
     char *name;
     char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
     char *color; /* of its track; NULL: the body's, or the robot's name if that is a colour */
-    struct experiment_pose *pose;      /* NULL: the world file's, or a random place */
-    char *place;                       /* "random": a free one, by the seed; NULL: none of that */
-    unsigned count, processes;         /* as written; loaded, each robot stands for itself */
-    char *rules;                       /* absolute path; in the file, relative to it */
-    char *broker;                      /* one of brokers, in free running; NULL: the first */
-    struct mu_fault broker_fault;      /* what is wrong with it in lock step, and where */
+    struct experiment_pose *pose; /* NULL: the world file's, or a random place */
+    char *place;                  /* "random": a free one, by the seed; NULL: none of that */
+    unsigned count, processes;    /* as written; loaded, each robot stands for itself */
+    char *rules;                  /* absolute path; in the file, relative to it */
+    char *host;                   /* one of hosts, in which it begins; NULL: a process of its own */
+    char *broker;                 /* one of brokers, in free running; NULL: the first */
+    struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
     enum experiment_on_crash on_crash; /* the experiment's unless it says otherwise, */
     double checkpoint_s;               /* so with this */
     struct experiment_global *globals;
@@ -78,7 +80,8 @@ struct experiment_command {
     double at;      /* s of simulated time */
     char **targets; /* all, robots, special, group:NAME, or names of this experiment's robots */
     unsigned targets_count;
-    char *line; /* a CLIPS line */
+    char *line; /* a CLIPS line, */
+    char *move; /* or: the host that they are to move to */
 };
 
 /* What must be true, or the run fails (exit code 1). */
@@ -169,6 +172,8 @@ struct experiment {
     double return_within_s; /* wall time that a lock step waits for one; 20, likewise */
     char **brokers;         /* their names; none: main */
     unsigned brokers_count;
+    char **hosts; /* processes that robots may move to */
+    unsigned hosts_count;
     char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
     unsigned resolvers_count;
     struct experiment_broker broker;

@@ -114,6 +114,33 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
+/* @return the index of a host, or how many there are */
+static unsigned check_find_host(const struct experiment *e, const char *name)
+{
+    unsigned i = 0;
+    while (i < e->hosts_count && strcmp(e->hosts[i], name) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static mu_result check_hosts(struct experiment_source *s)
+{
+    const struct experiment *e = s->experiment;
+    for (unsigned i = 0; i < e->hosts_count; i++) {
+        const char *name = e->hosts[i];
+        if (!mu_name_valid(name) || mu_name_reserved(name)) {
+            return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
+                                    "'%.80s' cannot be a host's name", name);
+        }
+        if (check_find_host(e, name) != i || experiment_find_robot(e, name)) {
+            return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
+                                    "a second host, or a robot, has the name '%s'", name);
+        }
+    }
+    return MU_OK;
+}
+
 /* 0 stands for what nobody said. */
 static mu_result check_simulator(struct experiment_source *s)
 {
@@ -307,6 +334,25 @@ static mu_result check_broker(struct experiment_source *s, struct experiment_rob
     return MU_OK;
 }
 
+/* Where a robot begins. */
+static mu_result check_host(struct experiment_source *s, const struct experiment_robot *robot,
+                            int node)
+{
+    int host = yaml_tree_child(s->tree, node, "host");
+    if (!robot->host) {
+        return MU_OK;
+    }
+    if (check_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
+        return experiment_fault(s, NULL, host, "no host '%.80s' in this experiment's hosts",
+                                robot->host);
+    }
+    if (robot->broker || yaml_tree_child(s->tree, node, "processes")) {
+        return experiment_fault(s, NULL, host,
+                                "expected a host, or processes and a broker, not both");
+    }
+    return MU_OK;
+}
+
 static mu_result check_place(struct experiment_source *s, const struct experiment_robot *robot,
                              int node)
 {
@@ -366,6 +412,7 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     result = result == MU_OK ? check_services(s, robot, node) : result;
     result = result == MU_OK ? check_broker(s, robot, node) : result;
     result = result == MU_OK ? check_death(s, robot, node) : result;
+    result = result == MU_OK ? check_host(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
                : result;
@@ -383,6 +430,21 @@ static bool check_target(const struct experiment *e, const char *target)
         return mu_address_valid(target);
     }
     return experiment_find_robot(e, target) != NULL;
+}
+
+/* What is commanded: a line, or a move. */
+static mu_result check_deed(struct experiment_source *s, const struct experiment_command *command,
+                            int node)
+{
+    const struct experiment *e = s->experiment;
+    if (!command->line == !command->move) {
+        return experiment_fault(s, NULL, node, "expected a line, or move: HOST");
+    }
+    if (command->move && check_find_host(e, command->move) == e->hosts_count) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "move"),
+                                "no host '%.80s' in this experiment's hosts", command->move);
+    }
+    return MU_OK;
 }
 
 static mu_result check_command(struct experiment_source *s, size_t index)
@@ -409,7 +471,7 @@ static mu_result check_command(struct experiment_source *s, size_t index)
                                     command->targets[i]);
         }
     }
-    return MU_OK;
+    return check_deed(s, command, node);
 }
 
 mu_result experiment_check(struct experiment_source *source)
@@ -421,6 +483,7 @@ mu_result experiment_check(struct experiment_source *source)
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);
     }
+    result = result == MU_OK ? check_hosts(source) : result;
     result = result == MU_OK ? experiment_multiply(source) : result;
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = check_command(source, i);

@@ -36,6 +36,7 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
     CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_robot, count),
     CYAML_FIELD_UINT("processes", CYAML_FLAG_OPTIONAL, struct experiment_robot, processes),
     TEXT("rules", NEEDED, struct experiment_robot, rules),
+    TEXT("host", MAY, struct experiment_robot, host),
     TEXT("broker", MAY, struct experiment_robot, broker),
     ON_CRASH(struct experiment_robot),
     CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
@@ -53,7 +54,8 @@ static const cyaml_schema_value_t schema_robot = {
 static const cyaml_schema_field_t schema_command_fields[] = {
     CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
     CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
-    TEXT("line", NEEDED, struct experiment_command, line), CYAML_FIELD_END};
+    TEXT("line", MAY, struct experiment_command, line),
+    TEXT("move", MAY, struct experiment_command, move), CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_command = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_command, schema_command_fields)};
@@ -152,6 +154,8 @@ static const cyaml_schema_field_t schema_fields[] = {
                       return_within_s),
     CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0,
                          EXPERIMENT_BROKERS_MAX),
+    CYAML_FIELD_SEQUENCE("hosts", MAY, struct experiment, hosts, &schema_name, 0,
+                         EXPERIMENT_HOSTS_MAX),
     CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
                          EXPERIMENT_RESOLVERS_MAX),
     CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,

@@ -23,7 +23,7 @@ static const int64_t IMPATIENT_NS = 2000000;
 static const int64_t EXPECTANT_NS = 20000000;
 
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
-static const uint64_t STEP_PATIENCE_NS = 300000000;
+const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
@@ -239,8 +239,8 @@ static void next_step(mu_process *p)
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
 static bool mail_is_held(const mu_process *p)
 {
-    return p->with_body && !p->in_lockstep && p->step_wall_ns &&
-           mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+    return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
+           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
 /* How many samples are worth waking up for. */
@@ -250,7 +250,7 @@ static uint64_t samples_wanted(const mu_process *p)
         return 0; /* more mail lies in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
-    return p->in_lockstep && !p->mail && !p->step ? 2 : 1;
+    return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
 /* @return whether something was handled */
@@ -354,7 +354,9 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_next(p)) {
     }
-    if (!p->in_lockstep) {
+    if (p->in_lockstep) {
+        step_say_trips(p);
+    } else {
         step_flush(p);
     }
     agents_leave(p);

@@ -20,6 +20,7 @@
 #include "runtime/resolver.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
+#include "runtime/trips.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -53,6 +54,7 @@ struct mu_agent {
     struct queue_link links[QUEUES];
     bool replays;             /* its mails are a recording's, from now on */
     bool gone;                /* takes no part any more */
+    bool departed;            /* it lives in another process now */
     bool leaving;             /* its registration is still there, until its last mails are out, */
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
@@ -95,6 +97,7 @@ struct mu_process {
     struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
+    struct trips trips;
     struct members members;
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
@@ -132,6 +135,9 @@ struct mu_process {
 };
 
 /* process.c */
+
+/** A process that has had a step expects the next one within this time. */
+extern const uint64_t PROCESS_STEP_PATIENCE_NS;
 
 /** @return whether the simulator's steps are for it */
 bool process_takes_steps(const mu_process *p);
@@ -203,6 +209,9 @@ void step_hello(mu_process *p);
 
 /** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
+
+/** Sends words about agents on their way, between the steps of a lock step. */
+void step_say_trips(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */
 bool step_retry(mu_process *p);

@@ -26,7 +26,7 @@ struct settings {
     struct mu_network network;
     int64_t seed;
     double duration_s, rate, step_ms, silence_s, return_s;
-    int64_t watchers, threads;
+    int64_t watchers, hosts, threads;
     bool free, waits_for_go, verbose;
     const char *csv, *restore, *events, *record;
     bool without_percepts;
@@ -100,6 +100,13 @@ static struct mu_option option_table[] = {
      .fallback = "0",
      .help = "processes that see all bodies, such as resolvers, for which the first step waits",
      .target = &set.watchers,
+     .max = MU_PROCESSES_MAX},
+    {.name = "hosts",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "hosts that robots may move to, for which the first step waits",
+     .target = &set.hosts,
      .max = MU_PROCESSES_MAX},
     {.name = "threads",
      .kind = MU_OPTION_INTEGER,
@@ -354,6 +361,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .free = set.free,
                                       .waits_for_go = set.waits_for_go,
                                       .watchers = (uint32_t)set.watchers,
+                                      .hosts = (uint32_t)set.hosts,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
     if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {

@@ -47,7 +47,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].name = world->robots[i].name;
         (void)mu_table_put(&s->robot_names, s->robots[i].name, (uint32_t)i);
         s->robots[i].controlled = true;
-        s->robots[i].process = -1;
+        s->robots[i].process = s->robots[i].next_process = -1;
     }
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
@@ -178,9 +178,28 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
     return true;
 }
 
+/* Where robots may go. */
+static void host_take(struct session *s, const muster_Registration *r, enum bus_life life)
+{
+    int32_t process = process_find(s, r->process);
+    for (uint32_t i = 0; life == BUS_DATA && i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        if (e->kind == muster_KIND_HOST && e->state != muster_STATE_ABSENT) {
+            process = process < 0 ? process_add(s, r->process) : process;
+            if (process >= 0) {
+                s->processes[process].hosts = true;
+            }
+        }
+    }
+    if (life != BUS_DATA && process >= 0) {
+        s->processes[process].hosts = false;
+    }
+}
+
 void session_register(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     bool changed = watcher_take(s, r, life == BUS_DATA && r->watches);
+    host_take(s, r, life);
     if (life == BUS_DATA) {
         for (uint32_t i = 0; i < r->agents._length; i++) {
             changed = entry_take(s, r, i) || changed;
@@ -200,17 +219,32 @@ void session_register(struct session *s, const muster_Registration *r, enum bus_
     }
 }
 
-/* While steps run, the roster is fixed but for those that die and are started again. */
+/* Nobody comes to a lock step that goes on; who goes is noted, and may have been slow only. */
+static void loss_take(struct session *s, const muster_Registration *r, enum bus_life life)
+{
+    int32_t process = process_find(s, r->process);
+    if (process >= 0 && (life != BUS_DISPOSED || r->part == 0)) {
+        s->processes[process].lost = life != BUS_DATA;
+    }
+}
+
+/* While steps run, the roster is fixed but for those that die and are started again: whoever else
+ * does not answer is found by its silence. */
 static void registrations_take(struct session *s)
 {
     enum bus_life life;
     const muster_Registration *r;
     while ((r = bus_next(&s->registrations, &life))) {
         bool is_broker = life == BUS_DATA && r->is_broker;
-        if (!is_broker && (s->step < 0 || s->options.free)) {
+        if (is_broker) {
+            continue;
+        }
+        if (s->step < 0 || s->options.free) {
             session_register(s, r, life);
-        } else if (!is_broker) {
+        } else if (s->options.return_ns > 0) {
             session_return_hear(s, r, life);
+        } else {
+            loss_take(s, r, life == BUS_DATA ? bus_fate(&s->registrations) : life);
         }
     }
 }
@@ -262,28 +296,41 @@ static const char *broker_of(const struct session *s)
     return broker ? broker : "";
 }
 
-/* Who watches belongs to the run, unless it lives with a broker that does not. */
-static bool process_watches(const struct session *s, const struct session_process *p)
+/* Who watches, or takes in robots, belongs to the run, unless it lives with a broker that does not.
+ */
+static bool process_attends(const struct session *s, const struct session_process *p)
 {
     const char *broker = broker_of(s);
-    return p->watches && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+    return (p->watches || p->hosts) && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
 }
 
-/* Those who watch are waited for when they have said so; how many are to come is known to whoever
- * has started them. */
-static void watchers_await(const struct session *s, struct mu_text *missing)
+static void missing_add(struct mu_text *missing, uint32_t count, uint32_t wanted, const char *what)
 {
-    uint32_t count = 0;
+    if (count < wanted) {
+        mu_text_format(missing, "%s%u %s", missing->len ? " " : "", (unsigned)(wanted - count),
+                       what);
+    }
+}
+
+/* They are waited for when they have said so; how many are to come is known to whoever has started
+ * them. */
+static void attendants_await(const struct session *s, struct mu_text *missing)
+{
+    uint32_t watchers = 0, hosts = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        count += process_watches(s, p);
-        if (process_watches(s, p) && !process_is_ready(s, (int32_t)i)) {
+        if (!process_attends(s, p)) {
+            continue;
+        }
+        watchers += p->watches;
+        hosts += p->hosts;
+        if (!process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
         }
     }
-    if (count < s->options.watchers) {
-        mu_text_format(missing, "%s%u resolvers", missing->len ? " " : "",
-                       (unsigned)(s->options.watchers - count));
+    missing_add(missing, watchers, s->options.watchers, "resolvers");
+    if (s->step < 0) { /* afterwards the run goes on without one that has died */
+        missing_add(missing, hosts, s->options.hosts, "hosts");
     }
 }
 
@@ -307,7 +354,7 @@ bool session_is_complete(struct session *s)
                            s->robots[i].name, s->processes[process].broker, broker);
         }
     }
-    watchers_await(s, &missing);
+    attendants_await(s, &missing);
     return missing.len == 0;
 }
 
@@ -377,7 +424,7 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (!p->let_go && !(s->held && p->comes)) {
+        if (!p->let_go && !p->left_out && !(s->held && p->comes)) {
             names[count++] = s->processes[i].name;
         }
     }
@@ -392,13 +439,37 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
     return bus_write(&s->roster, &roster);
 }
 
+static bool process_has_robots(const struct session *s, uint32_t process)
+{
+    bool has = false;
+    for (size_t r = 0; r < s->robot_count; r++) {
+        has = has || s->robots[r].process == (int32_t)process;
+    }
+    return has;
+}
+
 static bool process_is_used(const struct session *s, uint32_t process)
 {
-    bool used = process_watches(s, &s->processes[process]);
-    for (size_t r = 0; r < s->robot_count; r++) {
-        used = used || s->robots[r].process == (int32_t)process;
+    return process_attends(s, &s->processes[process]) || process_has_robots(s, process);
+}
+
+void session_leave_out(struct session *s)
+{
+    bool changed = false;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        bool answers = !p->lost || p->answered >= s->step;
+        if (answers || p->left_out || p->watches || process_has_robots(s, i)) {
+            continue;
+        }
+        mu_log(MU_LOG_WARNING, "left-out", "process=%s step=%lld", p->name, (long long)s->step);
+        p->left_out = changed = true;
+        p->sample_pending = false;
+        s->answers_missing -= s->answers_missing > 0;
     }
-    return used;
+    if (changed && session_tell_roster(s, true) != MU_OK) {
+        s->roster_due = true;
+    }
 }
 
 /* Drops processes that neither control nor watch anything: they came and went before the first
@@ -524,6 +595,7 @@ static void up_take(struct session *s, const muster_Up *up)
     if (s->answers_missing > 0 && up->step == s->step) {
         s->answers_missing--;
     }
+    s->moves = s->moves || (up->trips._length > 0 && !s->options.free);
     for (uint32_t i = 0; i < up->acts._length; i++) {
         act_take(s, &up->acts._buffer[i], process);
     }
@@ -537,8 +609,31 @@ static void up_take(struct session *s, const muster_Up *up)
     }
 }
 
+/* The broker has given a robot's name to another process; answers of the one that it has may be on
+ * their way yet. */
+static void trip_take(struct session *s, const muster_Trip *t)
+{
+    struct session_robot *r = robot_find(s, t->agent);
+    if (r && t->word == muster_TRIP_TAKEN && !s->options.free) {
+        r->next_process = process_find(s, t->process);
+    }
+}
+
+void session_change_processes(struct session *s)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *r = &s->robots[i];
+        r->process = r->next_process >= 0 ? r->next_process : r->process;
+        r->next_process = -1;
+    }
+    session_lay_out(s);
+}
+
 static void delivery_take(struct session *s, const muster_Delivery *d)
 {
+    for (uint32_t i = 0; i < d->trips._length; i++) {
+        trip_take(s, &d->trips._buffer[i]);
+    }
     if (d->step == muster_STEP_NOW || d->step <= s->mail_step) {
         return;
     }

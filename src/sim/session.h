@@ -26,11 +26,12 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled;    /* the run waits for its controller; else it is an obstacle */
-    int32_t process;    /* index of the process that controls it; -1: none */
-    uint32_t slot;      /* of its controller in that process */
-    muster_State state; /* of its controller, by its last word */
-    bool drives;        /* of the last answer: a speed was set */
+    bool controlled;      /* the run waits for its controller; else it is an obstacle */
+    int32_t process;      /* index of the process that controls it; -1: none */
+    int32_t next_process; /* from the next step on; -1: the same */
+    uint32_t slot;        /* of its controller in that process */
+    muster_State state;   /* of its controller, by its last word */
+    bool drives;          /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
@@ -48,6 +49,8 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool watches;     /* it sees all bodies, and has none */
+    bool hosts;       /* it takes in robots: it belongs to the run, whether it has any or not */
+    bool left_out;    /* nobody waits for it */
     bool lost;        /* it is dead, or was stopped, in the middle of a lock step */
     bool followed;    /* another one wants to take its place, */
     bool let_go;      /* which it may: this one has no part in the run any more */
@@ -84,7 +87,8 @@ struct session_options {
     bool free;            /* no lock step */
     const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
     bool waits_for_go;    /* the first step waits for a RunCommand, */
-    uint32_t watchers;    /* and for so many processes that watch */
+    uint32_t watchers;    /* and for so many processes that watch, */
+    uint32_t hosts;       /* and for so many that take in robots */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
     uint64_t return_ns;   /* wall time that a lock step waits for one that died to be started again;
                              0: that is a fault at once */
@@ -128,6 +132,8 @@ struct session {
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
+    bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
+    bool roster_due; /* the network has refused it */
     struct session_listener listener;
     muster_Scene *scene;
     struct view *view;
@@ -240,6 +246,11 @@ bool session_return_due(const struct session *s);
  */
 MU_MUST_USE mu_result session_return_await(struct session *s,
                                            const volatile sig_atomic_t *signal_came);
+/** Between two steps: those who have moved are with their new processes. */
+void session_change_processes(struct session *s);
+
+/** Goes on without those who are gone, have no robot and have not answered. */
+void session_leave_out(struct session *s);
 
 /** Fills in what a controller is sent of a body.  The lists stay the engine's. */
 void session_percept_fill(muster_Percept *to, const struct engine_percept *from);

@@ -92,7 +92,7 @@ bool session_return_due(const struct session *s)
 /* Its robots stand still, and are free for another process. */
 static void process_let_go(struct session *s, uint32_t process)
 {
-    s->processes[process].watches = false;
+    s->processes[process].watches = s->processes[process].hosts = false;
     s->processes[process].let_go = true;
     for (size_t i = 0; i < s->robot_count; i++) {
         struct session_robot *r = &s->robots[i];
@@ -146,7 +146,7 @@ static void steps_give(struct session *s)
             (void)session_write_sense(p);
         }
         p->comes = false;
-        s->answers_missing += under_way && p->answered < s->step;
+        s->answers_missing += under_way && !p->left_out && p->answered < s->step;
     }
 }
 

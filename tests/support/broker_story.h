@@ -14,6 +14,7 @@
  *     NAME: REASON                 a refused one
  *     outside SRC/SEQ              to the simulator
  *     roll call
+ *     PROCESS: NAME WORD EPOCH [REASON] [TEXT]   to a process, of an agent on its way
  */
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
@@ -201,6 +202,13 @@ static inline void story_note(const muster_Delivery *d)
     }
     if (d->roll_call) {
         story_line("roll call");
+    }
+    for (uint32_t i = 0; i < d->trips._length; i++) {
+        const muster_Trip *t = &d->trips._buffer[i];
+        snprintf(line, sizeof line, "%s: %s %s %llu%s%s%s%s", d->process, t->agent,
+                 trip_word(t->word), (unsigned long long)t->epoch, t->reason[0] ? " " : "",
+                 t->reason, t->text[0] ? " " : "", t->text);
+        story_line(line);
     }
     CU_ASSERT_STRING_EQUAL(d->broker, "alpha");
     story.members += d->members._length;

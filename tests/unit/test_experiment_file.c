@@ -361,6 +361,39 @@ static void test_other_faults(void)
     CHECK_BAD(cases);
 }
 
+#define HOSTS "world: a.world\nduration: 9\nhosts: [north, south]\n"
+
+static void test_hosts(void)
+{
+    CU_ASSERT_EQUAL_FATAL(load(HOSTS "robots: [{name: a, rules: a.clp, host: south}]\n"
+                                     "observer: [{at: 2, do: a, move: north}]\n",
+                               NULL),
+                          MU_OK);
+    CU_ASSERT_EQUAL_FATAL(e->hosts_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->hosts[1], "south");
+    CU_ASSERT_STRING_EQUAL(e->robots[0].host, "south");
+    CU_ASSERT_STRING_EQUAL(e->observer[0].move, "north");
+    CU_ASSERT_PTR_NULL(e->observer[0].line);
+    static const struct bad_case cases[] = {
+        {BASE "hosts: [b c]\n", 6, 9, "cannot be a host's name"},
+        {BASE "hosts: [n, m, n]\n", 6, 15, "a second host, or a robot, has the name 'n'"},
+        {BASE "hosts: [n, red]\n", 6, 12, "or a robot, has the name 'red'"},
+        {HOSTS "robots: [{name: a, rules: a.clp, host: east}]\n", 4, 40, "no host 'east'"},
+        {HOSTS "brokers: [b]\nrobots: [{name: a, rules: a.clp, host: north, broker: b}]\n", 5, 40,
+         "not both"},
+        {HOSTS "robots: [{name: a, rules: a.clp, host: north, count: 2, processes: 2}]\n", 4, 40,
+         "not both"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, do: a}]\n", 5, 12,
+         "expected a line, or move"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\n"
+               "observer: [{at: 1, do: a, line: (a), move: north}]\n",
+         5, 12, "expected a line, or move"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, do: a, move: east}]\n", 5, 33,
+         "no host 'east'"},
+    };
+    CHECK_BAD(cases);
+}
+
 static void test_expectations(void)
 {
     CU_ASSERT_EQUAL_FATAL(load(BASE "expect:\n"
@@ -690,6 +723,7 @@ int main(void)
         {"many robots", test_many_robots},
         {"faults of many robots", test_faults_of_many_robots},
         {"faults of the rest", test_other_faults},
+        {"hosts", test_hosts},
         {"expectations", test_expectations},
         {"expectation faults", test_expectation_faults},
         {"limit: events", test_limit_events},
