@@ -63,7 +63,9 @@ USES_record  := mcap bus core
 USES_replay  := mcap bus core
 USES_experiment := world core
 USES_report  := experiment stats world core
-USES_ctl     := story mcap report experiment world runtime stats bus core
+USES_desk    := runtime stats bus core
+USES_ctl     := desk story mcap report experiment world runtime stats bus core
+USES_web     := desk runtime stats bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
@@ -72,7 +74,7 @@ LIBS_stats   := -lm
 LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lclips -lddsc -lccd -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
 LIBS_monitor := $(LIBS_agent)
@@ -81,11 +83,16 @@ LIBS_record  := -lddsc -lz
 LIBS_replay  := -lddsc -lz -lm
 LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
-module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN))
+LIBS_web     := -lmicrohttpd -lddsc -lm
+# The files of the page are part of the program: src/web/assets.c names them.
+ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
+module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
+                $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record muster-replay muster-monitor)
+            muster-resolver muster-host muster-record muster-replay muster-monitor muster-web)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -95,6 +102,7 @@ MAIN_muster-host   := host
 MAIN_muster-monitor := monitor
 MAIN_muster-record := record
 MAIN_muster-replay := replay
+MAIN_muster-web    := web
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
@@ -113,6 +121,24 @@ deps: ## install what is missing (DEPS=skip: never touch the system)
 $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAIN_$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(MAIN_$*))
+
+# The engine, with functions of ours in the place of its own: src/agent/clips_engine.h.
+ENGINE_OWN := \
+  HashSymbol HashFloat EnvAddDouble EnvAddLong DecrementSymbolCount DecrementFloatCount \
+  DecrementIntegerCount RemoveEphemeralAtoms MultifieldInstall MultifieldDeinstall AtomInstall \
+  AtomDeinstall \
+  InitializeFactHashTable HashFact AddHashedFact RemoveHashedFact FactWillBeAsserted \
+  HandleFactDuplication \
+  CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
+  NetworkAssert \
+  EvaluateExpression EnvRtnArgCount \
+  EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
+  gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList EnvCreateMultifield FlushMultifields \
+  PushProcParameters PopProcParameters
+$(O)/libclips.a: Makefile | deps
+	@mkdir -p $(@D); echo "  COPY  $@"
+	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
+$(patsubst %.c,$(O)/%.o,$(wildcard src/agent/clips_*.c)): CFLAGS += -fno-strict-aliasing # as it
 
 $(O)/libmuster.a: $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  AR    $@"
@@ -173,6 +199,10 @@ $(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
 $(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
 endif
 
+$(ASSETS): $(O)/%.o: % Makefile
+	@mkdir -p $(@D); echo "  EMBED $<"
+	$(Q)ld -r -b binary -z noexecstack -o $@ $<
+
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
 	$(Q)idlc -l c -o $(@D) $<
@@ -232,6 +262,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
+.PHONY: soak-verify
+soak-verify: all ## twenty recordings that go the same way again, and every stall of ten runs explained
+	@BUILD=$(BUILD) tests/soak/verify.py
+
 .PHONY: soak-worlds
 soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
@@ -253,6 +287,10 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 	@$(MAKE) --no-print-directory BUILD=asan build/asan/test/test_agent_fuzz
 	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
 	  build/asan/test/test_agent_fuzz; done
+
+.PHONY: soak-engine
+soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
 
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
@@ -280,12 +318,20 @@ $(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
 	@O=$(O) BUILD=$(BUILD) bench/run
 
+.PHONY: bench-recording
+bench-recording: all ## what run.mcap costs a run, in interleaved rounds: ARGS=ROUNDS
+	@BUILD=$(BUILD) bench/recording $(ARGS)
+
 .PHONY: bench-scale
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
+.PHONY: bench-web
+bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
+	@BUILD=$(BUILD) bench/web $(ARGS)
+
 .PHONY: bench-minds
-bench-minds: $(O)/test/clips ## the engine in a robot against the program clips: manners and waltz
+bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control cycle; the engine in a robot against the program clips
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.

@@ -64,16 +64,19 @@ struct mind *clips_env_mind(void *env)
     return GetEnvironmentContext(env);
 }
 
+/* Asked at each word that is printed, and at each byte of a file. */
+static inline bool env_is(const char *name, const char *route)
+{
+    return name[0] == route[0] && name[1] == route[1] && strcmp(name, route) == 0;
+}
+
 static int env_route_query(void *env, const char *name)
 {
     (void)env;
-    static const char *const routes[] = {"stdout", "stdin", "t",      WPROMPT, WDISPLAY,
-                                         WDIALOG,  WERROR,  WWARNING, WTRACE};
-    if (name[0] != 's' && name[0] != 't' && name[0] != 'w') { /* asked at each byte of a file */
-        return FALSE;
-    }
+    static const char *const routes[] = {WDISPLAY, "stdout", "t",     WERROR, WWARNING,
+                                         WTRACE,   WDIALOG,  "stdin", WPROMPT};
     for (size_t i = 0; i < sizeof routes / sizeof routes[0]; i++) {
-        if (strcmp(name, routes[i]) == 0) {
+        if (env_is(name, routes[i])) {
             return TRUE;
         }
     }
@@ -94,24 +97,32 @@ static void env_print(struct mind *m, const char *text)
     m->options.ports.print(m->options.ports.self, text);
 }
 
+/* An empty line before a complaint says nothing to who has just typed one. */
+static void env_print_line(struct mu_text *out, bool complaint, const char *text)
+{
+    bool blank = out->len == 0 || out->at[out->len - 1] == '\n';
+    if (!complaint || !blank || strcmp(text, "\n") != 0) {
+        mu_text_add(out, text);
+    }
+}
+
 static int env_route_print(void *env, const char *name, const char *text)
 {
     struct mind *m = clips_env_mind(env);
-    bool complaint = strcmp(name, WERROR) == 0 || strcmp(name, WWARNING) == 0;
+    bool complaint = env_is(name, WERROR) || env_is(name, WWARNING);
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
     }
-    if (m->firing && strcmp(name, WDIALOG) == 0) {
+    if (m->firing && env_is(name, WDIALOG)) {
         return TRUE; /* "Breaking on rule": the robot says so itself */
     }
     const struct mind_ports *ports = &m->options.ports;
-    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && strcmp(name, WTRACE) == 0;
+    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && env_is(name, WTRACE);
     if (watched && ports->trace(ports->self, text)) {
         return TRUE;
     }
     if (m->mode == CLIPS_MODE_LINE) {
-        bool blank = m->out->len == 0 || m->out->at[m->out->len - 1] == '\n';
-        mu_text_add(m->out, complaint && blank && strcmp(text, "\n") == 0 ? "" : text);
+        env_print_line(m->out, complaint, text);
     } else if (complaint || m->mode == CLIPS_MODE_QUIET) {
         mu_text_add(&m->said, text);
     } else {
@@ -224,6 +235,7 @@ static bool env_build(struct mind *m)
 
 static void env_install(struct mind *m)
 {
+    clips_atom_install(m);
     for (size_t i = 0; i < sizeof env_denied / sizeof env_denied[0]; i++) {
         UndefineFunction(m->env, env_denied[i]);
     }

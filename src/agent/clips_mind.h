@@ -103,6 +103,7 @@ enum clips_global {
 
 struct mind {
     void *env;
+    uint32_t floats, float_places; /* atoms of them, and over how many lists they are spread */
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct mu_random random;
@@ -207,6 +208,9 @@ bool clips_env_leave(struct mind *m);
 
 /** @return the number that a global is set to; its first value when it is set to none */
 double clips_env_global(const struct mind *m, enum clips_global which);
+
+/* clips_atom.c */
+void clips_atom_install(struct mind *m);
 
 /* clips_guard.c */
 

@@ -237,23 +237,24 @@ void clips_text_rewrite(struct mu_text *out, const char *form, size_t len)
 void clips_text_as_written(char *text)
 {
     char *to = text;
-    const char *from = text;
+    const char *from = text, *open;
     int lines = 0;
-    while (*from) {
-        if (strncmp(from, rewrite_open, sizeof rewrite_open - 1) == 0) {
-            /* the pretty printer may have broken the line behind progn */
-            const char *global = skip_blank(from + sizeof rewrite_open - 1, &lines);
-            const char *e = global_end(global, global + strlen(global));
-            if (e && *e == ')') {
-                memmove(to, global, (size_t)(e - global));
-                to += e - global;
-                from = e + 1;
-                continue;
-            }
+    while ((open = strstr(from, rewrite_open))) {
+        /* the pretty printer may have broken the line behind progn */
+        const char *global = skip_blank(open + sizeof rewrite_open - 1, &lines);
+        const char *e = global_end(global, global + strlen(global));
+        bool ours = e && *e == ')';
+        size_t before = (size_t)(ours ? open - from : open + 1 - from);
+        memmove(to, from, before);
+        to += before;
+        from += before;
+        if (ours) {
+            memmove(to, global, (size_t)(e - global));
+            to += e - global;
+            from = e + 1;
         }
-        *to++ = *from++;
     }
-    *to = '\0';
+    memmove(to, from, strlen(from) + 1);
 }
 
 /* Fills in a number if the word is one as CLIPS writes them: 12, -3, 1.5, .5, 1e3. */

@@ -62,7 +62,8 @@ static const struct ddsi_sertype *type_read(dds_entity_t reader)
     return type;
 }
 
-/* Writes an empty sample to ourselves alone, and looks at it. */
+/* Writes an empty sample to ourselves alone, and looks at it.  A writer's partition with a wildcard
+ * in it is passed over by readers of "*", such as taps. */
 static const struct ddsi_sertype *type_find(struct bus *bus, enum bus_topic topic)
 {
     static union {
@@ -70,13 +71,15 @@ static const struct ddsi_sertype *type_find(struct bus *bus, enum bus_topic topi
         long double aligned;
     } empty;
     MU_ASSERT(topic_table[topic].descriptor->m_size <= sizeof empty);
-    dds_qos_t *group = group_qos("muster.feed.self", NULL);
+    dds_qos_t *of_writer = group_qos("muster.feed.sel?", NULL);
+    dds_qos_t *of_reader = group_qos("muster.feed.self", NULL);
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    dds_entity_t publisher = dds_create_publisher(bus->participant, group, NULL);
-    dds_entity_t subscriber = dds_create_subscriber(bus->participant, group, NULL);
+    dds_entity_t publisher = dds_create_publisher(bus->participant, of_writer, NULL);
+    dds_entity_t subscriber = dds_create_subscriber(bus->participant, of_reader, NULL);
     dds_entity_t writer = dds_create_writer(publisher, bus->topics[topic], qos, NULL);
     dds_entity_t reader = dds_create_reader(subscriber, bus->topics[topic], qos, NULL);
-    dds_delete_qos(group);
+    dds_delete_qos(of_writer);
+    dds_delete_qos(of_reader);
     dds_delete_qos(qos);
     bool written = reader > 0 && dds_write(writer, empty.bytes) == DDS_RETCODE_OK;
     const struct ddsi_sertype *type = written ? type_read(reader) : NULL;

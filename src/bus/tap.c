@@ -208,21 +208,25 @@ static void publication_take(struct tap_watch *w, struct tap *taps, size_t *coun
     }
 }
 
-/* Goes through the writers, or the readers, that are there now. */
-static size_t endpoints_look(struct tap_watch *w, dds_entity_t endpoints, struct tap *taps,
-                             size_t count, size_t max, bool (*wanted)(const char *))
+/* Goes through the writers, or the readers, that are there now: all, or the new ones. */
+static size_t endpoints_look(struct tap_watch *w, bool writers, struct tap *taps, size_t count,
+                             size_t max, bool (*wanted)(const char *))
 {
+    dds_entity_t endpoints = writers ? w->publications : w->subscriptions;
+    uint32_t mask = w->looked_ns == 0
+                        ? DDS_ANY_STATE
+                        : DDS_NOT_READ_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE;
     static void *found[ENDPOINTS_MAX];
     static dds_sample_info_t infos[ENDPOINTS_MAX];
     found[0] = NULL;
-    dds_return_t got = dds_read(endpoints, found, infos, ENDPOINTS_MAX, ENDPOINTS_MAX);
+    dds_return_t got = dds_read_mask(endpoints, found, infos, ENDPOINTS_MAX, ENDPOINTS_MAX, mask);
     for (dds_return_t i = 0; i < got; i++) {
         dds_builtintopic_endpoint_t *e = found[i];
         bool there = infos[i].valid_data && infos[i].instance_state == DDS_IST_ALIVE;
         if (!there || !is_tapped(w, e, wanted)) {
             continue;
         }
-        if (endpoints == w->publications) {
+        if (writers) {
             publication_take(w, taps, &count, max, e);
         } else { /* a reader may describe what its writers do not */
             struct tap *t = tap_find(taps, count, e);
@@ -241,12 +245,20 @@ static size_t endpoints_look(struct tap_watch *w, dds_entity_t endpoints, struct
 size_t tap_watch_look(struct tap_watch *watch, struct tap *taps, size_t count, size_t max,
                       bool (*wanted)(const char *topic))
 {
-    count = endpoints_look(watch, watch->publications, taps, count, max, wanted);
+    uint64_t now_ns = mu_clock_ns();
     bool all_open = true;
+    if (now_ns - watch->looked_ns >= RETRY_NS) {
+        watch->looked_ns = 0;
+    }
+    count = endpoints_look(watch, true, taps, count, max, wanted);
     for (size_t i = 0; i < count; i++) {
         all_open = all_open && taps[i].topic > 0;
     }
-    return all_open ? count : endpoints_look(watch, watch->subscriptions, taps, count, max, wanted);
+    if (!all_open) {
+        count = endpoints_look(watch, false, taps, count, max, wanted);
+    }
+    watch->looked_ns = watch->looked_ns ? watch->looked_ns : now_ns;
+    return count;
 }
 
 /* --- samples ---------------------------------------------------------------------------------- */

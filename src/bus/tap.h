@@ -37,6 +37,7 @@ typedef void tap_taker(void *self, struct tap *tap, const struct tap_sample *sam
 struct tap_watch {
     struct bus *bus;
     int32_t publications, subscriptions;
+    uint64_t looked_ns; /* when all were looked at last, not the new ones alone */
 };
 
 /** Opens a tap of one of our topics, before there is anybody.  @return MU_OK or MU_FAULT_DDS */

@@ -3,10 +3,11 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "ctl/console_edit.h"
-#include "ctl/console_link.h"
-#include "ctl/forms.h"
+#include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
+#include "desk/console_link.h"
+#include "desk/forms.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -19,6 +20,7 @@
 #include <unistd.h>
 
 static const int64_t ROUND_NS = 20000000;
+static const uint64_t GOODBYE_NS = 300000000;
 static const int ROUND_MS = 50;
 static const uint64_t SILENCE_NS = 3000000000; /* a busy machine may be that busy */
 static const uint64_t WORDS_PATIENCE_NS = 400000000;
@@ -29,6 +31,8 @@ struct console {
     struct operator_options options;
     const char *line; /* -c; NULL: from standard input */
     double watch_s;
+    struct operator op;
+    struct operator_hooks hooks;
     struct console_link link;
     struct forms forms;
     struct console_edit *edit; /* NULL: no terminal */
@@ -50,14 +54,30 @@ static void interrupt_note(int number)
 
 /* --- the screen ------------------------------------------------------------------------------- */
 
+/* The bytes of a text before what would steer a terminal. */
+static size_t harmless_len(const char *text)
+{
+    static const char control[] = "\x01\x02\x03\x04\x05\x06\x07\x08\x0b\x0c\x0d\x0e\x0f\x10\x11\x12"
+                                  "\x13\x14\x15\x16\x17\x18\x19\x1a\x1b\x1c\x1d\x1e\x1f\x7f";
+    return strcspn(text, control);
+}
+
 /* Nothing that an agent says may steer the terminal. */
 static void text_print(struct console *c, const char *text)
 {
-    for (const char *t = text; *t; t++) {
-        bool control = (unsigned char)*t < ' ' && *t != '\n' && *t != '\t';
-        putchar(c->colors && (control || *t == '\x7f') ? '?' : *t);
-    }
     size_t len = strlen(text);
+    for (const char *t = text; *t && c->colors;) {
+        size_t harmless = harmless_len(t);
+        fwrite(t, 1, harmless, stdout);
+        t += harmless;
+        if (*t) {
+            putchar('?');
+            t++;
+        }
+    }
+    if (!c->colors) {
+        fwrite(text, 1, len, stdout);
+    }
     c->at_margin = len > 0 ? text[len - 1] == '\n' : c->at_margin;
 }
 
@@ -77,8 +97,9 @@ static void prompt_hide(struct console *c)
     }
 }
 
-static void on_show(void *self, enum console_kind kind, const char *text)
+static void on_show(void *self, enum console_kind kind, uint64_t line, const char *text)
 {
+    (void)line;
     static const char *const colors[] = {
         [CONSOLE_ANSWER] = "", [CONSOLE_FAILURE] = "\033[31m", [CONSOLE_TRACE] = "\033[2m"};
     struct console *c = self;
@@ -98,7 +119,7 @@ static void on_show(void *self, enum console_kind kind, const char *text)
 
 static void note(struct console *c, const char *text)
 {
-    on_show(c, CONSOLE_NOTE, text);
+    on_show(c, CONSOLE_NOTE, 0, text);
 }
 
 /* The prompt comes back below what was printed, and when the state has changed. */
@@ -141,12 +162,13 @@ static const char *on_prompt(void *self)
 
 static void round_spin(struct console *c, int64_t timeout_ns)
 {
-    if (console_link_spin(&c->link, timeout_ns) != MU_OK) {
+    if (mu_process_spin(c->op.process, timeout_ns) != MU_OK) {
         c->over = true;
     }
-    c->heard_ns = mu_process_has_broker(c->link.op.process) ? mu_clock_ns() : c->heard_ns;
+    console_link_round(&c->link);
+    c->heard_ns = mu_process_has_broker(c->op.process) ? mu_clock_ns() : c->heard_ns;
     bool is_alone = mu_clock_ns() - c->heard_ns > SILENCE_NS;
-    if (!c->over && (is_alone || c->link.op.refused)) {
+    if (!c->over && (is_alone || c->op.refused)) {
         note(c, is_alone ? "muster console: the broker is gone"
                          : "muster console: it was away, and another one has its name now");
         c->link.code = MU_EXIT_DDS;
@@ -165,7 +187,7 @@ static bool input_ready(int timeout_ms, int wake_fd)
 
 static bool input_await(struct console *c)
 {
-    int wake_fd = mu_process_wake_fd(c->link.op.process);
+    int wake_fd = mu_process_wake_fd(c->op.process);
     while (!c->over && !interrupted) {
         if (input_ready(ROUND_MS, wake_fd)) {
             return true;
@@ -221,7 +243,7 @@ static void form_send(struct console *c, const char *form)
         c->link.failures++;
         return;
     }
-    while (!c->over && !interrupted && console_link_line(&c->link, form) != MU_OK) {
+    while (!c->over && !interrupted && console_link_line(&c->link, form, NULL) != MU_OK) {
         answers_await(c, c->link.pending_max / 2, false);
         round_spin(c, 0); /* also when none waits, and the mail had no room */
     }
@@ -347,12 +369,55 @@ static void lines_do(struct console *c)
 
 /* --- the verb --------------------------------------------------------------------------------- */
 
+static void on_mail(void *self, const struct mu_mail *mail)
+{
+    console_link_mail(&((struct console *)self)->link, mail);
+}
+
+static void on_receipt(void *self, uint64_t first_seq, uint64_t last_seq, enum mu_outcome outcome)
+{
+    console_link_receipt(&((struct console *)self)->link, first_seq, last_seq, outcome);
+}
+
+/* Joins as a further operator, and looks for the agent.  @return the exit code, explained */
+static int console_join(struct console *c, const char *agent)
+{
+    c->hooks = (struct operator_hooks){c, on_mail, on_receipt};
+    c->options.hooks = &c->hooks;
+    c->options.only_reads = true;
+    int code = operator_join(&c->op, &c->options, "console");
+    if (code != MU_EXIT_DONE) {
+        return code;
+    }
+    const struct mu_member *m = mu_process_lookup(c->op.process, agent);
+    if (!m || m->state == MU_GONE) {
+        fprintf(stderr, "muster console: %s: %s; muster ps lists who is there\n", agent,
+                m ? "absent" : "no such agent");
+        return MU_EXIT_NO_AGENT;
+    }
+    console_link_init(&c->link, c->op.process, c->op.agent, agent);
+    return MU_EXIT_DONE;
+}
+
+/* Says goodbye and leaves. */
+static void console_leave(struct console *c)
+{
+    if (console_link_detach(&c->link, &c->op.seq) == MU_OK) {
+        uint64_t until_ns = mu_clock_ns() + GOODBYE_NS;
+        c->op.answered_for = false;
+        while (!c->op.answered_for && mu_clock_ns() < until_ns &&
+               mu_process_spin(c->op.process, ROUND_NS) == MU_OK) {
+        }
+    }
+    operator_leave(&c->op);
+}
+
 static int console_live(struct console *c, const char *agent)
 {
     bool terminal = !c->line && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *term = getenv("TERM"), *plain = getenv("NO_COLOR");
     c->options.stays = terminal || c->watch_s > 0.0;
-    int code = console_link_open(&c->link, &c->options, agent);
+    int code = console_join(c, agent);
     if (code != MU_EXIT_DONE) {
         return code;
     }
@@ -369,7 +434,7 @@ static int console_live(struct console *c, const char *agent)
     } else {
         lines_do(c);
     }
-    console_link_close(&c->link);
+    console_leave(c);
     if (interrupted) {
         return MU_EXIT_INTERRUPTED;
     }

@@ -4,8 +4,8 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
-#include "ctl/runs.h"
 #include "ctl/verbs.h"
+#include "desk/runs.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -73,6 +73,7 @@ static const struct verb verbs[] = {
     {"host", NULL, "muster-host", "NAME", "a platform that agents are launched on and move to"},
     {"resolver", NULL, "muster-resolver", "SCHEME", "addresses such as role:scout or near:2.5"},
     {"monitor", NULL, "muster-monitor", "--rules FILE", "rules that look at a whole run"},
+    {"web", NULL, "muster-web", "", "the live page of a run, in a browser on this machine"},
     {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
     {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
     {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},

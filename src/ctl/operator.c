@@ -5,10 +5,11 @@
 #include "core/exits.h"
 #include "core/name.h"
 #include "core/text.h"
-#include "ctl/answer.h"
 #include "ctl/receivers.h"
-#include "ctl/runs.h"
 #include "ctl/words.h"
+#include "desk/answer.h"
+#include "desk/reader.h"
+#include "desk/runs.h"
 #include "muster/directory.h"
 
 #include <stdio.h>
@@ -22,10 +23,6 @@ static const uint64_t PAGES_QUIET_NS = 100000000;
 /* So long a verb waits for the name that another one holds, and so long it lets it alone. */
 static const uint64_t HELD_PATIENCE_NS = 10000000000;
 static const uint64_t HELD_PAUSE_NS = 200000000;
-
-/* Names of verbs that only read. */
-enum { READERS = 64, READERS_THAT_STAY = 192 };
-static const char READER[] = "operator-";
 
 /* So many lines are in one Delivery, whatever they are. */
 enum { PAGES_SHORT = 1024 };
@@ -130,9 +127,7 @@ static void agent_join(struct operator* o, const struct operator_options *option
     if (options->as || !options->only_reads) {
         mu_text_copy(name, sizeof name, options->as ? options->as : "operator");
     } else {
-        unsigned names = options->stays ? READERS_THAT_STAY : READERS;
-        unsigned number = ((unsigned)getpid() + attempt) % names;
-        snprintf(name, sizeof name, "%s%u", READER, number + (options->stays ? READERS : 0));
+        reader_name(name, attempt, options->stays);
     }
     enum mu_kind kind = options->as ? MU_KIND_AGENT : MU_KIND_SPECIAL;
     struct mu_handlers handlers = {
@@ -220,22 +215,6 @@ void operator_leave(struct operator* o)
     mu_process_close(o->process);
 }
 
-int operator_outcome_exit(enum mu_outcome outcome)
-{
-    switch (outcome) {
-    case MU_MAIL_DELIVERED:
-    case MU_MAIL_STORED:
-    case MU_MAIL_DUPLICATE: return MU_EXIT_DONE;
-    case MU_MAIL_UNKNOWN_NAME: return MU_EXIT_NO_AGENT;
-    case MU_MAIL_REFUSED: return MU_EXIT_REFUSED;
-    case MU_MAIL_NO_STORE: return MU_EXIT_WRITE;
-    case MU_MAIL_EXPIRED:
-    case MU_MAIL_DROPPED:
-    case MU_MAIL_BOX_FULL: return MU_EXIT_UNDELIVERED;
-    }
-    return MU_EXIT_UNDELIVERED;
-}
-
 /* @return false when that did not happen within patience_ns */
 static bool outcome_await(struct operator* o, uint64_t patience_ns)
 {
@@ -252,7 +231,7 @@ static bool outcome_await(struct operator* o, uint64_t patience_ns)
 static void answers_await(struct operator* o, unsigned wanted, uint64_t patience_ns)
 {
     uint64_t until_ns = mu_clock_ns() + patience_ns;
-    while (o->answers < wanted && operator_outcome_exit(o->outcome) == MU_EXIT_DONE &&
+    while (o->answers < wanted && answer_outcome_exit(o->outcome) == MU_EXIT_DONE &&
            mu_clock_ns() <= until_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
     }
 }
@@ -260,7 +239,7 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
 /* Says what became of the mail, if that is no good.  @return the exit code */
 static int outcome_tell(const struct operator* o, const char *to)
 {
-    int code = operator_outcome_exit(o->outcome);
+    int code = answer_outcome_exit(o->outcome);
     if (code != MU_EXIT_DONE) {
         fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
                 o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");

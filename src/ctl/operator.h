@@ -85,9 +85,6 @@ int operator_join(struct operator* o, const struct operator_options *options, co
  */
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
 
-/** @return the exit code for what became of a mail */
-int operator_outcome_exit(enum mu_outcome outcome);
-
 void operator_leave(struct operator* o);
 
 #endif

@@ -3,12 +3,12 @@
 #include "core/address.h"
 #include "core/exits.h"
 #include "core/name.h"
-#include "ctl/answer.h"
 #include "ctl/envelope.h"
 #include "ctl/operator.h"
 #include "ctl/receivers.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
+#include "desk/answer.h"
 
 #include <stdio.h>
 #include <string.h>

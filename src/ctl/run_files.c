@@ -62,7 +62,10 @@ static void file_add(struct files *f, const char *role, const char *path)
             return;
         }
     }
-    if (f->count < RUN_FILES_MAX && access(path, R_OK) == 0) {
+    if (f->count == RUN_FILES_MAX) {
+        fprintf(stderr, "muster run: %s is not in the recording: it has %d files\n", path,
+                RUN_FILES_MAX);
+    } else if (access(path, R_OK) == 0) {
         struct run_file *file = &f->list[f->count++];
         file->role = role;
         file->path = mu_startup_string(path);

@@ -4,10 +4,10 @@
 #include "core/exits.h"
 #include "core/network.h"
 #include "core/options.h"
-#include "ctl/runs.h"
 #include "ctl/top_screen.h"
 #include "ctl/top_table.h"
 #include "ctl/verbs.h"
+#include "desk/runs.h"
 #include "muster/memory.h"
 
 #include <poll.h>

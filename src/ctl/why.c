@@ -145,7 +145,20 @@ static void motors_print(const struct stall *s)
     printf(s->state == muster_STATE_RUNNING ? "\n" : " because it was %s\n", states[s->state]);
 }
 
-static void stall_json(const struct teller *t, const struct stall *s)
+/* What the chain ends in. */
+static void ends_json(struct mu_json *j, uint32_t ends)
+{
+    static const char *const names[] = {"sensed", "mail", "line", "event", "rules", "unknown"};
+    mu_json_list(j, "ends");
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (ends & 1u << i) {
+            mu_json_string(j, NULL, names[i]);
+        }
+    }
+    mu_json_end(j);
+}
+
+static void stall_json(const struct teller *t, const struct stall *s, uint32_t ends)
 {
     struct mu_json j;
     mu_json_to_file(&j, stdout, MU_JSON_LINE);
@@ -159,6 +172,7 @@ static void stall_json(const struct teller *t, const struct stall *s)
     mu_json_string(&j, "near", s->near);
     mu_json_real(&j, "near_m", s->near[0] ? s->near_m : 0);
     mu_json_string(&j, "state", states[s->state]);
+    ends_json(&j, ends);
     mu_json_string(&j, "chain", t->chain.at);
     mu_json_end(&j);
 }
@@ -178,11 +192,12 @@ static void stall_tell(struct teller *t, const struct stall *s)
 {
     mu_text_clear(&t->chain);
     uint32_t before = s->from > 0 ? (uint32_t)s->from - 1 : 0;
-    if (t->mind != MINDS_NONE && why_speed(&t->why, t->mind, before) == 0) {
+    uint32_t ends = t->mind == MINDS_NONE ? 0 : why_speed(&t->why, t->mind, before);
+    if (t->mind != MINDS_NONE && ends == 0) {
         mu_text_add(&t->chain, "no rule has ever set a speed: somebody has pushed it\n");
     }
     if (ask.json) {
-        stall_json(t, s);
+        stall_json(t, s, ends);
         return;
     }
     stall_print(t, s);
@@ -209,7 +224,7 @@ static void stalls_tell(struct teller *t)
     }
 }
 
-static void chain_tell(struct teller *t, int64_t step)
+static void chain_tell(struct teller *t, int64_t step, uint32_t ends)
 {
     struct mu_json j;
     if (!ask.json) {
@@ -221,6 +236,7 @@ static void chain_tell(struct teller *t, int64_t step)
     mu_json_object(&j, NULL);
     mu_json_string(&j, "robot", ask.robot);
     mu_json_real(&j, "time_s", seconds(t, step));
+    ends_json(&j, ends);
     mu_json_string(&j, "chain", t->chain.at);
     mu_json_end(&j);
 }
@@ -234,7 +250,7 @@ static void moment_tell(struct teller *t)
         mu_text_add(&t->chain, ask.about == ASK_FACT ? "it had no such fact\n"
                                                      : "no rule had set a speed yet\n");
     }
-    chain_tell(t, step);
+    chain_tell(t, step, ends);
 }
 
 static mu_result ask_answer(struct teller *t)

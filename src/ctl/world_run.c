@@ -6,7 +6,7 @@
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/text.h"
-#include "ctl/runs.h"
+#include "desk/runs.h"
 #include "muster/agent.h"
 #include "muster/limits.h"
 #include "wire.h"

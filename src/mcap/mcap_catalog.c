@@ -14,7 +14,7 @@ void mcap_catalog_reset(struct mcap_reader *r)
     r->text.full = false;
     r->schema_count = r->channel_count = r->pair_count = 0;
     r->file_count = r->table_count = r->chunk_count = 0;
-    r->full = r->compressed = false;
+    r->full = r->compressed = r->loose = false;
     r->broken = 0;
 }
 
@@ -126,6 +126,7 @@ bool mcap_catalog_statistics(struct mcap_reader *r, struct mcap_in in)
         uint64_t messages = mcap_in_number(&map, 8);
         if (r->channel_ids[id] != MU_NONE) {
             r->channels[r->channel_ids[id]].messages = messages;
+            r->loose = r->loose || (messages > 0 && r->chunk_count == 0);
         }
     }
     return !in.cut && !map.cut;

@@ -269,6 +269,7 @@ static mu_result data_record_take(struct mcap_reader *r, const struct record *re
     case MCAP_CHANNEL:
     case MCAP_METADATA: return small_take(r, record);
     case MCAP_ATTACHMENT: return attachment_take(r, record);
+    case MCAP_MESSAGE: r->loose = true; return MU_OK;
     default: return MU_OK;
     }
 }
@@ -351,6 +352,9 @@ mu_result mcap_reader_open(struct mcap_reader *r, const char *path, struct mu_fa
     }
     if (r->compressed) {
         return open_fault(r, fault, "its chunks are compressed, which is not read here");
+    }
+    if (r->loose && r->chunk_count == 0) {
+        return open_fault(r, fault, "its messages are in no chunks, which is not read here");
     }
     if (r->full) {
         return open_fault(r, fault, "it has more channels, files or chunks than are read");

@@ -12,7 +12,7 @@
  *
  * A file without a summary, or one that ends anywhere, is read as far as it goes.  Nothing in a
  * file is believed: each length is checked, and a chunk whose checksum is wrong is left out and
- * counted.  Compressed chunks are refused.
+ * counted.  Compressed chunks are refused, and so are messages in no chunk.
  */
 #ifndef MUSTER_MCAP_MCAP_READ_H
 #define MUSTER_MCAP_MCAP_READ_H

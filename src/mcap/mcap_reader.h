@@ -59,8 +59,9 @@ struct mcap_reader {
     int fd;
     uint64_t size; /* of the file */
     bool whole, compressed;
+    bool loose;    /* messages stand outside chunks */
     bool believes; /* chunks are read although their checksums are wrong */
-    bool full; /* something is more than the limits allow */
+    bool full;     /* something is more than the limits allow */
     uint64_t broken;
     struct mcap_out text;  /* what the catalogue's texts lie in */
     uint32_t *channel_ids; /* of READER_IDS: index, or MU_NONE */

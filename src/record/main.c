@@ -140,7 +140,8 @@ static bool record_live(struct recorder *r)
         set.duration_s > 0 ? mu_clock_ns() + (uint64_t)(set.duration_s * 1e9) : UINT64_MAX;
     bool good = true;
     while (!signal_came && good && mu_clock_ns() < until_ns) {
-        if (mu_clock_ns() - r->looked_ns >= LOOK_NS) {
+        bool looks = set.all || set.topics_count > 0; /* our topics are open already */
+        if (looks && mu_clock_ns() - r->looked_ns >= LOOK_NS) {
             r->tap_count =
                 tap_watch_look(&r->watch, r->taps, r->tap_count, MU_RECORD_CHANNELS_MAX, is_wanted);
             r->looked_ns = mu_clock_ns();

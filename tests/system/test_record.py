@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings: what `muster record` hears is in the file, and others can read it."""
 import json
+import os
 import pathlib
 import resource
 import signal
+import socket
 import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     experiment_run, folder, muster, new_domain, observer_environment, program,
-                     tool_python, wait_for)
+                     children_of, experiment_run, folder, muster, new_domain, observer_environment,
+                     program, tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
 READERS = ("mcap", "mcap-ros2-support=mcap_ros2")
@@ -199,7 +201,7 @@ def test_a_recorder_that_is_killed_leaves_what_it_heard():
         check(int(done.stdout or 0) > 10, f"messages: {done.stdout} {done.stderr}")
 
 
-# --- run.mcap --------------------------------------------------------------------------------------
+# --- run.mcap -------------------------------------------------------------------------------------
 
 def test_a_run_leaves_its_recording():
     tool_python(*READERS)
@@ -211,7 +213,8 @@ def test_a_run_leaves_its_recording():
         check_equal(got["topics"], {"Scene": 1, "Frame": 101, "RunStatus": 1}, "messages")
         check_equal(got["topics"], got["raw"], "messages that were decoded")
         run, end = got["tables"]["run"], got["tables"]["end"]
-        check_equal((end["hash"], end["steps"], end["state"]), (summary["hash"], "100", "done"), "end")
+        check_equal((end["hash"], end["steps"], end["state"]), (summary["hash"], "100", "done"),
+                    "the end")
         check_equal((run["seed"], run["set.1"]),
                     ("1", "robots.red.rules=../rules/follower.clp"), "how it was started")
         for key in ("muster", "clips", "cyclonedds", "ode", "command", "began_wall_ns"):
@@ -240,8 +243,8 @@ def test_a_recording_has_what_the_run_was_made_of():
                            ("world/worlds/arena.world", ROOT / "worlds/arena.world"),
                            ("world/worlds/pioneer.inc", ROOT / "worlds/pioneer.inc"),
                            ("library/muster.clp", ROOT / "rules/muster.clp"),
-                           (f"rules{out}/mine.clp", out / "mine.clp"),
-                           (f"rules{out}/base.clp", out / "base.clp")):
+                           (f"rules/_{out}/mine.clp", out / "mine.clp"),
+                           (f"rules/_{out}/base.clp", out / "base.clp")):
             check_equal(files.get(name), pathlib.Path(path).read_text(), f"{name} of {list(files)}")
 
 
@@ -296,7 +299,32 @@ def test_a_full_disk_ends_the_recording_and_not_the_run():
         check((out / "o" / "run.mcap").stat().st_size <= 1 << 20, "the limit")
 
 
-# --- replay ----------------------------------------------------------------------------------------
+# --- replay ---------------------------------------------------------------------------------------
+
+def sums(path):
+    """Topic and sum of the bytes of each message, in order."""
+    script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
+              "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
+              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
+    home = tool_python(*READERS)
+    return json.loads(subprocess.run([home / "bin" / "python", "-c", script, path],
+                                     capture_output=True, text=True, timeout=60).stdout)
+
+
+def test_a_recorder_hears_what_the_run_records():
+    tool_python(*READERS)
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        record = record_start(processes, domain, out / "heard.mcap", "Frame")
+        _, summary = experiment_run(out / "o", "--duration", 20, "--rate", 10, "--domain", domain)
+        record_end(record)
+        _, alone = experiment_run(out / "alone", "--duration", 20, "--record", "none")
+        check_equal(summary["hash"], alone["hash"], "the hash")
+        frames = iter(s for s in sums(out / "o" / "run.mcap") if s[0] == "Frame")
+        heard = sums(out / "heard.mcap")
+        check(len(heard) > 100, f"frames that were heard: {len(heard)} of 201")
+        check(all(one in frames for one in heard), "each is in the run's recording, in this order")
+
 
 def replay_compare(path, out, *words):
     """Records the replay of a recording; gives what is in the one and in the other."""
@@ -307,13 +335,7 @@ def replay_compare(path, out, *words):
         done = muster("replay", path, "--domain", domain, "--topics", "all", "--wait", 20, *words)
         check_equal(done.returncode, 0, done.stderr)
         record_end(record)
-    script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
-              "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
-              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
-    home = tool_python(*READERS)
-    return [json.loads(subprocess.run([home / "bin" / "python", "-c", script, file],
-                                      capture_output=True, text=True, timeout=60).stdout)
-            for file in (path, again)]
+    return sums(path), sums(again)
 
 
 def test_a_replay_is_the_recording():
@@ -336,14 +358,45 @@ def test_a_replay_in_real_time_is_the_recording():
         check(again == first, "every message, in order")
 
 
+def test_who_watches_frames_sees_a_replay():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        experiment_run(out / "o", "--duration", 5)
+        watchers = [processes.start(program("frame_watcher"), domain, which,
+                                    stdout=subprocess.PIPE, text=True)
+                    for which in ("every", "latest")]
+        done = muster("replay", out / "o" / "run.mcap", "--domain", domain, "--rate", 10,
+                      "--topics", "Scene", "--topics", "Frame", "--topics", "RunStatus",
+                      "--wait", 20)
+        check_equal((done.returncode, done.stdout), (0, "53 messages of 3 topics\n"), done.stderr)
+        for watcher in watchers:
+            said, _ = watcher.communicate(timeout=20)
+            lines = said.splitlines()
+            check_equal(lines[0].split()[:2], ["scene", "arena.world"], "the world")
+            steps = [int(l.split()[1]) for l in lines if l.startswith("frame ")]
+            check_equal(steps, list(range(51)), "steps")
+            check_equal(lines[-1].split()[:1], ["end"], "the end")
+
+
+def simulator_place_taken(domain):
+    """Whether somebody has the port of the participant index that a simulator has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("127.0.0.1", 7400 + 250 * domain + 10 + 2 * 1))
+        except OSError:
+            return True
+    return False
+
+
 def test_a_replay_is_refused_beside_a_simulator():
     domain = new_domain()
     with folder() as out, Processes() as processes:
         experiment_run(out / "o", "--duration", 1)
         broker_start(processes, domain)
         processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--domain", domain, "--wait")
-        refused = lambda: muster("replay", out / "o" / "run.mcap", "--domain", domain, "--wait", 0)
-        done = wait_for(lambda: (d := refused()).returncode == 4 and d, 10, "the refusal")
+        wait_for(lambda: simulator_place_taken(domain), 20, "the simulator")
+        done = muster("replay", out / "o" / "run.mcap", "--domain", domain, "--wait", 0)
+        check_equal(done.returncode, 4, done.stderr)
         check(f"a simulator or another replay is in domain {domain}" in done.stderr, done.stderr)
 
 
@@ -362,3 +415,72 @@ def test_a_damaged_recording_is_replayed_as_far_as_it_goes():
         done = muster("replay", out / "no.mcap", "--domain", domain)
         check_equal(done.returncode, 3, done.stderr)
         check("expected an MCAP file" in done.stderr, done.stderr)
+
+
+def test_a_replay_goes_round():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        experiment_run(out / "o", "--duration", 1)
+        p = processes.start(MUSTER, "replay", out / "o" / "run.mcap", "--domain", domain, "--rate",
+                            20, "--wait", 20, "--loop", stdout=subprocess.PIPE, text=True)
+        watch = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
+                                text=True)
+        watch.communicate(timeout=20)  # it ends with the first round
+        again = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
+                                text=True)
+        said, _ = again.communicate(timeout=20)
+        check("\nframe 10 " in said, f"the end of a later round: {said[-500:]}")
+        p.send_signal(signal.SIGINT)
+        said, _ = p.communicate(timeout=20)
+        check_equal(p.returncode, 130, "interrupted")
+        check(int(said.split()[0]) > 26, f"two rounds and more: {said}")
+
+
+def test_a_run_that_breaks_leaves_its_recording():
+    """Whoever dies: what was recorded until then can be read, and looked at again."""
+    for who in ("muster-robot red", "muster-sim"):
+        domain = new_domain()
+        with folder() as out, Processes() as processes:
+            run = processes.start(MUSTER, "run", FOLLOW, "--rate", 20, "--out", out / "o",
+                                  "--domain", domain)
+            path = out / "o" / "run.mcap"
+            wait_for(lambda: path.exists() and path.stat().st_size > 200000, 20, "a part of it")
+            for pid in children_of(run.pid):
+                words = pathlib.Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
+                if words.startswith(who):
+                    os.kill(pid, signal.SIGKILL)
+            run.wait(20)
+            check_equal(run.returncode, 5, who)
+            done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 0)
+            check_equal(done.returncode, 0, f"{who}: {done.stderr}")
+            check_equal("has no end" in done.stderr, who == "muster-sim", f"{who}: its end")
+            check(int(done.stdout.split()[0]) > 20, f"{who}: {done.stdout}")
+
+
+PYTHON_RECORDER = """
+import sys
+from mcap.writer import CompressionType, Writer
+for name, words in (("plain", {"compression": CompressionType.NONE}),
+                    ("zstd", {"compression": CompressionType.ZSTD}),
+                    ("flat", {"compression": CompressionType.NONE, "use_chunking": False})):
+    w = Writer(sys.argv[1] + "/" + name + ".mcap", **words)
+    w.start()
+    schema = w.register_schema("lab/msg/Reading", "ros2msg", b"string a")
+    channel = w.register_channel("Readings", "cdr", schema)
+    for i in range(100):
+        w.add_message(channel, i, b"abc", i, i)
+    w.finish()
+"""
+
+
+def test_recordings_of_others_are_read_or_refused():
+    home = tool_python(*READERS)
+    with folder() as out:
+        subprocess.run([home / "bin" / "python", "-c", PYTHON_RECORDER, out], check=True,
+                       timeout=60)
+        for name, why in (("plain", "Readings is left out: it is no topic of muster"),
+                          ("zstd", "its chunks are compressed"),
+                          ("flat", "its messages are in no chunks")):
+            done = muster("replay", out / f"{name}.mcap", "--domain", new_domain())
+            check_equal(done.returncode, 3, f"{name}: {done.stderr}")
+            check(why in done.stderr, f"{name}: {done.stderr}")

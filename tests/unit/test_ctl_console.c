@@ -2,7 +2,7 @@
 /* What a console makes of what is typed: forms, and words that are completed. */
 #include "../support/suite.h"
 #include "ctl/complete.h"
-#include "ctl/forms.h"
+#include "desk/forms.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

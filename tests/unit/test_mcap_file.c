@@ -403,6 +403,19 @@ static void test_limit_channels(void)
     READS(mcap_reader_channel(r, got.channel)->topic, topic);
 }
 
+static void test_limit_files(void)
+{
+    for (uint32_t more = 0; more < 2; more++) {
+        write_begin();
+        for (uint32_t i = 0; i < MU_RECORD_FILES_MAX + more; i++) {
+            CU_ASSERT_EQUAL(mcap_writer_attach(w, "a", "", "b", 1), MU_OK);
+        }
+        write_end();
+        CU_ASSERT_EQUAL(mcap_reader_open(r, path, &fault), more ? MU_FAULT_FILE : MU_OK);
+    }
+    READS(fault.text, "it has more channels, files or chunks than are read");
+}
+
 /* What does not fit leaves no trace: the next one that does is taken. */
 static void test_limit_types(void)
 {
@@ -504,6 +517,7 @@ int main(void)
         {"no recording", test_no_recording},
         {"limit: messages", test_limit_messages},
         {"limit: channels", test_limit_channels},
+        {"limit: files", test_limit_files},
         {"limit: types", test_limit_types},
         {"a schema stands once", test_a_schema_stands_once},
         {"a full disk shows at the close", test_a_full_disk_shows_at_the_close},

@@ -4,12 +4,14 @@
  * A console's side of the mail between it and the agent that it is for: lines that wait for their
  * answers, the answers' pieces, what is watched, the words that are completed.
  *
- * Knows no terminal: what is to be seen goes to show.  docs/console.md has the directives.
+ * Knows no terminal and joins nobody: what is to be seen goes to show, and whoever has an agent in
+ * whose name lines go out hands over what comes for it.  One agent may have several links.
+ * docs/console.md has the directives.
  */
-#ifndef MUSTER_CTL_CONSOLE_LINK_H
-#define MUSTER_CTL_CONSOLE_LINK_H
+#ifndef MUSTER_DESK_CONSOLE_LINK_H
+#define MUSTER_DESK_CONSOLE_LINK_H
 
-#include "ctl/operator.h"
+#include "muster/agent.h"
 
 enum {
     CONSOLE_PENDING_MAX = 64,       /* lines that wait for their answers */
@@ -32,8 +34,8 @@ struct console_pending {
 };
 
 struct console_link {
-    struct operator op;
-    struct operator_hooks hooks;
+    mu_process *process;
+    mu_agent *asker;   /* in whose name lines go out */
     const char *agent; /* whom it is for */
     /* Lines that wait, oldest first. */
     struct console_pending pending[CONSOLE_PENDING_MAX];
@@ -51,32 +53,49 @@ struct console_link {
     size_t words_len;
     uint64_t words_asked; /* number of the question, or 0: none is under way */
     bool words_stale;     /* a line may have changed them */
-    void *self;           /* of show */
-    void (*show)(void *self, enum console_kind kind, const char *text);
+    void *self;           /* of show and ended */
+    /* line: number of the line that it belongs to; 0: of none.  May be NULL. */
+    void (*show)(void *self, enum console_kind kind, uint64_t line, const char *text);
+    /* Nothing more comes for a line; good: it was done.  May be NULL. */
+    void (*ended)(void *self, uint64_t line, bool good);
 };
 
 /**
- * Joins as a further operator, and looks for the agent.
+ * Begins a link, to an agent that need not be there yet.
  *
- * @return MU_EXIT_DONE; MU_EXIT_NO_AGENT: there is none of that name, or it is absent; others as
- *         operator_join; explained
+ * @param l      zeroed, but for self, show and ended
+ * @param agent  its name, which stays where it is
  */
-int console_link_open(struct console_link *l, struct operator_options *options, const char *agent);
+void console_link_init(struct console_link *l, mu_process *process, mu_agent *asker,
+                       const char *agent);
 
-/** Says goodbye and leaves. */
-void console_link_close(struct console_link *l);
+/** Takes a mail to the asker; one that is not for this link is passed over. */
+void console_link_mail(struct console_link *l, const struct mu_mail *mail);
+
+/** Takes what became of mails of the asker, this link's or not. */
+void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t last_seq,
+                          enum mu_outcome outcome);
+
+/** After each spin of the process: attaches again and gives room where that is due. */
+void console_link_round(struct console_link *l);
 
 /** Asks for what rules print and what is watched. */
 void console_link_attach(struct console_link *l);
 
-/** Sends a line.  @return MU_OK; MU_FULL: as many as it can wait for are under way */
-MU_MUST_USE mu_result console_link_line(struct console_link *l, const char *line);
+/** Asks for no more of it.  @param seq  out: number of the mail.  @return MU_OK; MU_DONE: it was
+ * not attached; others as mu_agent_send */
+MU_MUST_USE mu_result console_link_detach(struct console_link *l, uint64_t *seq);
+
+/**
+ * Sends a line.
+ *
+ * @param number  out: of the line, from 1 on; may be NULL
+ * @return MU_OK; MU_FULL: as many as it can wait for are under way
+ */
+MU_MUST_USE mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number);
 
 /** Asks for the words anew. */
 void console_link_ask_words(struct console_link *l);
-
-/** Handles what is there, or waits for it.  @return MU_OK, or MU_DONE: the bus is gone */
-mu_result console_link_spin(struct console_link *l, int64_t timeout_ns);
 
 /** Gives up the lines that wait. */
 void console_link_forget(struct console_link *l);

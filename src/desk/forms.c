@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ctl/forms.h"
+#include "desk/forms.h"
 
 #include <string.h>
 

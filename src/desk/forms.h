@@ -7,8 +7,8 @@
  * A form is what stands between a parenthesis and the one that closes it, a string, or a word.
  * Comments between forms are passed over.  Pure.
  */
-#ifndef MUSTER_CTL_FORMS_H
-#define MUSTER_CTL_FORMS_H
+#ifndef MUSTER_DESK_FORMS_H
+#define MUSTER_DESK_FORMS_H
 
 #include "muster/limits.h"
 

@@ -1,39 +1,45 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ctl/console_link.h"
+#include "desk/console_link.h"
 
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/text.h"
-#include "ctl/answer.h"
+#include "desk/answer.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const uint64_t GOODBYE_NS = 300000000;
 static const uint64_t AWAY_NS = 900000000;
 static const uint64_t READ_NS = 50000000;
-static const int64_t ROUND_NS = 20000000;
 
-static void show(struct console_link *l, enum console_kind kind, const char *text)
+/* line: that it is said to; 0: none in particular */
+static void show(struct console_link *l, enum console_kind kind, uint64_t line, const char *text)
 {
     if (l->show) {
-        l->show(l->self, kind, text);
+        l->show(l->self, kind, line, text);
     }
 }
 
-static void show_note(struct console_link *l, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+static void tell_end(struct console_link *l, const struct console_pending *p, bool good)
+{
+    if (l->ended) {
+        l->ended(l->self, p->number, good);
+    }
+}
 
-static void show_note(struct console_link *l, const char *format, ...)
+static void show_note(struct console_link *l, uint64_t line, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void show_note(struct console_link *l, uint64_t line, const char *format, ...)
 {
     char note[256];
     va_list args;
     va_start(args, format);
     vsnprintf(note, sizeof note, format, args);
     va_end(args);
-    show(l, CONSOLE_NOTE, note);
+    show(l, CONSOLE_NOTE, line, note);
 }
 
 static mu_result directive_send(struct console_link *l, const char *performative,
@@ -45,12 +51,12 @@ static mu_result directive_send(struct console_link *l, const char *performative
                            .ontology = "console",
                            .reply_with = label,
                            .content = content};
-    return mu_agent_send(l->op.agent, &mail, seq);
+    return mu_agent_send(l->asker, &mail, seq);
 }
 
 /* --- lines and their answers ------------------------------------------------------------------ */
 
-mu_result console_link_line(struct console_link *l, const char *line)
+mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number)
 {
     char label[24];
     struct console_pending *p = &l->pending[l->pending_count];
@@ -64,18 +70,25 @@ mu_result console_link_line(struct console_link *l, const char *line)
     l->heard_ns = mu_clock_ns();
     l->pending_count++;
     l->words_stale = true;
+    if (number) {
+        *number = p->number;
+    }
     return MU_OK;
 }
 
-static void pending_drop(struct console_link *l, size_t count)
+/* The oldest count of them have no more to come. */
+static void pending_drop(struct console_link *l, size_t count, bool good)
 {
+    for (size_t i = 0; i < count; i++) {
+        tell_end(l, &l->pending[i], good);
+    }
     l->pending_count -= count;
     memmove(l->pending, l->pending + count, l->pending_count * sizeof l->pending[0]);
 }
 
 void console_link_forget(struct console_link *l)
 {
-    pending_drop(l, l->pending_count);
+    pending_drop(l, l->pending_count, false);
 }
 
 /* Answers come in the order of the lines: what a later one has overtaken will not come. */
@@ -89,8 +102,8 @@ static struct console_pending *pending_meet(struct console_link *l, uint64_t num
         return NULL;
     }
     if (passed > 0) {
-        show_note(l, "[the answers to %zu lines, or their ends, are lost]", passed);
-        pending_drop(l, passed);
+        show_note(l, 0, "[the answers to %zu lines, or their ends, are lost]", passed);
+        pending_drop(l, passed, false);
         l->code = MU_EXIT_TIME;
     }
     return &l->pending[0];
@@ -116,14 +129,14 @@ static void answer_take(struct console_link *l, const struct mu_mail *mail, uint
         return; /* given up */
     }
     if (piece > p->piece + 1) {
-        show_note(l, "[%u pieces of this answer are lost]", piece - p->piece - 1);
+        show_note(l, number, "[%u pieces of this answer are lost]", piece - p->piece - 1);
     }
     p->piece = piece;
     l->heard_ns = mu_clock_ns();
-    show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, mail->content);
+    show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, number, mail->content);
     if (piece >= count) {
         l->failures += fails;
-        pending_drop(l, 1);
+        pending_drop(l, 1, !fails);
     }
 }
 
@@ -131,7 +144,7 @@ static void answer_take(struct console_link *l, const struct mu_mail *mail, uint
 
 void console_link_attach(struct console_link *l)
 {
-    const struct mu_member *m = mu_process_lookup(l->op.process, l->agent);
+    const struct mu_member *m = mu_process_lookup(l->process, l->agent);
     char content[32];
     snprintf(content, sizeof content, "attach %d", CONSOLE_CREDIT);
     l->attached = directive_send(l, "console", content, "attach", NULL) == MU_OK;
@@ -143,9 +156,9 @@ static void trace_take(struct console_link *l, const struct mu_mail *mail)
 {
     unsigned long long lost = 0;
     if (sscanf(mail->ontology, "lost %llu", &lost) == 1 && lost > 0) {
-        show_note(l, "[%llu lines came faster than this console reads, and are lost]", lost);
+        show_note(l, 0, "[%llu lines came faster than this console reads, and are lost]", lost);
     }
-    show(l, CONSOLE_TRACE, mail->content);
+    show(l, CONSOLE_TRACE, 0, mail->content);
     l->used_ns = l->used++ == 0 ? mu_clock_ns() : l->used_ns;
 }
 
@@ -161,6 +174,13 @@ static void trace_renew(struct console_link *l)
     if (directive_send(l, "console", content, "", NULL) == MU_OK) {
         l->used = 0;
     }
+}
+
+mu_result console_link_detach(struct console_link *l, uint64_t *seq)
+{
+    bool was = l->attached;
+    l->attached = false;
+    return was ? directive_send(l, "console", "detach", "", seq) : MU_DONE;
 }
 
 void console_link_ask_words(struct console_link *l)
@@ -191,11 +211,10 @@ static void words_take(struct console_link *l, const struct mu_mail *mail)
 
 /* --- what comes ------------------------------------------------------------------------------- */
 
-static void on_mail(void *self, const struct mu_mail *mail)
+void console_link_mail(struct console_link *l, const struct mu_mail *mail)
 {
-    struct console_link *l = self;
     unsigned long long number;
-    bool ours = strcmp(mail->src, l->agent) == 0;
+    bool ours = l->agent && strcmp(mail->src, l->agent) == 0; /* or nobody is looked at yet */
     if (ours && strcmp(mail->performative, "trace") == 0) {
         if (l->attached) { /* else it was for an earlier console of our name */
             trace_take(l, mail);
@@ -214,33 +233,31 @@ static bool is_good(enum mu_outcome outcome)
 }
 
 /* A line that was not delivered has no answer. */
-static void on_receipt(void *self, uint64_t first_seq, uint64_t last_seq, enum mu_outcome outcome)
+void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t last_seq,
+                          enum mu_outcome outcome)
 {
-    struct console_link *l = self;
     size_t kept = 0;
-    bool none = false;
     for (size_t i = 0; i < l->pending_count && !is_good(outcome); i++) {
-        if (l->pending[i].seq >= first_seq && l->pending[i].seq <= last_seq) {
-            none = true;
-        } else {
-            l->pending[kept++] = l->pending[i];
+        struct console_pending p = l->pending[i];
+        if (p.seq < first_seq || p.seq > last_seq) {
+            l->pending[kept++] = p;
+            continue;
         }
+        l->code = answer_outcome_exit(outcome);
+        show_note(l, p.number, "muster: to %s: %s", l->agent, mu_outcome_text(outcome));
+        tell_end(l, &p, false);
     }
-    if (none) {
-        l->pending_count = kept;
-        l->code = operator_outcome_exit(outcome);
-        show_note(l, "muster: to %s: %s", l->agent, mu_outcome_text(outcome));
-    }
+    l->pending_count = is_good(outcome) ? l->pending_count : kept;
 }
 
 /* A robot that was started again knows nothing of us; and when we were away ourselves, pieces may
  * be lost that we would have said we had read. */
 static void attach_again(struct console_link *l)
 {
-    const struct mu_member *m = mu_process_lookup(l->op.process, l->agent);
+    const struct mu_member *m = mu_process_lookup(l->process, l->agent);
     uint64_t now_ns = mu_clock_ns();
     bool was_away = l->spun_ns > 0 && now_ns - l->spun_ns > AWAY_NS;
-    bool is_there = mu_process_has_broker(l->op.process);
+    bool is_there = mu_process_has_broker(l->process);
     bool is_other = m && m->state != MU_GONE && m->pid != l->agent_pid;
     l->spun_ns = is_there ? now_ns : l->spun_ns;
     if (l->attached && is_there && (was_away || is_other)) {
@@ -248,49 +265,24 @@ static void attach_again(struct console_link *l)
     }
 }
 
-mu_result console_link_spin(struct console_link *l, int64_t timeout_ns)
+void console_link_round(struct console_link *l)
 {
-    mu_result spun = mu_process_spin(l->op.process, timeout_ns);
     attach_again(l);
     trace_renew(l);
-    return spun;
 }
 
 enum mu_state console_link_state(const struct console_link *l)
 {
-    const struct mu_member *m = mu_process_lookup(l->op.process, l->agent);
+    const struct mu_member *m = mu_process_lookup(l->process, l->agent);
     return m ? m->state : MU_GONE;
 }
 
-int console_link_open(struct console_link *l, struct operator_options *options, const char *agent)
+void console_link_init(struct console_link *l, mu_process *process, mu_agent *asker,
+                       const char *agent)
 {
+    l->process = process;
+    l->asker = asker;
     l->agent = agent;
     /* The observer asks others, each line as long as it takes: its answers overtake each other. */
     l->pending_max = strcmp(agent, "observer") == 0 ? 1 : CONSOLE_PENDING_MAX;
-    l->hooks = (struct operator_hooks){l, on_mail, on_receipt};
-    options->hooks = &l->hooks;
-    options->only_reads = true;
-    int code = operator_join(&l->op, options, "console");
-    if (code != MU_EXIT_DONE) {
-        return code;
-    }
-    const struct mu_member *m = mu_process_lookup(l->op.process, agent);
-    if (!m || m->state == MU_GONE) {
-        fprintf(stderr, "muster console: %s: %s; muster ps lists who is there\n", agent,
-                m ? "absent" : "no such agent");
-        return MU_EXIT_NO_AGENT;
-    }
-    return MU_EXIT_DONE;
-}
-
-void console_link_close(struct console_link *l)
-{
-    if (l->attached && directive_send(l, "console", "detach", "", &l->op.seq) == MU_OK) {
-        uint64_t until_ns = mu_clock_ns() + GOODBYE_NS;
-        l->op.answered_for = false;
-        while (!l->op.answered_for && mu_clock_ns() < until_ns &&
-               mu_process_spin(l->op.process, ROUND_NS) == MU_OK) {
-        }
-    }
-    operator_leave(&l->op);
 }

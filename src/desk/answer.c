@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ctl/answer.h"
+#include "desk/answer.h"
 
+#include "core/exits.h"
 #include "core/json.h"
 
 #include <stdio.h>
@@ -99,4 +100,20 @@ void answer_print(const struct mu_mail *mail, bool json)
         printf("%s: ", mail->src);
         answer_content_print(stdout, mail->content);
     }
+}
+
+int answer_outcome_exit(enum mu_outcome outcome)
+{
+    switch (outcome) {
+    case MU_MAIL_DELIVERED:
+    case MU_MAIL_STORED:
+    case MU_MAIL_DUPLICATE: return MU_EXIT_DONE;
+    case MU_MAIL_UNKNOWN_NAME: return MU_EXIT_NO_AGENT;
+    case MU_MAIL_REFUSED: return MU_EXIT_REFUSED;
+    case MU_MAIL_NO_STORE: return MU_EXIT_WRITE;
+    case MU_MAIL_EXPIRED:
+    case MU_MAIL_DROPPED:
+    case MU_MAIL_BOX_FULL: return MU_EXIT_UNDELIVERED;
+    }
+    return MU_EXIT_UNDELIVERED;
 }

@@ -6,8 +6,8 @@
  * A run holds a lock on a small file in $XDG_RUNTIME_DIR/muster or /tmp/muster-UID; a lock ends
  * with its process, so a file that nobody locks is nobody's run.
  */
-#ifndef MUSTER_CTL_RUNS_H
-#define MUSTER_CTL_RUNS_H
+#ifndef MUSTER_DESK_RUNS_H
+#define MUSTER_DESK_RUNS_H
 
 #include "muster/result.h"
 

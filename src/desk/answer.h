@@ -3,8 +3,8 @@
  * @file answer.h
  * An answer to the command line's mail, as a person or a program wants it.
  */
-#ifndef MUSTER_CTL_ANSWER_H
-#define MUSTER_CTL_ANSWER_H
+#ifndef MUSTER_DESK_ANSWER_H
+#define MUSTER_DESK_ANSWER_H
 
 #include "muster/agent.h"
 
@@ -18,5 +18,8 @@ void answer_content_print(FILE *to, const char *content);
 
 /** Prints it on standard output, or, if it is a refusal, why on standard error. */
 void answer_print(const struct mu_mail *mail, bool json);
+
+/** @return the exit code for what became of a mail */
+int answer_outcome_exit(enum mu_outcome outcome);
 
 #endif

@@ -6,7 +6,7 @@
 #include "../support/capture.h"
 #include "../support/suite.h"
 #include "bus/bus.h"
-#include "ctl/runs.h"
+#include "desk/runs.h"
 
 #include <arpa/inet.h>
 #include <CUnit/Basic.h>
@@ -240,7 +240,7 @@ int main(void)
         {"a folder that cannot be", test_a_folder_that_cannot_be},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"ctl/runs", folder_make, folder_remove, set_up, NULL, tests},
+    CU_SuiteInfo suites[] = {{"desk/runs", folder_make, folder_remove, set_up, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

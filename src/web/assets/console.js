@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// The console of one agent: its facts, agenda and rules, buttons, and a line of CLIPS.
+
+import {element, mark, say} from './dom.js';
+
+const NODES_MAX = 1500;
+const HISTORY_MAX = 200;
+
+/* button, line, key for its title; N stands for the number beside it */
+const ROBOT_BUTTONS = [['Start', '(run)'], ['Suspend', '(suspend)'], ['Step', '(step N)'], ['Resume', '(resume)']];
+const OBSERVER_BUTTONS = [['Start all', '(start robots)'], ['Suspend all', '(suspend robots)'],
+  ['Resume all', '(resume robots)'], ['Agents', '(agents)']];
+const VIEWS = [['Log', null], ['Facts', '(facts)'], ['Agenda', '(agenda)'], ['Rules', '(rules)']];
+const WATCHES = ['facts', 'rules', 'activations'];
+
+/** One pane of text; what comes is put at its end. */
+function createPane() {
+  const pane = element('pre', {class: 'output', tabindex: '0'});
+  return {
+    pane,
+    add(kind, text) {
+      const below = pane.scrollTop + pane.clientHeight >= pane.scrollHeight - 20;
+      pane.append(element('span', {class: kind}, text));
+      while (pane.childNodes.length > NODES_MAX) pane.firstChild.remove();
+      if (below) pane.scrollTop = pane.scrollHeight;
+    },
+    /** Shows a whole answer; lines that the last one had not are marked. */
+    replace(text, old) {
+      const had = new Set(old.split('\n'));
+      const lines = text.split('\n').map((line) =>
+        element('span', {class: old && !had.has(line) ? 'new' : ''}, line + '\n'));
+      const top = pane.scrollTop;
+      pane.replaceChildren(...lines);
+      pane.scrollTop = top;
+    },
+    clear: () => pane.replaceChildren(),
+  };
+}
+
+export function createConsole(name, actor, {onFacts}) {
+  const isObserver = name === 'observer';
+  const panes = new Map(VIEWS.map(([title]) => [title, createPane()]));
+  const shownText = new Map();
+  const asked = new Map(); /* by number: {view, text} */
+  const history = [];
+  let view = 'Log', place = 0, watching = false, stepNow = 0;
+
+  const dot = element('span', {class: 'dot'});
+  const state = element('span', {class: 'state'});
+  /* Lines that are there from the beginning: what comes later must not move a button. */
+  const pose = element('div', {class: 'pose', hidden: isObserver});
+  const rule = element('div', {class: 'pose', hidden: isObserver});
+  const denied = element('p', {class: 'denied'});
+  const count = element('input', {type: 'number', value: '1', min: '1', max: '10000', 'aria-label': 'rules in a step'});
+  const input = element('input', {spellcheck: 'false', autocomplete: 'off', 'aria-label': `a line for ${name}`,
+    placeholder: isObserver ? '(you-do red wander)' : '(facts)', keydown: onKey});
+  const buttons = (isObserver ? OBSERVER_BUTTONS : ROBOT_BUTTONS).map(([title, line]) =>
+    element('button', {type: 'button', 'data-do': title, click: () => act(line)}, title));
+  if (!isObserver) buttons.splice(3, 0, count);
+  const views = isObserver ? [] : VIEWS.map(([title]) =>
+    element('button', {type: 'button', 'data-view': title, click: () => show(title)}, title));
+  const watches = isObserver ? [] : WATCHES.map((what) => element('label', {},
+    element('input', {type: 'checkbox', change: (event) => watch(what, event.target.checked)}), what));
+  const holder = element('div', {class: 'holder'});
+  const panel = element('div', {class: 'panel console'},
+    element('h2', {}, dot, name, state), pose, rule, denied,
+    element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what it is to do'}, ...buttons),
+    element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views),
+    element('div', {class: 'row', hidden: isObserver}, element('span', {class: 'quiet'}, 'watch'), ...watches),
+    holder,
+    element('div', {class: 'line'}, element('label', {}, `${name}>`), input));
+  show('Log', false);
+
+  /* What is asked first makes the console known to the agent, so that breaks and traces come. */
+  async function attach() {
+    if (watching) return;
+    watching = true;
+    const why = await actor.watch(name, true);
+    if (why) {
+      watching = false;
+      panes.get('Log').add('note', why + '\n');
+    }
+  }
+
+  function ask(text, into) {
+    const {ask: number, failed} = actor.say(name, text);
+    asked.set(number, {view: into, text: ''});
+    failed.then((why) => {
+      if (!why) return;
+      asked.delete(number);
+      panes.get('Log').add('failure', why + '\n');
+    });
+    attach();
+  }
+
+  function type(text) {
+    show('Log', false);
+    panes.get('Log').add('typed', `${name}> ${text}\n`);
+    ask(text, 'Log');
+  }
+
+  function act(line) {
+    panes.get('Log').add('typed', `${name}> ${line.replace('N', count.value)}\n`);
+    ask(line.replace('N', count.value), 'Log');
+    if (view !== 'Log') refresh();
+  }
+
+  function refresh() {
+    const line = VIEWS.find(([title]) => title === view)[1];
+    if (line && !actor.denied) ask(line, view);
+  }
+
+  function watch(what, on) {
+    ask(`(${on ? 'watch' : 'unwatch'} ${what})`, 'Log');
+    show('Log', false);
+  }
+
+  function show(title, fresh = true) {
+    view = title;
+    holder.replaceChildren(panes.get(title).pane);
+    for (const button of views) mark(button, 'aria-pressed', String(button.dataset.view === title));
+    if (fresh) refresh();
+  }
+
+  function onKey(event) {
+    if (event.key === 'Enter' && input.value.trim()) {
+      history.push(input.value);
+      if (history.length > HISTORY_MAX) history.shift();
+      place = history.length;
+      type(input.value);
+      input.value = '';
+    } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
+      place = Math.min(history.length, Math.max(0, place + (event.key === 'ArrowUp' ? -1 : 1)));
+      input.value = history[place] ?? '';
+      event.preventDefault();
+    } else if (event.key === 'Escape') {
+      input.blur();
+    }
+  }
+
+  return {
+    panel,
+    focus: () => input.focus(),
+    /** The same as a press on Suspend, or on Resume or Start. */
+    toggle() {
+      const now = state.textContent.trim();
+      if (!actor.denied) act(now === 'suspended' ? '(resume)' : now === 'standby' ? '(run)' : '(suspend)');
+    },
+    said({kind, ask: number, text}) {
+      const question = asked.get(number);
+      if (question && question.view !== 'Log') question.text += text;
+      else panes.get('Log').add(kind, kind === 'note' ? text + '\n' : text);
+    },
+    ended({ask: number, good}) {
+      const question = asked.get(number);
+      asked.delete(number);
+      if (!question || question.view === 'Log') return;
+      panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
+      shownText.set(question.view, question.text);
+      panes.get(question.view).add('note', `as of step ${stepNow}\n`);
+      if (question.view === 'Facts' && good) onFacts(name, question.text);
+    },
+    /** The server is there again, and knows nothing of us. */
+    forget() {
+      watching = false;
+      asked.clear();
+    },
+    draw({color, robot, agent, fired, over, step}) {
+      stepNow = step ?? 0;
+      dot.style.setProperty('--robot', color ?? '');
+      const word = agent?.state ?? (over ? 'gone' : robot?.state ?? 'not there');
+      say(state, ` ${word}`);
+      mark(state, 'data-state', word);
+      say(denied, actor.denied);
+      denied.hidden = !actor.denied;
+      for (const button of buttons) button.disabled = Boolean(actor.denied);
+      input.disabled = Boolean(actor.denied);
+      say(rule, fired ? `last fired: ${fired.rules} (step ${fired.step})` : '');
+      if (!robot) return;
+      const degrees = (robot.heading * 180 / Math.PI).toFixed(0);
+      say(pose, `x ${robot.x.toFixed(2)} m   y ${robot.y.toFixed(2)} m   heading ${degrees}°   ` +
+        `${robot.forward.toFixed(2)} m/s   ${(robot.turn * 180 / Math.PI).toFixed(0)}°/s`);
+    },
+  };
+}

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Puts the page together: the feed fills a model, sixty times a second the view draws it.
+
+import {createActor} from './act.js';
+import {createTheme} from './colors.js';
+import {createConsole} from './console.js';
+import {decodeFrame, decodeStatistics} from './decode.js';
+import {byId, mark} from './dom.js';
+import {fetchScene, openFeed} from './feed.js';
+import {createHeader} from './header.js';
+import {attachKeys} from './keys.js';
+import {createLog} from './log.js';
+import {createMinds} from './minds.js';
+import {attachPointer} from './pointer.js';
+import {createStatistics} from './statistics.js';
+import {createTabs} from './tabs.js';
+import {createTween} from './tween.js';
+import {createView} from './view.js';
+
+const WORDS_MS = 200; /* tables and texts need not change more often */
+const PAN_PX = 60;
+
+const actor = createActor();
+const view = createView(byId('ground'), byId('live'));
+const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
+const model = {scene: null, frame: null, run: null, agents: new Map(), fired: new Map()};
+const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
+const onFacts = (name, text) => minds.takeFacts(name, text);
+const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
+  (name) => createConsole(name, actor, {onFacts}));
+const theme = createTheme(paint);
+
+function paint(name) {
+  view.paint(name);
+  statistics.paint(view.colors);
+}
+
+function pick(index) {
+  view.look.picked = index;
+  if (index < 0) view.look.follow = false;
+  drawTools();
+}
+
+const nameOf = (index) => model.scene?.robots[index]?.name;
+
+// --- what comes ----------------------------------------------------------------------------------
+
+async function takeScene() {
+  const scene = await fetchScene();
+  if (!scene) return;
+  const fresh = !model.scene || JSON.stringify(scene.bounds) !== JSON.stringify(model.scene.bounds);
+  model.scene = scene;
+  model.frame = null;
+  model.fired.clear();
+  tween.clear();
+  minds.load(scene);
+  view.load(scene);
+  statistics.load(scene);
+  paint(theme.name);
+  tabs.load(scene);
+  log.clear();
+  header.set({scene});
+  pick(-1);
+  if (fresh) view.fit();
+}
+
+function takeFrame(data) {
+  if (!model.scene || data.robots.length !== model.scene.robots.length) return;
+  const frame = decodeFrame(data), now = performance.now();
+  model.frame = frame;
+  for (const {robot, rules} of frame.fired) model.fired.set(robot, {rules, step: frame.step});
+  minds.take(frame);
+  tween.push(frame, now);
+  view.trails.add(frame);
+  view.mails.take(frame, now);
+  log.take(frame);
+  header.set({frame});
+}
+
+openFeed({
+  link(linked) {
+    header.set({linked});
+    if (!linked) tabs.consoles.forEach(({console}) => console.forget());
+  },
+  hello(hello) {
+    actor.hello(hello);
+    header.set({hello, missed: 0});
+  },
+  run(run) {
+    model.run = run;
+    header.set({run});
+  },
+  scene: takeScene,
+  frame: takeFrame,
+  statistics: (data) => statistics.take(decodeStatistics(data)),
+  agents({agents}) {
+    model.agents = new Map(agents.map(([name, kind, state, host]) => [name, {name, kind, state, host}]));
+  },
+  said: (data) => tabs.consoleOf(data.agent)?.said(data),
+  ended: (data) => tabs.consoleOf(data.agent)?.ended(data),
+  missed: ({frames}) => header.set({missed: frames}),
+});
+
+// --- what people do ------------------------------------------------------------------------------
+
+function turn(name) {
+  view.look[name] = !view.look[name];
+  drawTools();
+}
+
+const BEAMS = {picked: 'all', all: 'none', none: 'picked'};
+
+const tools = {
+  fit() {
+    view.look.follow = false;
+    view.fit();
+  },
+  in: () => view.camera.zoom(1.3),
+  out: () => view.camera.zoom(1 / 1.3),
+  follow: () => view.look.picked >= 0 && turn('follow'),
+  trails: () => turn('trails'),
+  mail: () => turn('mail'),
+  names: () => turn('names'),
+  beams() {
+    view.look.beams = BEAMS[view.look.beams];
+    drawTools();
+  },
+};
+
+function drawTools() {
+  for (const button of byId('tools').children) {
+    const tool = button.dataset.tool;
+    if (tool === 'beams') button.textContent = `Beams: ${view.look.beams}`;
+    else if (button.hasAttribute('aria-pressed')) mark(button, 'aria-pressed', String(view.look[tool]));
+  }
+}
+
+byId('tools').addEventListener('click', (event) => {
+  const tool = event.target.dataset.tool;
+  tools[tool]?.();
+  drawTools();
+});
+byId('theme').addEventListener('click', () => theme.toggle());
+
+const pickAt = (x, y) => (model.frame ? view.robots.pick(view.camera, model.frame, x, y) : -1);
+
+attachPointer(byId('live'), view.camera, {
+  onPick: (x, y) => pick(pickAt(x, y)),
+  onOpen(x, y) {
+    const name = nameOf(pickAt(x, y));
+    if (name) tabs.show(name);
+  },
+  onMove() {
+    if (view.look.follow) turn('follow');
+  },
+});
+
+function next(step) {
+  const count = model.scene?.robots.length ?? 0;
+  if (count) pick((view.look.picked + step + count) % count);
+}
+
+function withConsole(run) {
+  const name = nameOf(view.look.picked);
+  if (name) run(tabs.show(name));
+}
+
+attachKeys([
+  {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], shown: '← → ↑ ↓', help: 'move the world',
+   run: (key) => view.camera.pan({ArrowLeft: PAN_PX, ArrowRight: -PAN_PX}[key] ?? 0, {ArrowUp: PAN_PX, ArrowDown: -PAN_PX}[key] ?? 0)},
+  {keys: ['+', '='], shown: '+', help: 'nearer', run: tools.in},
+  {keys: ['-'], shown: '-', help: 'farther', run: tools.out},
+  {keys: ['f', '0'], shown: 'F', help: 'show all of the world', run: tools.fit},
+  {keys: ['j'], shown: 'J', help: 'pick the next robot', run: () => next(1)},
+  {keys: ['k'], shown: 'K', help: 'pick the one before', run: () => next(-1)},
+  {keys: ['Escape'], shown: 'Esc', help: 'pick none', run: () => pick(-1)},
+  {keys: ['c'], shown: 'C', help: 'follow the picked robot', run: tools.follow},
+  {keys: ['Enter', '/'], shown: 'Enter /', help: 'a line on its console', run: () => withConsole((c) => c.focus())},
+  {keys: ['s'], shown: 'S', help: 'suspend it, or let it go on', run: () => withConsole((c) => c.toggle())},
+  {keys: ['r'], shown: 'R', help: 'the table of robots', run: () => tabs.select('Robots')},
+  {keys: ['o'], shown: 'O', help: 'the observer\'s console', run: () => tabs.show('observer').focus()},
+  {keys: ['t'], shown: 'T', help: 'trails', run: tools.trails},
+  {keys: ['b'], shown: 'B', help: 'beams of the picked robot, of all, of none', run: tools.beams},
+  {keys: ['m'], shown: 'M', help: 'mail on its way', run: tools.mail},
+  {keys: ['n'], shown: 'N', help: 'names', run: tools.names},
+  {keys: ['d'], shown: 'D', help: 'light or dark', run: () => theme.toggle()},
+  {keys: [], shown: '?', help: 'these keys', run() {}},
+]);
+
+// --- sixty times a second ------------------------------------------------------------------------
+
+/* Its robots are as they were last, and not there any more. */
+const isOver = () => model.run?.state === 'done' || model.run?.state === 'fault';
+
+function lookOf(name) {
+  const index = model.scene ? model.scene.robots.findIndex((robot) => robot.name === name) : -1;
+  return {color: view.colors[index], robot: model.frame?.robots[index], over: isOver(), step: model.frame?.step,
+    agent: model.agents.get(name), fired: model.fired.get(index)};
+}
+
+let wordsAt = 0;
+
+function draw(now) {
+  requestAnimationFrame(draw); /* first: one picture that fails is not to be the last */
+  if (view.resize() && model.scene && wordsAt === 0) view.fit();
+  view.draw(tween.at(now), minds, now);
+  if (now - wordsAt >= WORDS_MS) {
+    wordsAt = now;
+    header.draw();
+    log.draw();
+    statistics.draw(model.frame, model.agents, view.look.picked, isOver());
+    tabs.draw(lookOf);
+  }
+}
+
+drawTools();
+requestAnimationFrame(draw);

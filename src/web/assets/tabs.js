@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tabs at the side: the table, mail, the observer's console, and one for each robot.
+
+import {byId, element, mark} from './dom.js';
+
+const OPEN_AT_ONCE = 8; /* of so many robots each has a tab from the beginning */
+
+/** fixed: [title, panel] of tabs that are always there; makeConsole: by name. */
+export function createTabs(fixed, makeConsole) {
+  const strip = byId('tabs'), panels = byId('panels');
+  const tabs = new Map(); /* by key: {button, panel, console} */
+  let selected = '';
+
+  function add(key, title, panel, console = null) {
+    const dot = console ? element('span', {class: 'dot'}) : '';
+    const button = element('button', {type: 'button', role: 'tab', 'data-tab': key, click: () => select(key)}, dot, title.slice(0, 40));
+    panel.setAttribute('role', 'tabpanel');
+    panel.hidden = true;
+    tabs.set(key, {button, panel, console, dot});
+    strip.append(button);
+    panels.append(panel);
+  }
+
+  function select(key) {
+    selected = key;
+    for (const [name, tab] of tabs) {
+      mark(tab.button, 'aria-selected', String(name === key));
+      tab.button.tabIndex = name === key ? 0 : -1;
+      tab.panel.hidden = name !== key;
+    }
+    tabs.get(key)?.button.scrollIntoView({block: 'nearest', inline: 'nearest'});
+  }
+
+  function open(name) {
+    const key = `agent ${name}`;
+    if (!tabs.has(key)) {
+      const console = makeConsole(name);
+      add(key, name, console.panel, console);
+    }
+    return key;
+  }
+
+  strip.addEventListener('keydown', (event) => {
+    const keys = [...tabs.keys()], at = keys.indexOf(selected);
+    const step = {ArrowRight: 1, ArrowLeft: -1}[event.key];
+    if (!step) return;
+    select(keys[(at + step + keys.length) % keys.length]);
+    tabs.get(selected).button.focus();
+    event.stopPropagation();
+  });
+
+  for (const [title, panel] of fixed) add(title, title, panel);
+  open('observer');
+  select(fixed[0][0]);
+
+  return {
+    select,
+    /** Shows the console of an agent, and gives it. */
+    show(name) {
+      const key = open(name);
+      select(key);
+      return tabs.get(key).console;
+    },
+    /** Another scene: tabs for its robots, where they are few. */
+    load(scene) {
+      if (scene.robots.length <= OPEN_AT_ONCE) scene.robots.forEach((robot) => robot.controlled && open(robot.name));
+    },
+    consoleOf: (name) => tabs.get(`agent ${name}`)?.console,
+    get consoles() {
+      return [...tabs.values()].filter((tab) => tab.console);
+    },
+    draw(lookOf) {
+      for (const [key, tab] of tabs) {
+        if (!tab.console) continue;
+        const look = lookOf(key.slice('agent '.length));
+        tab.dot.style.setProperty('--robot', look.color ?? '');
+        if (!tab.panel.hidden) tab.console.draw(look);
+      }
+    },
+  };
+}

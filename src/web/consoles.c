@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "web/consoles.h"
+
+#include "core/clock.h"
+#include "core/name.h"
+#include "desk/reader.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+static const uint64_t PATIENCE_NS = 10000000000;
+static const unsigned ATTEMPTS_MAX = 64;
+
+/* --- what agents say -------------------------------------------------------------------------- */
+
+static struct console_ask *ask_find(struct console *c, uint64_t line)
+{
+    for (size_t i = 0; i < CONSOLES_ASKS_MAX; i++) {
+        if (c->asks[i].line == line) {
+            return &c->asks[i];
+        }
+    }
+    return NULL;
+}
+
+static void said_write(struct console *c, enum console_kind kind, uint64_t ask, const char *text)
+{
+    static const char *const kinds[] = {[CONSOLE_ANSWER] = "answer",
+                                        [CONSOLE_FAILURE] = "failure",
+                                        [CONSOLE_TRACE] = "trace",
+                                        [CONSOLE_NOTE] = "note"};
+    struct mu_json *j = viewers_begin(c->all->viewers, "said");
+    mu_json_object(j, NULL);
+    mu_json_string(j, "agent", c->name);
+    mu_json_string(j, "kind", kinds[kind]);
+    mu_json_uint(j, "ask", ask);
+    mu_json_string(j, "text", text);
+    mu_json_end(j);
+    viewers_end(c->all->viewers);
+}
+
+static void watchers_tell(struct console *c)
+{
+    struct viewers *v = c->all->viewers;
+    for (size_t i = 0; i < VIEWERS_MAX; i++) {
+        struct viewer *to = c->watchers[i] ? viewers_find(v, c->watchers[i]) : NULL;
+        if (to) {
+            viewers_send(v, to);
+        }
+    }
+}
+
+/* What belongs to a line goes to who typed it, the rest to all who watch. */
+static void on_show(void *self, enum console_kind kind, uint64_t line, const char *text)
+{
+    struct console *c = self;
+    const struct console_ask *ask = line ? ask_find(c, line) : NULL;
+    struct viewer *to = ask ? viewers_find(c->all->viewers, ask->viewer) : NULL;
+    if (line && !to) {
+        return; /* who asked has left */
+    }
+    said_write(c, kind, ask ? ask->number : 0, text);
+    if (to) {
+        viewers_send(c->all->viewers, to);
+    } else {
+        watchers_tell(c);
+    }
+}
+
+static bool ask_goes_on(const struct console *c, const struct console_ask *of)
+{
+    for (size_t i = 0; i < CONSOLES_ASKS_MAX; i++) {
+        const struct console_ask *a = &c->asks[i];
+        if (a->line && a->viewer == of->viewer && a->number == of->number) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A text of several forms has ended with the last of them. */
+static void on_ended(void *self, uint64_t line, bool good)
+{
+    struct console *c = self;
+    struct console_ask *ask = ask_find(c, line);
+    struct viewer *to = ask ? viewers_find(c->all->viewers, ask->viewer) : NULL;
+    if (!ask) {
+        return;
+    }
+    ask->line = 0;
+    if (!to || ask_goes_on(c, ask)) {
+        return;
+    }
+    struct mu_json *j = viewers_begin(c->all->viewers, "ended");
+    mu_json_object(j, NULL);
+    mu_json_string(j, "agent", c->name);
+    mu_json_uint(j, "ask", ask->number);
+    mu_json_bool(j, "good", good);
+    mu_json_end(j);
+    viewers_end(c->all->viewers);
+    viewers_send(c->all->viewers, to);
+}
+
+/* --- the agent that speaks for all pages ------------------------------------------------------ */
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    struct consoles *c = self;
+    (void)a;
+    bool held = strncmp(reason ? reason : "", "held", 4) == 0;
+    c->state = accepted ? CONSOLES_IN : CONSOLES_REFUSED;
+    if (!accepted && held && c->attempt < ATTEMPTS_MAX) {
+        c->attempt++;
+        c->state = CONSOLES_OUT;
+    }
+}
+
+static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    struct consoles *c = self;
+    (void)a;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used) {
+            console_link_mail(&c->all[i].link, mail);
+        }
+    }
+}
+
+static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
+                       enum mu_outcome outcome)
+{
+    struct consoles *c = self;
+    (void)a;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used) {
+            console_link_receipt(&c->all[i].link, first_seq, last_seq, outcome);
+        }
+    }
+}
+
+static void agent_join(struct consoles *c)
+{
+    char name[MU_NAME_MAX + 1];
+    if (c->agent) {
+        mu_agent_set_state(c->agent, MU_GONE);
+    }
+    reader_name(name, c->attempt, true);
+    mu_result joined = mu_agent_join(c->process, &c->agent, name, MU_KIND_SPECIAL, 0, &c->handlers);
+    if (joined != MU_OK) { /* one that leaves still has its place */
+        c->agent = NULL;
+        return;
+    }
+    mu_agent_decline_broadcasts(c->agent);
+    c->state = CONSOLES_JOINING;
+}
+
+static enum consoles_outcome agent_ready(struct consoles *c)
+{
+    if (c->state == CONSOLES_OUT) {
+        agent_join(c);
+    }
+    if (!mu_process_has_broker(c->process)) { /* it looks for one only when an agent is to join */
+        return CONSOLES_NO_BROKER;
+    }
+    if (c->state == CONSOLES_REFUSED) {
+        return CONSOLES_DENIED;
+    }
+    return c->state == CONSOLES_IN ? CONSOLES_DONE : CONSOLES_NOT_YET;
+}
+
+/* --- one console for each agent --------------------------------------------------------------- */
+
+static bool is_watched(const struct console *c)
+{
+    for (size_t i = 0; i < VIEWERS_MAX; i++) {
+        if (c->watchers[i]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* @return a place: a free one, else the one that nobody has needed for longest; NULL: none */
+static struct console *place_find(struct consoles *c)
+{
+    struct console *oldest = NULL;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        struct console *k = &c->all[i];
+        if (!k->used) {
+            return k;
+        }
+        bool idle = k->link.pending_count == 0 && !is_watched(k);
+        if (idle && (!oldest || k->used_ns < oldest->used_ns)) {
+            oldest = k;
+        }
+    }
+    return oldest;
+}
+
+static struct console *console_find(struct consoles *c, const char *agent)
+{
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used && strcmp(c->all[i].name, agent) == 0) {
+            return &c->all[i];
+        }
+    }
+    return NULL;
+}
+
+static struct console *console_for(struct consoles *c, const char *agent)
+{
+    struct console *k = console_find(c, agent);
+    if (!k && (k = place_find(c))) {
+        uint64_t lines = k->link.lines; /* a late answer is no answer to a new line */
+        memset(k, 0, sizeof *k);
+        k->used = true;
+        k->all = c;
+        mu_text_copy(k->name, sizeof k->name, agent);
+        k->link.self = k;
+        k->link.show = on_show;
+        k->link.ended = on_ended;
+        k->link.lines = lines;
+        console_link_init(&k->link, c->process, c->agent, k->name);
+    }
+    if (k) {
+        k->used_ns = mu_clock_ns();
+    }
+    return k;
+}
+
+/* @return how many lines the forms of a text are; < 0: it has no end, or too many */
+static int forms_count(struct forms *forms, const char *text)
+{
+    int count = 0;
+    enum forms_found found;
+    forms_clear(forms);
+    while ((found = forms_next(forms, &text)) == FORMS_READY) {
+        count++;
+    }
+    const char *end = "\n"; /* a word ends with its line */
+    if (found == FORMS_MORE && (found = forms_next(forms, &end)) == FORMS_READY) {
+        count++;
+        found = FORMS_MORE;
+    }
+    bool open = forms_are_open(forms);
+    forms_clear(forms);
+    return found != FORMS_MORE || open ? -1 : count;
+}
+
+static enum consoles_outcome form_send(struct console *k, const char *form, uint64_t viewer,
+                                       uint64_t number)
+{
+    uint64_t line;
+    struct console_ask *ask = ask_find(k, 0);
+    if (!ask || console_link_line(&k->link, form, &line) != MU_OK) {
+        return CONSOLES_BUSY;
+    }
+    *ask = (struct console_ask){line, viewer, number};
+    return CONSOLES_DONE;
+}
+
+static enum consoles_outcome forms_send(struct console *k, const char *text, uint64_t viewer,
+                                        uint64_t number)
+{
+    struct forms *forms = &k->all->forms;
+    enum consoles_outcome sent = CONSOLES_DONE;
+    const char *end = "\n";
+    forms_clear(forms);
+    while (sent == CONSOLES_DONE && forms_next(forms, &text) == FORMS_READY) {
+        sent = form_send(k, forms->text, viewer, number);
+    }
+    if (sent == CONSOLES_DONE && forms_next(forms, &end) == FORMS_READY) {
+        sent = form_send(k, forms->text, viewer, number);
+    }
+    forms_clear(forms);
+    return sent;
+}
+
+enum consoles_outcome consoles_say(struct consoles *c, const char *agent, const char *text,
+                                   uint64_t viewer, uint64_t number)
+{
+    enum consoles_outcome ready = mu_name_valid(agent) ? agent_ready(c) : CONSOLES_NO_NAME;
+    int count = ready == CONSOLES_DONE ? forms_count(&c->forms, text) : 0;
+    if (ready != CONSOLES_DONE) {
+        return ready;
+    }
+    if (count <= 0) {
+        return CONSOLES_NO_FORM;
+    }
+    struct console *k = console_for(c, agent);
+    if (!k || k->link.pending_count + (size_t)count > k->link.pending_max) {
+        return CONSOLES_BUSY;
+    }
+    return forms_send(k, text, viewer, number);
+}
+
+/* --- who watches ------------------------------------------------------------------------------ */
+
+/* @return whether somebody watches now */
+static bool watchers_set(struct console *k, uint64_t viewer, bool on)
+{
+    uint64_t *free_place = NULL;
+    bool is_there = false;
+    for (size_t i = 0; i < VIEWERS_MAX; i++) {
+        uint64_t *w = &k->watchers[i];
+        bool has_left = *w && !viewers_find(k->all->viewers, *w);
+        *w = has_left || (*w == viewer && !on) ? 0 : *w;
+        is_there = is_there || *w == viewer;
+        free_place = *w ? free_place : w;
+    }
+    if (on && !is_there && free_place) {
+        *free_place = viewer;
+    }
+    return is_watched(k);
+}
+
+static void attachment_match(struct console *k, bool watched)
+{
+    if (watched && !k->link.attached) {
+        console_link_attach(&k->link);
+    } else if (!watched && k->link.attached) {
+        mu_result left = console_link_detach(&k->link, NULL);
+        k->link.attached = left != MU_OK; /* no room for the mail: the next round tries again */
+    }
+}
+
+enum consoles_outcome consoles_watch(struct consoles *c, const char *agent, uint64_t viewer,
+                                     bool on)
+{
+    enum consoles_outcome ready = mu_name_valid(agent) ? agent_ready(c) : CONSOLES_NO_NAME;
+    if (ready != CONSOLES_DONE) {
+        return ready;
+    }
+    struct console *k = on ? console_for(c, agent) : console_find(c, agent);
+    if (!k) {
+        return on ? CONSOLES_BUSY : CONSOLES_DONE;
+    }
+    attachment_match(k, watchers_set(k, viewer, on));
+    return CONSOLES_DONE;
+}
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+static void silence_tell(struct console *k)
+{
+    if (k->link.pending_count > 0 && mu_clock_ns() - k->link.heard_ns > PATIENCE_NS) {
+        on_show(k, CONSOLE_NOTE, k->link.pending[0].number, "[no answer]");
+        console_link_forget(&k->link);
+    }
+}
+
+void consoles_round(struct consoles *c)
+{
+    if (c->attempt > 0 && c->state == CONSOLES_OUT) {
+        agent_join(c);
+    }
+    for (size_t i = 0; i < CONSOLES_MAX && c->state == CONSOLES_IN; i++) {
+        struct console *k = &c->all[i];
+        if (k->used) {
+            attachment_match(k, watchers_set(k, 0, false)); /* those who have left */
+            console_link_round(&k->link);
+            silence_tell(k);
+        }
+    }
+}
+
+struct consoles *consoles_open(mu_process *process, struct viewers *viewers)
+{
+    struct consoles *c = mu_startup_alloc(sizeof *c);
+    c->process = process;
+    c->viewers = viewers;
+    c->handlers = (struct mu_handlers){
+        .self = c, .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
+    return c;
+}
+
+/* --- outcomes --------------------------------------------------------------------------------- */
+
+static const struct {
+    unsigned status;
+    const char *text;
+} outcomes[CONSOLES_OUTCOMES] = {
+    [CONSOLES_DONE] = {202, ""},
+    [CONSOLES_NOT_YET] = {503, "joining; try again\n"},
+    [CONSOLES_NO_BROKER] = {503, "no broker is there\n"},
+    [CONSOLES_NO_NAME] = {404, "that is no name of an agent\n"},
+    [CONSOLES_NO_FORM] = {400, "expected whole lines of CLIPS: mind the parentheses\n"},
+    [CONSOLES_BUSY] = {429, "too many lines wait for their answers\n"},
+    [CONSOLES_DENIED] = {403, "the broker gives this page no name\n"},
+};
+
+unsigned consoles_status(enum consoles_outcome outcome)
+{
+    return outcomes[outcome].status;
+}
+
+const char *consoles_text(enum consoles_outcome outcome)
+{
+    return outcomes[outcome].text;
+}

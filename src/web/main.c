@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-web: the live page of a run, for browsers on this machine. */
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/network.h"
+#include "core/options.h"
+#include "desk/runs.h"
+#include "muster/memory.h"
+#include "web/server.h"
+#include "web/watch.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/random.h>
+
+/* Heartbeats go out from our loop. */
+enum { ROUND_MS = 50 };
+
+struct settings {
+    struct mu_network network;
+    int64_t port;
+    bool read_only, verbose;
+};
+
+struct web {
+    mu_process *process;
+    struct guard guard;
+    struct board board;
+    struct viewers viewers;
+    struct consoles *consoles;
+    struct watch watch;
+    struct server *server;
+};
+
+static volatile sig_atomic_t stopped;
+
+static void stop_note(int number)
+{
+    (void)number;
+    stopped = 1;
+}
+
+static mu_result settings_parse(struct settings *set, int argc, char **argv)
+{
+    struct mu_option table[] = {
+        MU_JOIN_OPTIONS(set->network),
+        {.name = "port",
+         .letter = 'p',
+         .kind = MU_OPTION_INTEGER,
+         .unit = "N",
+         .fallback = "8642",
+         .environment = "MUSTER_WEB_PORT",
+         .help = "listen on this port of 127.0.0.1; 0: on any free one",
+         .target = &set->port,
+         .min = 0,
+         .max = 65535},
+        {.name = "read-only",
+         .kind = MU_OPTION_FLAG,
+         .help = "nobody acts from this page, whatever token he has",
+         .target = &set->read_only},
+        {.name = "verbose",
+         .letter = 'v',
+         .kind = MU_OPTION_FLAG,
+         .help = "log what happens",
+         .target = &set->verbose},
+    };
+    static struct mu_options options;
+    options = (struct mu_options){
+        .program = "muster web",
+        .usage = "[OPTION...]",
+        .about = "Shows a run in a browser on this machine: the world, robots, mail, statistics, "
+                 "a console for each robot.  Prints the page's address, with the token that "
+                 "whoever acts needs.",
+        .table = table,
+        .count = sizeof table / sizeof table[0]};
+    set->network.domain = -1;
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed == MU_OK && options.words_count > 0) {
+        fprintf(stderr, "muster web: expected options alone\n");
+        return MU_FAULT_USAGE;
+    }
+    return parsed;
+}
+
+/* @return MU_OK, or MU_FAULT_OS: there is no randomness */
+static mu_result secrets_make(struct web *w, bool read_only)
+{
+    uint8_t token[GUARD_TOKEN_DIGITS / 2];
+    uint64_t seed;
+    if (getrandom(token, sizeof token, 0) != sizeof token ||
+        getrandom(&seed, sizeof seed, 0) != sizeof seed) {
+        return MU_FAULT_OS;
+    }
+    guard_init(&w->guard, token, read_only);
+    viewers_init(&w->viewers, seed);
+    return MU_OK;
+}
+
+static mu_result network_join(struct web *w, struct settings *set)
+{
+    int domain = (int)set->network.domain;
+    if (domain < 0 && runs_find(&domain) != MU_OK) {
+        return MU_FAULT_USAGE;
+    }
+    set->network.domain = domain;
+    struct mu_process_options options = {.domain = domain,
+                                         .interface = set->network.interface,
+                                         .peer = mu_network_peers(&set->network),
+                                         .broker = set->network.broker,
+                                         .name = "web"};
+    MU_TRY(mu_process_open(&w->process, &options));
+    MU_TRY(watch_open(&w->watch, w->process, &w->board));
+    w->consoles = consoles_open(w->process, &w->viewers);
+    return MU_OK;
+}
+
+/* @return the exit code, explained */
+static int page_open(struct web *w, const struct settings *set)
+{
+    struct server_parts parts = {&w->guard, &w->board, &w->viewers, w->consoles,
+                                 (int)set->network.domain};
+    mu_result opened = server_open(&w->server, &parts, (uint16_t)set->port);
+    if (opened == MU_BUSY) {
+        fprintf(stderr, "muster web: port %d is taken; --port 0 takes a free one\n",
+                (int)set->port);
+        return MU_EXIT_DDS;
+    }
+    if (opened != MU_OK) {
+        return mu_exit_for(opened);
+    }
+    printf("http://127.0.0.1:%u/%s%s\n", (unsigned)server_port(w->server),
+           set->read_only ? "" : "#token=", set->read_only ? "" : w->guard.token);
+    fflush(stdout);
+    return MU_EXIT_DONE;
+}
+
+static void round_wait(const struct web *w)
+{
+    struct pollfd fds[] = {{.fd = server_fd(w->server), .events = POLLIN},
+                           {.fd = mu_process_wake_fd(w->process), .events = POLLIN}};
+    int server_ms = server_timeout_ms(w->server);
+    (void)poll(fds, 2, server_ms >= 0 && server_ms < ROUND_MS ? server_ms : ROUND_MS);
+}
+
+/* @return the exit code */
+static int web_run(struct web *w)
+{
+    mu_result spun = MU_OK;
+    while (!stopped && spun >= 0) {
+        round_wait(w);
+        spun = mu_process_spin(w->process, 0);
+        watch_round(&w->watch, mu_clock_ns());
+        consoles_round(w->consoles);
+        server_run(w->server, mu_clock_ns());
+    }
+    return spun < 0 ? mu_exit_for(spun) : MU_EXIT_DONE;
+}
+
+int main(int argc, char **argv)
+{
+    static struct settings set;
+    static struct web w;
+    mu_result ready = settings_parse(&set, argc, argv);
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    mu_log_open("web", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    board_init(&w.board);
+    ready = secrets_make(&w, set.read_only);
+    ready = ready == MU_OK ? network_join(&w, &set) : ready;
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    struct sigaction stop = {.sa_handler = stop_note}, none = {.sa_handler = SIG_IGN};
+    sigaction(SIGINT, &stop, NULL);
+    sigaction(SIGTERM, &stop, NULL);
+    sigaction(SIGPIPE, &none, NULL);
+    int code = page_open(&w, &set);
+    if (code == MU_EXIT_DONE) {
+        mu_memory_seal();
+        code = web_run(&w);
+        server_close(w.server);
+    }
+    mu_process_close(w.process);
+    return code;
+}

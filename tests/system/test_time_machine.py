@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recorded run goes the same way again, and says why its robots did what they did."""
+import json
+import struct
+import zlib
+
+from support import (MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder, muster,
+                     new_domain, wait_for)
+
+COLLECT = str(ROOT / "experiments" / "collect.yaml")
+CHUNK, FRAME_OF_RED = 6, b"red\0"
+
+# Two robots that drive at each other and at a wall, as a person told one and a mail the other.
+BUMP = """world: {world}
+duration: 20
+robots:
+  - {{name: ram, body: pioneer, pose: [0, 0, 0], rules: ram.clp}}
+  - {{name: post, body: pioneer, pose: [1.2, 0, 0], rules: post.clp}}
+observer:
+  - {{at: 1, do: ram, line: "(assert (goal ram))"}}
+"""
+RAM = """(defrule ram (goal ram) (position ?time $?) => (setSpeed 400 0)
+  (if (> ?time 10.0) then (send post turn)))
+"""
+POST = """(defrule turn (message turn) (position $?) => (setSpeed 400 0))
+"""
+
+
+def record(out, *words, **kwargs):
+    done, summary = experiment_run(out, *words, **kwargs)
+    check(summary is not None, f"a run without a summary: {done.stderr}")
+    return out / "run.mcap", summary
+
+
+def verify(recording, *words):
+    done = muster("verify", recording, *words, timeout=120)
+    return done.returncode, done.stdout, done.stderr
+
+
+def bump(out):
+    (out / "ram.clp").write_text(RAM)
+    (out / "post.clp").write_text(POST)
+    (out / "bump.yaml").write_text(BUMP.format(world=ROOT / "worlds" / "arena.world"))
+    return record(out / "run", file=out / "bump.yaml")
+
+
+# --- verify --------------------------------------------------------------------------------------
+
+
+def test_equal():
+    with folder() as out:
+        for file, seed in ((None, 1), (COLLECT, 3)):
+            words = ("--duration", 10, "--seed", seed)
+            recording, summary = record(out / "run", *words, **({"file": file} if file else {}))
+            code, said, _ = verify(recording)
+            check_equal(said, f"equal  101 steps\nhash   {summary['hash']}\n", "verify")
+            check_equal(code, 0, "exit code")
+
+
+def test_files_from_elsewhere():
+    """Relative and absolute paths, and rules that are gone since."""
+    with folder() as out:
+        recording, summary = bump(out)
+        (out / "ram.clp").unlink()
+        (out / "bump.yaml").unlink()
+        code, said, why = verify(recording, "--json")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
+def test_overrides():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
+        check_equal(verify(recording)[0], 0, "exit code")
+
+
+def test_a_person_in_the_run():
+    """Console lines, commands, mail and hands on the world come in again at their steps."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = processes.start(MUSTER, "run", str(ROOT / "experiments" / "follow.yaml"), "--rate", 20,
+                              "--duration", 60, "--quiet", "--out", out / "run", "--domain", domain)
+        wait_for(lambda: muster("lookup", "red", "--domain", domain).stdout.count("running"), 20,
+                 "a robot that runs")
+        for words in (("console", "red", "-c", "(stop)"), ("console", "red", "-c", "(wander)"),
+                      ("do", "green", "(setSpeed 100 50)"), ("send", "blue", "hello"),
+                      ("world", "push", "blue", 40, 0, 0), ("suspend", "yellow"),
+                      ("resume", "yellow"), ("world", "place", "green", 1, 1, 90)):
+            muster(*words, "--domain", domain)
+        check_equal(run.wait(30), 0, "the run")
+        plain, _ = record(out / "plain", "--duration", 60)
+        code, said, why = verify(out / "run" / "run.mcap", "--json")
+        check_equal(code, 0, f"exit code: {said}{why}")
+        check(json.loads(said)["hash"] != json.loads(verify(plain, "--json")[1])["hash"],
+              "nobody had a hand in it")
+
+
+def frames(data):
+    """Where the chunks' records lie, and their checksums: (at, length, crc_at)."""
+    at = 8
+    while at + 9 <= len(data):
+        op, length = data[at], struct.unpack_from("<Q", data, at + 1)[0]
+        if op == CHUNK:
+            body = at + 9
+            compression = struct.unpack_from("<I", data, body + 28)[0]
+            records = body + 32 + compression
+            size = struct.unpack_from("<Q", data, records)[0]
+            yield records + 8, size, body + 24
+        at += 9 + length
+
+
+def changed(data, share):
+    """One byte of a command's number changed, about so far into the file, and the chunk's checksum
+    made right again."""
+    data = bytearray(data)
+    wanted = int(len(data) * share)
+    for at, size, crc_at in frames(data):
+        found = data.find(FRAME_OF_RED, max(at, wanted), at + size)
+        if found > 0:
+            # name, state, x, y, heading, forward, turn, command: numbers stand at multiples of 8
+            # from the body of the message on, which is not known here: 8 bytes further than 64 it
+            # is one of them whatever the place.
+            data[found + 60] ^= 0x10
+            struct.pack_into("<I", data, crc_at, zlib.crc32(data[at:at + size]))
+            return bytes(data)
+    raise AssertionError("no frame found")
+
+
+def test_a_changed_byte_is_found():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 10)
+        (out / "changed.mcap").write_bytes(changed(recording.read_bytes(), 0.5))
+        code, said, _ = verify(out / "changed.mcap", "--json")
+        check_equal(code, 1, "exit code")
+        found = json.loads(said)
+        check(not found["equal"] and 10 < found["step"] < 90, f"a step in the middle: {found}")
+        check_equal(found["who"], "red", "who")
+        check(not found["changed"], "the checksum is right")
+
+
+def test_a_wrong_checksum_is_told():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 5)
+        data = bytearray(recording.read_bytes())
+        _, _, crc_at = next(iter(frames(data)))
+        data[crc_at] ^= 1
+        (out / "changed.mcap").write_bytes(data)
+        code, said, _ = verify(out / "changed.mcap")
+        check_equal(code, 1, "exit code")
+        check("has been changed" in said, said)
+
+
+def test_a_cut_recording():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 60)
+        data = recording.read_bytes()
+        (out / "cut.mcap").write_bytes(data[:len(data) * 3 // 4])
+        code, said, _ = verify(out / "cut.mcap")
+        check_equal(code, 0, f"exit code: {said}")
+        check("without its end" in said and "equal" in said, said)
+
+
+def test_what_cannot_be_verified():
+    with folder() as out:
+        free, _ = record(out / "free", "--free", "--duration", 1)
+        code, _, why = verify(free)
+        check_equal(code, 2, "exit code of free running")
+        check("--free" in why, why)
+        (out / "junk.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(range(200)))
+        for file in (out / "junk.mcap", out / "none.mcap"):
+            check_equal(verify(file)[0], 3, f"exit code of {file}")
+        check_equal(muster("verify").returncode, 2, "exit code without a file")
+
+
+# --- why -----------------------------------------------------------------------------------------
+
+
+def test_why_down_to_a_person_and_a_mail():
+    with folder() as out:
+        recording, _ = bump(out)
+        ram = [json.loads(line) for line in
+               muster("why", recording, "ram", "--json").stdout.splitlines()]
+        check(ram and ram[0]["near"] == "post", f"ram runs into post: {ram[:1]}")
+        chain = ram[0]["chain"]
+        check("rule ram " in chain and "a line: (assert (goal ram))" in chain and "sensed" in chain,
+              chain)
+        post = muster("why", recording, "post", "15").stdout
+        check("a mail of ram" in post and "sent by ram:" in post and "a line:" in post, post)
+
+
+def test_why_a_fact():
+    with folder() as out:
+        recording, _ = bump(out)
+        first = muster("why", recording, "ram", "5").stdout
+        fact = next(word for word in first.split() if word.startswith("f-"))
+        told = muster("why", recording, "ram", f"{fact}@5").stdout
+        check("a line: (assert (goal ram))" in told or "sensed" in told, told)
+        check("had no such fact" in muster("why", recording, "ram", "f-999999@5").stdout, "no fact")
+
+
+def test_why_usage():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 1)
+        check_equal(muster("why", recording, "nobody").returncode, 7, "no such robot")
+        for words in ((), ("red", "a@b"), ("red", "stalled@"), ("red", "1", "2"), ("red", "-1")):
+            check_equal(muster("why", recording, *words).returncode, 2, f"exit code of {words}")
+        check_equal(muster("why", out / "none.mcap", "red").returncode, 3, "no such file")
+        check_equal(muster("why", "red", cwd=out).returncode, 3, "no recording here")
+        plain, _ = record(out / "plain", "--duration", 1, "--no-diary")
+        done = muster("why", plain, "red", "0.5")
+        check_equal(done.returncode, 3, "no diary")
+        check("no diary" in done.stderr, done.stderr)

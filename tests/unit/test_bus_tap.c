@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Samples as bytes, on loopback: what a feed writes, a tap hears; what is no sample is refused. */
+#include "../support/samples.h"
+#include "../support/suite.h"
+#include "bus/feed.h"
+#include "bus/tap.h"
+#include "core/clock.h"
+#include "core/random.h"
+#include "wire.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { HEARD_MAX = 512, BYTES_MAX = 4096, ROUNDS = 3000 };
+
+static const uint64_t PATIENCE_NS = 5000000000u;
+
+static struct bus bus; /* static: DDS keeps pointers into it */
+static struct tap tap;
+static struct feed feed;
+static struct bus_bytes bytes;
+
+static struct heard {
+    uint8_t bytes[BYTES_MAX];
+    size_t size;
+    uint64_t source_ns;
+    char partition[64];
+} heard[HEARD_MAX];
+static size_t heard_count;
+
+static int begin(void)
+{
+    unsetenv("CYCLONEDDS_URI");
+    alarm(60);
+    struct bus_options options = {
+        .domain = 100 + (int)(getpid() % 100), .place = BUS_OBSERVER, .name = "test"};
+    return bus_open(&bus, &options) != MU_OK || tap_open(&tap, &bus, BUS_PART_STATUS) != MU_OK ||
+           feed_open(&feed, &bus, BUS_PART_STATUS, "here", NULL) != MU_OK;
+}
+
+static int end(void)
+{
+    bus_bytes_free(&bytes);
+    bus_close(&bus);
+    return 0;
+}
+
+static void hear(void *self, struct tap *of, const struct tap_sample *s)
+{
+    (void)self;
+    struct heard *h = &heard[heard_count++ % HEARD_MAX];
+    h->size = s->size < BYTES_MAX ? s->size : BYTES_MAX;
+    h->source_ns = s->source_ns;
+    memcpy(h->bytes, s->data, h->size);
+    (void)tap_partition(of, s->writer, h->partition, sizeof h->partition);
+}
+
+static void hear_until(size_t count)
+{
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (heard_count < count && mu_clock_ns() < until_ns) {
+        (void)tap_take(&tap, hear, NULL);
+    }
+    CU_ASSERT_EQUAL_FATAL(heard_count, count);
+}
+
+static const struct bus_bytes *sample(const char *part, uint64_t value)
+{
+    static muster_Counter counter;
+    counter = (muster_Counter){.name = words("mails"), .value = value};
+    muster_PartStatus s = {.broker = words("main"), .part = words(part)};
+    s.counters._buffer = &counter;
+    s.counters._length = s.counters._maximum = 1;
+    CU_ASSERT_EQUAL_FATAL(bus_encode(BUS_PART_STATUS, &s, &bytes), MU_OK);
+    return &bytes;
+}
+
+/* DDS hands a reader the samples of an instance together; a tap has them as they were written. */
+static void test_what_is_fed_is_heard(void)
+{
+    enum { COUNT = 200 };
+    static const char *const parts[] = {"courier", "groups", "journal"};
+    heard_count = 0;
+    for (uint64_t i = 0; i < COUNT; i++) {
+        const struct bus_bytes *b = sample(parts[i % 3], i);
+        CU_ASSERT_EQUAL(feed_write(&feed, b->data, b->size), MU_OK);
+    }
+    hear_until(COUNT);
+    size_t wrong = 0;
+    for (uint64_t i = 0; i < COUNT; i++) {
+        const struct bus_bytes *b = sample(parts[i % 3], i);
+        wrong += heard[i].size != b->size || memcmp(heard[i].bytes, b->data, b->size) != 0;
+        wrong += i > 0 && heard[i].source_ns < heard[i - 1].source_ns;
+        wrong += strcmp(heard[i].partition, "here") != 0;
+    }
+    CU_ASSERT_EQUAL(wrong, 0);
+}
+
+static void test_what_is_no_sample_is_refused(void)
+{
+    static const uint8_t cases[][16] = {
+        {0},
+        {0, 1, 0, 0},
+        {0, 1, 0, 0, 255, 255, 255, 255},
+        {0, 1, 0, 0, 1, 0, 0, 0, 'x', 0, 0, 0},
+        {0, 99, 0, 0, 1, 0, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (size_t size = 0; size <= sizeof cases[0]; size++) {
+            CU_ASSERT_EQUAL(feed_write(&feed, cases[i], size), MU_MALFORMED);
+        }
+    }
+}
+
+/* Whatever the wounds, bytes are a sample or they are refused. */
+static void test_wounded_bytes(void)
+{
+    struct mu_random random;
+    uint8_t wounded[BYTES_MAX];
+    size_t refused = 0;
+    heard_count = 0;
+    mu_random_seed(&random, suite_setting("MUSTER_SEED", 41), "wounded bytes");
+    for (uint64_t i = 0; i < suite_setting("MUSTER_ROUNDS", ROUNDS); i++) {
+        const struct bus_bytes *b = sample("courier", i);
+        size_t size = b->size;
+        memcpy(wounded, b->data, size);
+        for (int64_t wounds = mu_random_between(&random, 1, 4); wounds > 0; wounds--) {
+            wounded[mu_random_between(&random, 0, (int64_t)size - 1)] =
+                (uint8_t)mu_random_between(&random, 0, 255);
+        }
+        if (i % 4 == 0) {
+            size = (size_t)mu_random_between(&random, 0, (int64_t)size);
+        }
+        mu_result written = feed_write(&feed, wounded, size);
+        CU_ASSERT(written == MU_OK || written == MU_MALFORMED);
+        refused += written == MU_MALFORMED;
+        (void)tap_take(&tap, hear, NULL);
+    }
+    CU_ASSERT(refused > ROUNDS / 4 && refused < ROUNDS);
+}
+
+static void test_topics_by_name(void)
+{
+    enum bus_topic topic;
+    CU_ASSERT(feed_topic("Frame", &topic));
+    CU_ASSERT_EQUAL(topic, BUS_FRAME);
+    CU_ASSERT_FALSE(feed_topic("frame", &topic));
+}
+
+static void test_every_topic_can_be_fed(void)
+{
+    static struct feed feeds[BUS_TOPICS];
+    for (int t = 0; t < BUS_TOPICS; t++) {
+        CU_ASSERT_EQUAL(feed_open(&feeds[t], &bus, (enum bus_topic)t, NULL, NULL), MU_OK);
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"what is fed is heard", test_what_is_fed_is_heard},
+        {"what is no sample is refused", test_what_is_no_sample_is_refused},
+        {"wounded bytes", test_wounded_bytes},
+        {"topics by name", test_topics_by_name},
+        {"every topic can be fed", test_every_topic_can_be_fed},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"bus/tap", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    return suites_run(suites);
+}
