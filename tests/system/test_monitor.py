@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Monitors and `muster top`: the figures of the report while a run goes on, and no other run."""
+import fcntl
 import json
 import re
 import signal
+import struct
 import subprocess
+import termios
 import time
 
 from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
@@ -154,6 +157,39 @@ def test_top_on_a_terminal():
             t.type("q")
             check_equal(t.end(), 0, "q ends it")
             check(t.raw.rstrip().endswith(b"\x1b[?25h\x1b[?1049l"), "the terminal is given back")
+
+
+def test_top_scrolls_and_follows_the_window():
+    """Twenty robots of the run and four that stand about, in a window of 24 lines, then of 40."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        processes.start(MUSTER, "run", ROOT / "experiments/crowd.yaml", "--domain", domain, "--out",
+                        out / "report", "--quiet", "--rate", "1")
+        with Terminal(MUSTER, "top", "--every", "3600", "--domain", domain) as t:
+            fcntl.ioctl(t.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 60, 0, 0))
+            wait_for(lambda: "w_9" in muster("top", "--once", "--domain", domain).stdout, 30,
+                     "a run of many")
+            t.type("S")  # whatever is typed shows what is there now
+            t.type("s")
+            t.wait_for("sorted by name")
+            at = t.wait_for("w_0 ")
+            check("yellow" not in t.text, "there is no room for the last")
+            check("EXPL" not in t.text, "nor for the columns behind")
+            t.type("\x1b[6~")
+            at = t.wait_for("yellow", since=at)
+            t.type("\x1b[5~")
+            at = t.wait_for("blue", since=at)
+            fcntl.ioctl(t.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 160, 0, 0))
+            at = t.wait_for("EXPL", since=at)
+            t.wait_for("yellow", since=at)
+            t.type("q")
+            check_equal(t.end(), 0, "q ends it")
+
+
+def test_the_examples_are_short():
+    for name in ("watcher", "asker"):
+        lines = (ROOT / "examples" / f"{name}.c").read_text().splitlines()
+        check(len(lines) < 100, f"{name}.c: {len(lines)} lines")
 
 
 def test_top_needs_no_broker_and_no_run():
