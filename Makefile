@@ -92,7 +92,7 @@ module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter b
                 $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record muster-replay muster-monitor muster-web)
+            muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
@@ -257,6 +257,10 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 .PHONY: soak-churn
 soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
+
+.PHONY: soak-crash
+soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs that go on
+	@BUILD=$(BUILD) tests/soak/crash.py
 
 .PHONY: soak-brokers
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute

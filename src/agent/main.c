@@ -4,6 +4,7 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "runtime/process.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -26,9 +27,10 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
+    c->rules_folder = mu_startup_string(folder);
     MU_TRY(robot_map_open(c));
     for (uint32_t i = 0; i < c->count; i++) {
-        MU_TRY(robot_think(&c->robots[i], folder));
+        MU_TRY(robot_think(&c->robots[i]));
     }
     return MU_OK;
 }
@@ -57,9 +59,15 @@ static mu_result robots_join(struct crew *c)
     return found;
 }
 
+static void crew_save(void *self)
+{
+    checkpoint_round(self);
+}
+
 static void crew_round(void *self)
 {
     trip_round(self);
+    checkpoint_round(self);
     robot_crew_look(self);
 }
 
@@ -82,6 +90,7 @@ int main(int argc, char **argv)
         return mu_exit_for(ready);
     }
     mu_process_each_round(c->process, crew_round, c);
+    process_before_up(c->process, crew_save, c);
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);
     mu_process_close(c->process);

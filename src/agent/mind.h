@@ -102,6 +102,8 @@ struct mind_ports {
     /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
      * anybody looks; if nobody does it is printed.  May be NULL. */
     bool (*trace)(void *self, const char *text);
+    /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
+    void (*work)(void *self);
 };
 
 struct mind_options {
@@ -164,6 +166,9 @@ MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *opti
 
 /** Its memory stays. */
 void mind_close(struct mind *m);
+
+/** @return whether it ran out of memory where there is no way back: nothing works any more */
+bool mind_is_broken(const struct mind *m);
 
 /**
  * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides

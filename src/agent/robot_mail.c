@@ -127,6 +127,7 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     if (mail->reply_with[0] && !is_console) {
         line_answer(r, mail, done);
     }
+    (void)robot_mend(r);
     body_ask(a, r->mind);
     robot_do_wish(r, a);
     robot_travel(r);

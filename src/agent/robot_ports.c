@@ -2,6 +2,7 @@
 /* What a mind asks of its robot. */
 #include "agent/pages.h"
 #include "agent/robot.h"
+#include "runtime/process.h"
 
 #include <stdio.h>
 #include <unistd.h>
@@ -104,6 +105,14 @@ static bool port_trace(void *self, const char *text)
     return robot_console_print(self, text);
 }
 
+static void port_work(void *self)
+{
+    struct robot *r = self;
+    if (r->crew->process) { /* else it loads its rules, and is not there yet */
+        process_work(r->crew->process);
+    }
+}
+
 struct mind_ports robot_ports(struct robot *r)
 {
     return (struct mind_ports){.self = r,
@@ -113,6 +122,7 @@ struct mind_ports robot_ports(struct robot *r)
                                .change = port_change,
                                .entry = port_entry,
                                .trace = port_trace,
+                               .work = port_work,
                                .print = port_print};
 }
 

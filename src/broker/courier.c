@@ -137,7 +137,7 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!mailbox_is_begun(&b->mailbox, agent)) {
+    if (!mailbox_is_begun(&b->mailbox, agent) || lockstep_awaits(b, agent)) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);

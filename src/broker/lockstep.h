@@ -42,6 +42,7 @@ struct turn {
 struct lockstep {
     bool on;
     bool applying; /* a step is ending: what happens now happens in every run */
+    bool held;     /* the step does not end: a process of the roster is to come yet */
     int64_t step;  /* whose Ups are collected */
     uint64_t step_ns;
     uint32_t simulator; /* its place */
@@ -68,6 +69,10 @@ void lockstep_set_roster(struct broker *b, const muster_Roster *roster);
 
 /** @return whether an Up of this process and step is to be collected now */
 bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step);
+
+/** @return whether this agent's process is not in the lock step yet, which is held for such ones:
+ * its mail waits for its first step */
+bool lockstep_awaits(const struct broker *b, uint32_t agent);
 
 /** All of a process's Up has been collected; the step may end with it. */
 void lockstep_answered(struct broker *b, uint32_t place);

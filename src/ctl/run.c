@@ -338,6 +338,23 @@ static mu_result directive_send(struct run *r, struct mu_mail mail)
     return sent;
 }
 
+/* The mail waits for them at the broker. */
+void run_wake(struct run *r, const char *child)
+{
+    const struct experiment *e = r->experiment;
+    for (unsigned i = 0; i < e->crews_count; i++) {
+        const struct experiment_crew *crew = &e->crews[i];
+        bool meant = strcmp(e->robots[crew->robot].name, child) == 0;
+        for (unsigned k = 0; meant && k < crew->count; k++) {
+            struct mu_mail start = {.dst = e->robots[crew->robot + k].name,
+                                    .performative = "start"};
+            if (directive_send(r, start) != MU_OK) {
+                fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
+            }
+        }
+    }
+}
+
 /* @param label  its place in the file, for answers */
 static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
                               const char *label)
@@ -489,7 +506,7 @@ static int round_live(struct run *r)
         return MU_EXIT_INTERRUPTED;
     }
     bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    const struct child *ended = over ? NULL : supervise_ended(&r->children);
+    const struct child *ended = over ? NULL : run_restart_look(r);
     if (ended) {
         /* A simulator that is done says so before it ends; the word may still be on its way. */
         bool is_broker =

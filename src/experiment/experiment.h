@@ -29,6 +29,9 @@ enum {
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
 
+/* When a process of the run dies: the run ends, or the process is started again. */
+enum experiment_on_crash { EXPERIMENT_STOP, EXPERIMENT_RESTART };
+
 struct experiment_pose {
     double x_m, y_m, heading_deg;
 };
@@ -46,12 +49,14 @@ struct experiment_robot {
     char *name;
     char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
     char *color; /* of its track; NULL: the body's, or the robot's name if that is a colour */
-    struct experiment_pose *pose; /* NULL: the world file's, or a random place */
-    char *place;                  /* "random": a free one, by the seed; NULL: none of that */
-    unsigned count, processes;    /* as written; loaded, each robot stands for itself */
-    char *rules;                  /* absolute path; in the file, relative to it */
-    char *broker;                 /* one of brokers, in free running; NULL: the first */
-    struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
+    struct experiment_pose *pose;      /* NULL: the world file's, or a random place */
+    char *place;                       /* "random": a free one, by the seed; NULL: none of that */
+    unsigned count, processes;         /* as written; loaded, each robot stands for itself */
+    char *rules;                       /* absolute path; in the file, relative to it */
+    char *broker;                      /* one of brokers, in free running; NULL: the first */
+    struct mu_fault broker_fault;      /* what is wrong with it in lock step, and where */
+    enum experiment_on_crash on_crash; /* the experiment's unless it says otherwise, */
+    double checkpoint_s;               /* so with this */
     struct experiment_global *globals;
     unsigned globals_count;
     char **groups; /* that it is in from the start */
@@ -96,6 +101,11 @@ struct experiment_expectation {
     char *never;     /* or: a condition that never comes true */
 };
 
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
+};
+
 enum experiment_chaos_kind {
     CHAOS_NONE,
     /* in the world: */
@@ -129,12 +139,9 @@ struct experiment_chaos {
                                      simulated time, else that of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    int line, column; /* of it in the file */
-    char text[160];   /* what it does, for people */
+    struct experiment_mark mark; /* of it in the file */
+    char text[160];              /* what it does, for people */
 };
-
-/* A process of the run that dies ends the run. */
-enum experiment_on_crash { EXPERIMENT_STOP };
 
 /* What the run's broker is told. */
 struct experiment_broker {
@@ -156,7 +163,11 @@ struct experiment {
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
     enum experiment_on_crash on_crash;
-    char **brokers; /* their names; none: main */
+    double checkpoint_s;    /* robots that may be started again are written down so often: 1 unless
+                               it says otherwise; at most a step: after each; 0: never */
+    unsigned restarts;      /* of one process at most; 5 unless it says otherwise */
+    double return_within_s; /* wall time that a lock step waits for one; 20, likewise */
+    char **brokers;         /* their names; none: main */
     unsigned brokers_count;
     char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
     unsigned resolvers_count;
@@ -175,8 +186,9 @@ struct experiment {
     bool free;           /* it runs free unless somebody says otherwise */
     const char **events; /* conditions of all sequences and nevers, each once */
     unsigned events_count;
-    char *file;       /* its path, for faults */
-    char folder[256]; /* of the file: what relative paths start from */
+    struct experiment_mark *event_marks; /* where the file has each first */
+    char *file;                          /* its path, for faults */
+    char folder[256];                    /* of the file: what relative paths start from */
 };
 
 /** Lets absolute paths in experiment files start from a folder, for files that were recorded; the
@@ -236,9 +248,9 @@ int experiment_robot_find(const struct experiment *e, const char *name);
  * Loads and checks an experiment.  Lives as long as the process.
  *
  * @param set        overrides as "key=value", e.g. "duration=30" or "robots.red.rules=x.clp"; what
- *                   may be set: name world seed duration step_ms on-crash policy simulator.threads,
- *                   and of each robot robots.NAME.body, .color, .rules and .globals.G; paths as in
- *                   the file
+ *                   may be set: name world seed duration step_ms on-crash checkpoint restarts
+ *                   return-within policy simulator.threads, and of each robot robots.NAME.body,
+ *                   .color, .rules, .on-crash, .checkpoint and .globals.G; paths as in the file
  * @return MU_OK; MU_FAULT_FILE with file, line, column and what was expected; MU_FAULT_USAGE when
  *         an override is wrong (fault->file is "--set key=value")
  */

@@ -21,7 +21,10 @@ enum {
     CHECK_STEP_MAX_MS = 10000,
     CHECK_INTERVAL_MAX_MS = 60000,
     CHECK_SUBSTEP_MS = 20,
-    CHECK_NAME_MAX = 63
+    CHECK_NAME_MAX = 63,
+    CHECK_CHECKPOINT_MAX_S = 1000000,
+    CHECK_RESTARTS_MAX = 1000,
+    CHECK_RETURN_MAX_S = 3600
 };
 
 int experiment_section(struct experiment_source *s, const char *key)
@@ -134,6 +137,32 @@ unsigned experiment_find_broker(const struct experiment *e, const char *name)
     return i;
 }
 
+static mu_result check_checkpoint(struct experiment_source *s, const double *checkpoint_s, int node)
+{
+    if (*checkpoint_s >= 0 && *checkpoint_s <= CHECK_CHECKPOINT_MAX_S) {
+        return MU_OK;
+    }
+    return experiment_fault(s, checkpoint_s, node, "expected a time of 0 to %d s, not %g",
+                            CHECK_CHECKPOINT_MAX_S, *checkpoint_s);
+}
+
+static mu_result check_restart(struct experiment_source *s)
+{
+    const struct experiment *e = s->experiment;
+    MU_TRY(check_checkpoint(s, &e->checkpoint_s, experiment_section(s, "checkpoint")));
+    if (e->restarts > CHECK_RESTARTS_MAX) {
+        return experiment_fault(s, &e->restarts, experiment_section(s, "restarts"),
+                                "expected 0 to %d restarts, not %u", CHECK_RESTARTS_MAX,
+                                e->restarts);
+    }
+    if (!(e->return_within_s > 0) || e->return_within_s > CHECK_RETURN_MAX_S) {
+        return experiment_fault(s, &e->return_within_s, experiment_section(s, "return-within"),
+                                "expected a time of more than 0 and at most %d s, not %g",
+                                CHECK_RETURN_MAX_S, e->return_within_s);
+    }
+    return MU_OK;
+}
+
 static mu_result check_top(struct experiment_source *s)
 {
     struct experiment *e = s->experiment;
@@ -178,6 +207,7 @@ static mu_result check_top(struct experiment_source *s)
                                 "expected an interval of 0 to %d ms, not %g", CHECK_INTERVAL_MAX_MS,
                                 interval_ms);
     }
+    MU_TRY(check_restart(s));
     mu_result checked =
         e->policy ? check_file(s, &e->policy, experiment_section(s, "policy"), "policy") : MU_OK;
     return checked != MU_OK ? checked
@@ -299,6 +329,20 @@ static mu_result check_place(struct experiment_source *s, const struct experimen
     return MU_OK;
 }
 
+/* What a robot does not say of its death is as the experiment has it. */
+static mu_result check_death(struct experiment_source *s, struct experiment_robot *robot, int node)
+{
+    int on_crash = yaml_tree_child(s->tree, node, "on-crash");
+    int checkpoint = yaml_tree_child(s->tree, node, "checkpoint");
+    if (!on_crash && !experiment_overridden(s, &robot->on_crash)) {
+        robot->on_crash = s->experiment->on_crash;
+    }
+    if (!checkpoint && !experiment_overridden(s, &robot->checkpoint_s)) {
+        robot->checkpoint_s = s->experiment->checkpoint_s;
+    }
+    return check_checkpoint(s, &robot->checkpoint_s, checkpoint);
+}
+
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
@@ -321,6 +365,7 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     result = result == MU_OK ? check_groups(s, robot, node) : result;
     result = result == MU_OK ? check_services(s, robot, node) : result;
     result = result == MU_OK ? check_broker(s, robot, node) : result;
+    result = result == MU_OK ? check_death(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
                : result;

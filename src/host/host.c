@@ -120,8 +120,12 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
                        const struct arrival *a)
 {
     struct mind *mind = r->mind;
-    *r = (struct robot){
-        .crew = &h->crew, .mind = mind, .out = true, .mails = p->mails, .returns_as = p->state};
+    *r = (struct robot){.crew = &h->crew,
+                        .mind = mind,
+                        .out = true,
+                        .mails = p->mails,
+                        .returns_as = p->state,
+                        .step = -1};
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;
@@ -151,13 +155,31 @@ bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEX
     if (joined != MU_OK) {
         return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, mu_result_text(joined));
     }
-    if (h->set->checkpoint_s > 0) {
-        (void)checkpoint_write(h, r, p.state); /* before the source lets go */
+    if (h->set->robots.checkpoints.every_s > 0) {
+        (void)checkpoint_write(r, p.state); /* before the source lets go */
     }
     if (p.purpose == TRIP_MOVE) {
         host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
     }
     return true;
+}
+
+/* @return whether an agent is on its way back */
+static bool agent_restore(struct crew *c, const char *name, const char *text)
+{
+    char why[MU_FAULT_TEXT_MAX + 1] = "cannot be read";
+    /* Nobody writes there. */
+    const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)}};
+    bool taken = text[0] && host_take_in((struct host *)c, &back, why);
+    if (!taken) {
+        fprintf(stderr, "muster host: the checkpoint of %s: %s\n", name, why);
+    }
+    return taken;
+}
+
+uint32_t host_restore(struct host *h)
+{
+    return checkpoint_each(&h->crew, agent_restore);
 }
 
 /* --- the host itself -------------------------------------------------------------------------- */
@@ -225,7 +247,6 @@ struct host *host_make(const struct host_settings *set)
         h->crew.robots[i].mind = mind_reserve();
     }
     arrivals_reserve(h);
-    checkpoints_reserve(h);
     return h;
 }
 

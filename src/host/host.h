@@ -26,22 +26,14 @@ struct arrival {
     struct mu_text text; /* TRIP_CAPSULE_MAX */
 };
 
-/* The file of an agent. */
-struct saved {
-    char name[MU_NAME_MAX + 1]; /* "": there is none */
-    uint64_t due_ns;            /* when it is to be written next */
-};
-
 struct host {
     struct crew crew; /* first: a robot's crew is the host */
     const struct host_settings *set;
     char folder[PATH_MAX]; /* of the shared rules */
     mu_agent *agent;
     struct arrival arrivals[HOST_ARRIVALS];
-    struct arrival *waiting;   /* of each robot, what it came by, until it has its name; agents of
-                                  them, used: somebody is to be told */
-    struct saved *saved;       /* of each robot */
-    struct mu_text checkpoint; /* TRIP_CAPSULE_MAX: what is being written */
+    struct arrival *waiting; /* of each robot, what it came by, until it has its name; agents of
+                                them, used: somebody is to be told */
 };
 
 /* host.c */
@@ -60,23 +52,12 @@ MU_MUST_USE mu_result host_join(struct host *h);
  */
 bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
 
+/** Takes in all agents that have a checkpoint.  @return how many */
+uint32_t host_restore(struct host *h);
+
 /** Answers who has sent an agent. */
 void host_answer(struct host *h, const struct arrival *a, const char *performative,
                  const char *text);
-
-/* checkpoint.c */
-
-/** Takes the memory for checkpoints. */
-void checkpoints_reserve(struct host *h);
-
-/** Writes an agent's file.  @return false: that failed, and was logged */
-bool checkpoint_write(struct host *h, struct robot *r, enum mu_state state);
-
-/** Writes what is due; forgets who is not here any more. */
-void checkpoints_round(struct host *h);
-
-/** Takes in all agents that have a file.  @return how many */
-uint32_t checkpoints_restore(struct host *h);
 
 /* arrival.c */
 

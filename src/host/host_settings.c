@@ -31,22 +31,8 @@ static struct mu_option table[] = {
      .target = &settings.bytes,
      .min = 1000,
      .max = 1000000},
-    {.name = "checkpoint",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "0",
-     .help = "write each agent to the folder every S seconds, and when it arrives; 0: never",
-     .target = &settings.checkpoint_s,
-     .max = 1e6},
-    {.name = "folder",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "where checkpoints are",
-     .target = &settings.folder},
-    {.name = "restore",
-     .kind = MU_OPTION_FLAG,
-     .help = "take in the agents that have a checkpoint there",
-     .target = &settings.restore},
+    CHECKPOINT_OPTIONS(settings.robots.checkpoints),
+    SETTINGS_MEND_OPTION(settings.robots),
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
@@ -84,10 +70,6 @@ mu_result host_settings_parse(const struct host_settings **out, int argc, char *
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    if ((settings.checkpoint_s > 0 || settings.restore) && !settings.folder) {
-        fprintf(stderr, "muster host: --checkpoint and --restore need --folder DIR\n");
-        return MU_FAULT_USAGE;
-    }
     settings.robots.name = name;
-    return MU_OK;
+    return checkpoint_settings_check(&settings.robots.checkpoints, "muster host");
 }

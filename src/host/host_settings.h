@@ -13,9 +13,6 @@ struct host_settings {
     int64_t agents;             /* that there is room for */
     int64_t bytes;              /* of a capsule, at most */
     struct mu_option_list take; /* patterns of names; none: every name */
-    double checkpoint_s;        /* agents are written to disk so often; 0: never */
-    const char *folder;         /* of their files */
-    bool restore;
 };
 
 /**

@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/paths.h"
 #include "host/host.h"
+#include "runtime/process.h"
 
 #include <stdio.h>
 
@@ -29,11 +30,17 @@ static mu_result host_connect(struct host *h)
     return found;
 }
 
+static void host_save(void *self)
+{
+    struct host *h = self;
+    checkpoint_round(&h->crew);
+}
+
 static void host_round(void *self)
 {
     struct host *h = self;
     trip_round(&h->crew);
-    checkpoints_round(h);
+    checkpoint_round(&h->crew);
 }
 
 int main(int argc, char **argv)
@@ -50,14 +57,16 @@ int main(int argc, char **argv)
                         "folder that has muster.clp\n");
         return MU_EXIT_FILE;
     }
+    h->crew.rules_folder = h->folder;
     mu_result ready = host_connect(h);
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (set->restore) {
-        mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));
+    if (set->robots.checkpoints.restore) {
+        mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }
     mu_process_each_round(h->crew.process, host_round, h);
+    process_before_up(h->crew.process, host_save, h);
     mu_memory_seal();
     mu_result ran = mu_process_run(h->crew.process);
     mu_process_close(h->crew.process);

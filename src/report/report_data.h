@@ -86,14 +86,15 @@ void report_expect_row(struct report_expect *x, const struct report_row *row);
 void report_expect_close(struct report_expect *x, struct report_data *data);
 
 /* What came true when: times of the experiment's events, from events.csv. */
-enum { REPORT_EVENTS_MAX = 1 << 16 };
+enum { REPORT_EVENTS_MAX = 1 << 18 };
 
 struct report_events {
     struct report_event {
         float time_s;
         uint16_t event;      /* its number in the experiment */
-    } at[REPORT_EVENTS_MAX]; /* by time; more are left out */
+    } at[REPORT_EVENTS_MAX]; /* by time */
     size_t count;
+    size_t left_out; /* that came later */
 };
 
 /** Reads folder/events.csv, if the experiment has events.  @return as report_write */

@@ -399,9 +399,19 @@ bool step_retry(mu_process *p)
     return true;
 }
 
+static void up_announce(mu_process *p)
+{
+    if (p->before_up) {
+        p->before_up(p->before_up_self);
+    }
+}
+
 static void step_answer(mu_process *p, const muster_Sense *sense)
 {
     (void)up_fill(p, sense->step);
+    p->answering = true;
+    up_announce(p);
+    p->answering = false;
     p->out_pending = true;
     (void)step_retry(p);
 }
@@ -475,6 +485,9 @@ void step_flush(mu_process *p)
         return; /* what is pending is marked as sent when it has gone, so it must not move before */
     }
     unanswered_again(p);
+    if (is_anything_to_say(p)) {
+        up_announce(p);
+    }
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {
         p->out_pending = true;

@@ -36,7 +36,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     s->engine = engine;
     s->recorder = recorder;
     s->hash = runhash_open();
-    s->step = -1;
+    s->step = s->sent_step = -1;
     s->mail_step = muster_STEP_NOW;
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
@@ -93,7 +93,7 @@ static int32_t process_add(struct session *s, const char *name)
 }
 
 /* Lays the percepts out so that each process's robots stand together. */
-static void samples_lay_out(struct session *s)
+void session_lay_out(struct session *s)
 {
     uint32_t next = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -178,7 +178,7 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
     return true;
 }
 
-static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
+void session_register(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     bool changed = watcher_take(s, r, life == BUS_DATA && r->watches);
     if (life == BUS_DATA) {
@@ -195,12 +195,12 @@ static void registration_take(struct session *s, const muster_Registration *r, e
     } else {
         changed = process_leave(s, r, life == BUS_LOST) || changed;
     }
-    if (s->step >= 0 && changed) {
-        samples_lay_out(s); /* free running: the others keep their own robots' percepts */
+    if (s->step >= 0 && s->options.free && changed) {
+        session_lay_out(s); /* the others keep their own robots' percepts */
     }
 }
 
-/* While steps run, the roster is fixed: whoever does not answer is found by its silence. */
+/* While steps run, the roster is fixed but for those that die and are started again. */
 static void registrations_take(struct session *s)
 {
     enum bus_life life;
@@ -208,7 +208,9 @@ static void registrations_take(struct session *s)
     while ((r = bus_next(&s->registrations, &life))) {
         bool is_broker = life == BUS_DATA && r->is_broker;
         if (!is_broker && (s->step < 0 || s->options.free)) {
-            registration_take(s, r, life);
+            session_register(s, r, life);
+        } else if (!is_broker) {
+            session_return_hear(s, r, life);
         }
     }
 }
@@ -285,7 +287,7 @@ static void watchers_await(const struct session *s, struct mu_text *missing)
     }
 }
 
-static bool everybody_is_ready(struct session *s)
+bool session_is_complete(struct session *s)
 {
     const char *broker = broker_of(s);
     struct mu_text missing;
@@ -372,16 +374,21 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
 mu_result session_tell_roster(struct session *s, bool lockstep)
 {
     static char *names[MU_PROCESSES_MAX];
+    uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        names[i] = s->processes[i].name;
+        const struct session_process *p = &s->processes[i];
+        if (!p->let_go && !(s->held && p->comes)) {
+            names[count++] = s->processes[i].name;
+        }
     }
     muster_Roster roster = {.simulator = s->name,
                             .broker = (char *)(uintptr_t)broker_of(s), /* nobody writes there */
                             .lockstep = lockstep,
-                            .step = s->step,
-                            .step_ns = s->options.step_ns};
+                            .step = s->step + (s->mail_step >= s->step && s->step > 0),
+                            .step_ns = s->options.step_ns,
+                            .held = s->held};
     roster.processes._buffer = names;
-    roster.processes._length = roster.processes._maximum = s->process_count;
+    roster.processes._length = roster.processes._maximum = count;
     return bus_write(&s->roster, &roster);
 }
 
@@ -396,7 +403,7 @@ static bool process_is_used(const struct session *s, uint32_t process)
 
 /* Drops processes that neither control nor watch anything: they came and went before the first
  * step. */
-static void processes_prune(struct session *s)
+void session_prune(struct session *s)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -438,12 +445,12 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
             return MU_TIMEOUT;
         }
         bool was_ready = ready;
-        ready = everybody_is_ready(s);
+        ready = session_is_complete(s);
         (void)session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
         bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
-    processes_prune(s);
-    samples_lay_out(s);
+    session_prune(s);
+    session_lay_out(s);
     s->step = 0;
     s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
     mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
@@ -524,7 +531,7 @@ static void up_take(struct session *s, const muster_Up *up)
         struct session_robot *r = robot_find(s, up->acks._buffer[i].box);
         if (r) {
             const muster_Ack *ack = &up->acks._buffer[i];
-            r->mails_received = ack->handed;
+            r->mails_received = r->returned ? ack->number : ack->handed;
             r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
         }
     }

@@ -104,13 +104,13 @@ static void bodies_fill(struct session *s)
     }
 }
 
-static bool sense_write(struct session_process *p)
+bool session_write_sense(struct session_process *p)
 {
     p->sample_pending = bus_write(&p->sense, &p->sample) != MU_OK;
     return !p->sample_pending;
 }
 
-static void senses_send(struct session *s, bool last)
+void session_fill_senses(struct session *s, bool last)
 {
     uint32_t next = 0;
     bodies_fill(s);
@@ -125,9 +125,17 @@ static void senses_send(struct session *s, bool last)
         p->sample.step = s->step;
         p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
         p->sample.last = last;
-        (void)sense_write(p);
+    }
+}
+
+static void senses_send(struct session *s, bool last)
+{
+    session_fill_senses(s, last);
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        (void)session_write_sense(&s->processes[i]);
     }
     s->answers_missing = s->process_count;
+    s->sent_step = s->step;
 }
 
 /* @return whether every process has its step */
@@ -136,7 +144,7 @@ static bool senses_retry(struct session *s)
     bool all = true;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        all = (!p->sample_pending || sense_write(p)) && all;
+        all = (!p->sample_pending || session_write_sense(p)) && all;
     }
     return all;
 }
@@ -235,7 +243,8 @@ static mu_result silence_report(struct session *s)
     struct mu_text who;
     mu_text_init(&who, s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
-                   (unsigned long long)(s->options.silence_ns / 1000000000u), (long long)s->step);
+                   (unsigned long long)(session_return_patience_ns(s) / 1000000000u),
+                   (long long)s->step);
     /* Without the mail of the last step no robot can answer. */
     bool broker_is_late = s->mail_step < s->step - 1;
     if (broker_is_late) {
@@ -274,7 +283,15 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         if (s->end || *signal_came) {
             return MU_DONE;
         }
-        if (mu_clock_ns() - began_ns > s->options.silence_ns) {
+        if (session_return_due(s)) {
+            mu_result back = session_return_await(s, signal_came);
+            if (back != MU_OK) {
+                return back;
+            }
+            began_ns = s->last_step_wall_ns;
+            continue;
+        }
+        if (mu_clock_ns() - began_ns > session_return_patience_ns(s)) {
             return silence_report(s);
         }
         bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);

@@ -261,6 +261,16 @@ static inline const char *story_member(const char *name)
 /* --- what agents say -------------------------------------------------------------------------- */
 
 /* The Up of a process with one agent in it. */
+/* An agent with nothing to say answers a step. */
+static inline void story_up_from(const char *process, const char *name, int64_t step)
+{
+    struct one_up u;
+    one_up(&u, name, process, NULL, 0, 0);
+    u.act.state = muster_STATE_RUNNING;
+    u.up.step = step;
+    broker_up(story.b, &u.up, story.now_ns);
+}
+
 static inline void story_up(const char *name, int64_t step, muster_State state, muster_Mail *mails,
                             uint32_t count, uint64_t ack)
 {
