@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Monitors and `muster top`: the figures of the report while a run goes on, and no other run."""
+import fcntl
 import json
 import re
 import signal
+import struct
 import subprocess
+import termios
 import time
 
 from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
@@ -69,16 +72,6 @@ def start(processes, path, *words):
         return processes.start(*words, stdout=f)
 
 
-def whole_run(out, what):
-    """Runs with somebody who watches, again where it came too late for the first steps: nobody
-    waits for it.  what: starts it, waits for its end, gives the steps that it missed."""
-    for attempt in range(5):
-        summary, missed = what(out / str(attempt))
-        if missed == 0:
-            return summary
-    raise AssertionError(f"five times it has not seen every step: {missed}")
-
-
 def check_robots(got, summary):
     """What top says of each robot at the end is what the report says."""
     check_equal(sorted(got), sorted(r["name"] for r in summary["robots"]), "robots")
@@ -93,34 +86,28 @@ def test_top_says_what_the_report_says_and_changes_nothing():
     domain = new_domain()
     with folder() as out, Processes() as processes:
         _, plain = experiment_run(out / "plain", "--domain", domain)
-
-        def once(to):
-            to.mkdir()
-            top = start(processes, to / "top", MUSTER, "top", "--json", "--domain", domain)
-            lines = start(processes, to / "lines", MUSTER, "top", "--sort", "distance", "--every",
-                          "0.1", "--domain", domain)
-            watcher = start(processes, to / "watcher", WATCHER, domain)
-            time.sleep(0.3)  # they find the domain's ports; the test holds without it, too
-            _, summary = experiment_run(to / "report", "--rate", "60", "--domain", domain)
-            check_equal([p.wait(20) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
-            seen = [json.loads(line) for line in text_of(to / "top").splitlines()]
-            check_equal(summary["hash"], plain["hash"], "with three who watch, the same hash")
-            end = seen[-1]
-            check_equal((end["end"], end["hash"]), ("done", plain["hash"]), "how it ended")
-            last = {r["name"]: r for r in seen[:-1] if r["step"] == end["step"]}
-            check_robots(last, summary)
-            check_equal(end["most_efficient"], summary["most_efficient"], "most efficient")
-            if end["missed"] == 0:
-                check_equal(end["explored_fraction"], summary["explored_fraction"], "explored")
-                check_equal(sum(end["mail_by_performative"].values()) >=
-                            sum(r["mail_sent"] for r in summary["robots"]) - 8, True, "mail")
-            check_table(text_of(to / "lines"), summary)
-            text = text_of(to / "watcher")
-            check(f"hash {plain['hash']}" in text, f"the example's end: {text}")
-            check("arena.world: 4 robots, seed 1\n" in text, f"the example's scene: {text}")
-            return summary, end["missed"]
-
-        whole_run(out, once)
+        top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
+        lines = start(processes, out / "lines", MUSTER, "top", "--sort", "distance", "--every",
+                      "0.1", "--domain", domain)
+        watcher = start(processes, out / "watcher", WATCHER, domain)
+        time.sleep(0.3)  # they find the domain's ports; the test holds without it, too
+        _, summary = experiment_run(out / "report", "--rate", "60", "--domain", domain)
+        check_equal([p.wait(20) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
+        seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
+        check_equal(summary["hash"], plain["hash"], "with three who watch, the same hash")
+        end = seen[-1]
+        check_equal((end["end"], end["hash"]), ("done", plain["hash"]), "how it ended")
+        last = {r["name"]: r for r in seen[:-1] if r["step"] == end["step"]}
+        check_robots(last, summary)
+        check_equal(end["most_efficient"], summary["most_efficient"], "most efficient")
+        if end["missed"] == 0:
+            check_equal(end["explored_fraction"], summary["explored_fraction"], "explored")
+            check_equal(sum(end["mail_by_performative"].values()) >=
+                        sum(r["mail_sent"] for r in summary["robots"]) - 8, True, "mail")
+        check_table(text_of(out / "lines"), summary)
+        text = text_of(out / "watcher")
+        check(f"hash {plain['hash']}" in text, f"the example's end: {text}")
+        check("arena.world: 4 robots, seed 1\n" in text, f"the example's scene: {text}")
 
 
 def check_table(text, summary):
@@ -154,6 +141,39 @@ def test_top_on_a_terminal():
             t.type("q")
             check_equal(t.end(), 0, "q ends it")
             check(t.raw.rstrip().endswith(b"\x1b[?25h\x1b[?1049l"), "the terminal is given back")
+
+
+def test_top_scrolls_and_follows_the_window():
+    """Twenty robots of the run and four that stand about, in a window of 24 lines, then of 40."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        processes.start(MUSTER, "run", ROOT / "experiments/crowd.yaml", "--domain", domain, "--out",
+                        out / "report", "--quiet", "--rate", "1")
+        with Terminal(MUSTER, "top", "--every", "3600", "--domain", domain) as t:
+            fcntl.ioctl(t.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 60, 0, 0))
+            wait_for(lambda: "w_9" in muster("top", "--once", "--domain", domain).stdout, 30,
+                     "a run of many")
+            t.type("S")  # whatever is typed shows what is there now
+            t.type("s")
+            t.wait_for("sorted by name")
+            at = t.wait_for("w_0 ")
+            check("yellow" not in t.text, "there is no room for the last")
+            check("EXPL" not in t.text, "nor for the columns behind")
+            t.type("\x1b[6~")
+            at = t.wait_for("yellow", since=at)
+            t.type("\x1b[5~")
+            at = t.wait_for("blue", since=at)
+            fcntl.ioctl(t.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 160, 0, 0))
+            at = t.wait_for("EXPL", since=at)
+            t.wait_for("yellow", since=at)
+            t.type("q")
+            check_equal(t.end(), 0, "q ends it")
+
+
+def test_the_examples_are_short():
+    for name in ("watcher", "asker"):
+        lines = (ROOT / "examples" / f"{name}.c").read_text().splitlines()
+        check(len(lines) < 100, f"{name}.c: {len(lines)} lines")
 
 
 def test_top_needs_no_broker_and_no_run():
@@ -209,37 +229,31 @@ def test_a_monitor_of_rules_sees_all_and_changes_nothing():
         _, plain = experiment_run(out / "plain", "--domain", domain)
         rules = out / "all.clp"
         rules.write_text(RULES)
-
-        def once(to):
-            to.mkdir()
-            monitor = start(processes, to / "out", MUSTER, "monitor", "--rules", rules, "--domain",
-                            domain)
-            time.sleep(0.3)
-            _, summary = experiment_run(to / "report", "--rate", "40", "--domain", domain)
-            check_equal(monitor.wait(30), 0, "it ends with the run")
-            check_equal(summary["hash"], plain["hash"], "the same hash")
-            lines = text_of(to / "out").splitlines()
-            last = lines[-1].split()
-            check_equal(last[:2], ["done", plain["hash"]], "how it ended")
-            robots = {words[0]: [float(w) for w in words[1:]]
-                      for words in (line.split() for line in lines[-5:-1])}
-            for r in summary["robots"]:
-                want = [r["distance_m"] * 1000, r["mail_sent"], r["mail_received"],
-                        r["rule_firings"]]
-                check(all(abs(a - b) < 1e-6 for a, b in zip(robots[r["name"]], want)),
-                      f"{r['name']}: {robots} {want}")
-            check_equal(last[3], summary["most_efficient"], "most efficient")
-            missed = 1201 - int(last[4])
-            if missed == 0:
-                check_equal(lines[0], "first 0 arena.world", "from the first step on")
-                check(abs(float(last[2]) - summary["explored_fraction"]) < 1e-12, "explored")
-                firings = sum(r["rule_firings"] for r in summary["robots"])
-                check(0.9 * firings < int(last[6]) <= firings, f"rules fired: {last}")
-                sent = sum(r["mail_sent"] for r in summary["robots"])
-                check(0.99 * sent < int(last[5]) <= sent, f"mails: {last} {sent}")
-            return summary, missed
-
-        whole_run(out, once)
+        monitor = start(processes, out / "out", MUSTER, "monitor", "--rules", rules, "--domain",
+                        domain)
+        time.sleep(0.3)
+        _, summary = experiment_run(out / "report", "--rate", "40", "--domain", domain)
+        check_equal(monitor.wait(30), 0, "it ends with the run")
+        check_equal(summary["hash"], plain["hash"], "the same hash")
+        lines = text_of(out / "out").splitlines()
+        last = lines[-1].split()
+        check_equal(last[:2], ["done", plain["hash"]], "how it ended")
+        robots = {words[0]: [float(w) for w in words[1:]]
+                  for words in (line.split() for line in lines[-5:-1])}
+        for r in summary["robots"]:
+            want = [r["distance_m"] * 1000, r["mail_sent"], r["mail_received"],
+                    r["rule_firings"]]
+            check(all(abs(a - b) < 1e-6 for a, b in zip(robots[r["name"]], want)),
+                  f"{r['name']}: {robots} {want}")
+        check_equal(last[3], summary["most_efficient"], "most efficient")
+        missed = 1201 - int(last[4])
+        if missed == 0:
+            check_equal(lines[0], "first 0 arena.world", "from the first step on")
+            check(abs(float(last[2]) - summary["explored_fraction"]) < 1e-12, "explored")
+            firings = sum(r["rule_firings"] for r in summary["robots"])
+            check(0.9 * firings < int(last[6]) <= firings, f"rules fired: {last}")
+            sent = sum(r["mail_sent"] for r in summary["robots"])
+            check(0.99 * sent < int(last[5]) <= sent, f"mails: {last} {sent}")
 
 
 def test_the_example_rules_say_who_is_stalled():
@@ -327,10 +341,13 @@ def test_a_replay_is_a_run_to_who_watches():
         top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
         monitor = start(processes, out / "monitor", MUSTER, "monitor", "--rules", STALLS,
                         "--domain", domain)
+        (out / "all.clp").write_text(RULES)
+        sums = start(processes, out / "sums", MUSTER, "monitor", "--rules", out / "all.clp",
+                     "--name", "sums", "--domain", domain)
         replayed = muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10",
                           "--domain", domain)
         check_equal(replayed.returncode, 0, f"the replay: {replayed.stderr}")
-        check_equal([top.wait(20), monitor.wait(20)], [0, 0], "they end with it")
+        check_equal([p.wait(20) for p in (top, monitor, sums)], [0, 0, 0], "they end with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         end = seen[-1]
         check_equal((end["end"], end["hash"], end["missed"]), ("done", summary["hash"], 0), "the end")
@@ -342,6 +359,9 @@ def test_a_replay_is_a_run_to_who_watches():
         distance = sum(r["distance_m"] for r in summary["robots"])
         check_equal(text_of(out / "monitor"), f"done after 120.0 s: {distance:.1f} m, most efficient "
                                               f"{summary['most_efficient']}\n", "the rules' summary")
+        lines = text_of(out / "sums").splitlines()
+        check_equal(lines[0], "first 0 arena.world", "rules see the first step")
+        check_equal(lines[-1].split()[3:5], [summary["most_efficient"], "1201"], "and each one")
 
 
 def test_goals_of_rules_are_timed():
