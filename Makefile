@@ -50,30 +50,34 @@ USES_core    :=
 USES_world   := core
 USES_mcap    := core
 USES_bus     := core
-USES_runtime := bus core
+USES_stats   := core
+USES_runtime := stats bus core
 USES_broker  := bus core
 USES_sim     := mcap world bus core
-USES_agent   := world runtime bus core
-USES_resolver := runtime bus core
-USES_host    := agent world runtime bus core
+USES_agent   := world runtime stats bus core
+USES_resolver := runtime stats bus core
+USES_host    := agent world runtime stats bus core
+USES_monitor := agent world runtime stats bus core
 USES_story   := mcap bus core
 USES_record  := mcap bus core
 USES_replay  := mcap bus core
 USES_experiment := world core
-USES_report  := experiment world core
-USES_desk    := runtime bus core
-USES_ctl     := desk story mcap report experiment world runtime bus core
-USES_web     := desk story mcap runtime bus core
+USES_report  := experiment stats world core
+USES_desk    := runtime stats bus core
+USES_ctl     := desk story mcap report experiment world runtime stats bus core
+USES_web     := desk story mcap runtime stats bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
 LIBS_bus     := -lddsc
-LIBS_runtime := -lddsc
+LIBS_stats   := -lm
+LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
 LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
+LIBS_monitor := $(LIBS_agent)
 LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz
 LIBS_replay  := -lddsc -lz -lm
@@ -88,13 +92,14 @@ module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter b
                 $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
-            muster-resolver muster-host muster-record muster-replay muster-web)
+            muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
 MAIN_muster        := ctl
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
+MAIN_muster-monitor := monitor
 MAIN_muster-record := record
 MAIN_muster-replay := replay
 MAIN_muster-web    := web
@@ -144,7 +149,7 @@ $(O)/libmuster.a: $$(call module_objs,runtime)
 $(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
-	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime) -lm
+	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -253,9 +258,17 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
 
+.PHONY: soak-crash
+soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs that go on
+	@BUILD=$(BUILD) tests/soak/crash.py
+
 .PHONY: soak-brokers
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
+
+.PHONY: soak-moves
+soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way
+	@BUILD=$(BUILD) tests/soak/moves.py
 
 .PHONY: soak-verify
 soak-verify: all ## twenty recordings that go the same way again, and every stall of ten runs explained

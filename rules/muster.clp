@@ -26,3 +26,4 @@
 (extends "explore.clp")
 (extends "formation.clp")
 (extends "timers.clp")
+(extends "answers.clp")

@@ -275,6 +275,7 @@ MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *n
 /* How far an agent has come in one process, for its life in another. */
 struct mu_passage {
     uint64_t last_number; /* that it has taken from its box, */
+    uint64_t handed;      /* so many mails in all, */
     uint64_t broker;      /* at the broker of this incarnation */
     uint64_t epoch;       /* how often it has set out */
 };
@@ -341,6 +342,9 @@ MU_MUST_USE mu_result mu_agent_grip(mu_agent *a, enum mu_paddles paddles, enum m
 
 /** Says which rules fired in this step, for the run's hash; names separated by spaces, copied. */
 void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
+
+/** The same of rules that fired behind them, in the same step. */
+void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
 
 /**
  * Adds text, copied, to what a recording keeps of this agent's step beside what it did.  It is not

@@ -133,6 +133,14 @@
 #define MU_STEP_BYTES_MAX (64u << 20)
 #endif
 
+/** Agents on their way whose capsules one broker keeps. */
+#ifndef MU_CAPSULES_MAX
+#define MU_CAPSULES_MAX 64
+#endif
+
+/** A capsule with its passport, in bytes with the terminating zero. */
+#define MU_CAPSULE_MAX (1u << 20)
+
 /** Places in all boxes together: a mail takes one in the box of each of its receivers. */
 #ifndef MU_POSTS_MAX
 #define MU_POSTS_MAX (1u << 20)
@@ -205,6 +213,32 @@
 #ifndef MU_FRAME_BYTES_MAX
 #define MU_FRAME_BYTES_MAX (8u << 20)
 #endif
+
+/** Mails of one Frame that a watch hands out. */
+#ifndef MU_WATCH_MAILS_MAX
+#define MU_WATCH_MAILS_MAX 16384
+#endif
+
+/** Walls of a Scene that a watch hands out. */
+#ifndef MU_WATCH_WALLS_MAX
+#define MU_WATCH_WALLS_MAX 65536
+#endif
+
+/** Robots of which every pair's nearest approach is known. */
+#define MU_STATS_ALL_PAIRS 256
+
+/** Pairs whose nearest approach is known: those of MU_STATS_ALL_PAIRS robots. */
+#define MU_STATS_PAIRS_MAX 32640
+
+/** How near two of more robots than that come before they count as a pair, in metres. */
+#define MU_STATS_NEAR_M 2.0
+
+/** Performatives that mail is counted by. */
+#define MU_STATS_PERFORMATIVES 64
+
+/** Cells that an explored world is divided into, and the finer ones of its floor. */
+#define MU_EXPLORED_CELLS_MAX (1u << 20)
+#define MU_EXPLORED_FINE_MAX  (1u << 24)
 
 /** Topics in one recording. */
 #ifndef MU_RECORD_CHANNELS_MAX

@@ -2,7 +2,7 @@
 /**
  * @file muster.h
  * All of libmuster: see agent.h for what a controller needs, directory.h for groups and services,
- * kind.h for more.
+ * kind.h for more, monitor.h and stats.h for looking at runs.
  */
 #ifndef MUSTER_MUSTER_H
 #define MUSTER_MUSTER_H
@@ -12,7 +12,9 @@
 #include "muster/kind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
+#include "muster/monitor.h"
 #include "muster/resolver.h"
 #include "muster/result.h"
+#include "muster/stats.h"
 
 #endif

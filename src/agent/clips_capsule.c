@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const char CAPSULE_WORD[] = "muster-capsule";
-enum { CAPSULE_VERSION = 1, CAPSULE_HEAD_MAX = 96 };
+enum { CAPSULE_VERSION = 2, CAPSULE_HEAD_MAX = 96 };
 
 /* Against pieces that are lost or mixed up, not against attackers. */
 static uint64_t capsule_sum(const char *body, size_t len)

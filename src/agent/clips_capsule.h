@@ -66,16 +66,19 @@ struct fact *clips_capsule_fact(const struct capsule *c, long long index);
 /** @return the index of a fact that is there, else CLIPS_CAPSULE_NONE */
 long long clips_capsule_index(const struct mind *m, struct fact *fact);
 
-/* clips_capsule_facts.c, clips_capsule_agenda.c, clips_capsule_state.c: parts of the body, in this
- * order.  Saving ends with false when something cannot be written down: *why says what. */
+/* clips_capsule_facts.c, clips_capsule_agenda.c, clips_capsule_state.c, clips_capsule_watch.c:
+ * parts of the body, in this order.  Saving ends with false when something cannot be written down:
+ * *why says what. */
 bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char **why);
 bool clips_capsule_save_facts(struct mind *m, struct mu_text *out, const char **why);
 void clips_capsule_save_agenda(struct mind *m, struct mu_text *out);
 void clips_capsule_save_state(struct mind *m, struct mu_text *out);
+void clips_capsule_save_watch(struct mind *m, struct mu_text *out);
 
 MU_MUST_USE mu_result clips_capsule_load_globals(struct capsule *c);
 MU_MUST_USE mu_result clips_capsule_load_facts(struct capsule *c);
 MU_MUST_USE mu_result clips_capsule_load_agenda(struct capsule *c);
 MU_MUST_USE mu_result clips_capsule_load_state(struct capsule *c);
+MU_MUST_USE mu_result clips_capsule_load_watch(struct capsule *c);
 
 #endif

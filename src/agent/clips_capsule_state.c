@@ -342,6 +342,7 @@ void clips_capsule_save_state(struct mind *m, struct mu_text *out)
     percept_save(m, out);
     mail_save(m, out);
     life_save(m, out);
+    clips_capsule_save_watch(m, out);
     mu_text_add(out, "end\n");
 }
 
@@ -368,5 +369,6 @@ mu_result clips_capsule_load_state(struct capsule *c)
     if (!life_load(c)) {
         return clips_capsule_wrong(c, "events and handlers");
     }
+    MU_TRY(clips_capsule_load_watch(c));
     return clips_capsule_line(c, "end") ? MU_OK : clips_capsule_wrong(c, "the end");
 }

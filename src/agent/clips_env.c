@@ -363,6 +363,11 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
     return mind_begin(*out, options, fault);
 }
 
+bool mind_is_broken(const struct mind *m)
+{
+    return m->broken;
+}
+
 void mind_close(struct mind *m)
 {
     if (m && m->env && !m->broken) { /* what is broken is not to be touched, not even to free it */

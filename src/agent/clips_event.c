@@ -24,11 +24,19 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
     EnvDecrementGCLocks(m->env);
 }
 
+/* Whose rules do not look at events is the same wherever it lives, to the number of its facts. */
+static bool is_of_interest(const struct mind *m, size_t event)
+{
+    bool of_moves = event == MU_ON_ARRIVE || event == MU_ON_LEAVE;
+    return !of_moves || m->event->patternNetwork;
+}
+
 void clips_event_assert(struct mind *m)
 {
     for (size_t i = 0; i < MU_EVENTS; i++) {
-        if (m->pending[i]) {
-            m->pending[i] = false;
+        bool pending = m->pending[i];
+        m->pending[i] = false;
+        if (pending && is_of_interest(m, i)) {
             clips_diary_cause(m, 'E', event_names[i], "");
             event_fact(m, &event_names[i], 1, &m->events[i]);
         }
@@ -40,16 +48,49 @@ void mind_event(struct mind *m, enum mu_event event)
     m->pending[event] = true;
 }
 
+static bool stands_on(const struct activation *a, const struct fact *fact)
+{
+    for (unsigned i = 0; i < a->basis->bcount; i++) {
+        const struct alphaMatch *match = a->basis->binds[i].gm.theMatch;
+        if (match && (const struct fact *)match->matchingItem == fact) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* @return whether a rule is about to fire for a fact */
+static bool is_awaited(struct mind *m, const struct fact *fact)
+{
+    bool awaited = false;
+    struct defmodule *current = EnvGetCurrentModule(m->env);
+    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
+         module = EnvGetNextDefmodule(m->env, module)) {
+        EnvSetCurrentModule(m->env, module);
+        for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited;
+             a = EnvGetNextActivation(m->env, a)) {
+            awaited = stands_on(a, fact);
+        }
+    }
+    EnvSetCurrentModule(m->env, current);
+    return awaited;
+}
+
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
+    volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
+    *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
     m->pending[event] = true;
     if (!CLIPS_BROKEN(m)) {
         clips_env_enter(m, CLIPS_MODE_QUIET);
         clips_guard_start(m, 0);
         clips_event_assert(m);
+        awaited = m->events[event] && is_awaited(m, m->events[event]);
         clips_env_leave(m);
     }
-    mind_fire(m, act);
+    if (awaited) {
+        mind_fire(m, act);
+    }
 }
 
 void mind_refused(struct mind *m, const char *change, const char *reason)

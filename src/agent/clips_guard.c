@@ -5,6 +5,16 @@
  */
 #include "agent/clips_mind.h"
 
+/* So many turns of loops, or pieces of memory, may pass without a look at the clock. */
+enum { GUARD_WORK_TICKS = 256, GUARD_WORK_ALLOCATIONS = 1024 };
+
+static void guard_work(struct mind *m)
+{
+    if (m->options.ports.work) {
+        m->options.ports.work(m->options.ports.self);
+    }
+}
+
 static void guard_stop(struct mind *m, const char *why)
 {
     if (!m->stopped) {
@@ -53,6 +63,9 @@ void *__wrap_malloc(size_t bytes)
     if (!given) {
         guard_burst(m);
     }
+    if (++m->allocations % GUARD_WORK_ALLOCATIONS == 0) { /* matching has no ticks */
+        guard_work(m);
+    }
     return given;
 }
 
@@ -63,6 +76,9 @@ static void guard_tick(void *env)
     if (++m->ticks > CLIPS_TICKS_MAX) {
         guard_stop(m, "ticks");
         return;
+    }
+    if (m->ticks % GUARD_WORK_TICKS == 0) {
+        guard_work(m);
     }
     if (EnvMemUsed(env) > m->memory_max) {
         EnvReleaseMem(env, -1);

@@ -158,10 +158,11 @@ struct mind {
     /* guards */
     uint32_t ticks;
     long memory_max;
-    const char *stopped; /* which guard, or NULL */
-    const char *stack;   /* at the entry */
-    jmp_buf shelter;     /* in the function of mind.h that called into CLIPS */
-    bool broken;         /* its environment must not be touched any more */
+    const char *stopped;  /* which guard, or NULL */
+    const char *stack;    /* at the entry */
+    jmp_buf shelter;      /* in the function of mind.h that called into CLIPS */
+    uint32_t allocations; /* of CLIPS, so far */
+    bool broken;          /* its environment must not be touched any more */
     struct clips_failing failing[CLIPS_FAILING_MAX];
     size_t failing_count;
     uint64_t stops; /* by guards */

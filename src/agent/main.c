@@ -4,6 +4,8 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "runtime/process.h"
+#include "runtime/trips.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -26,9 +28,10 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
+    c->rules_folder = mu_startup_string(folder);
     MU_TRY(robot_map_open(c));
     for (uint32_t i = 0; i < c->count; i++) {
-        MU_TRY(robot_think(&c->robots[i], folder));
+        MU_TRY(robot_think(&c->robots[i]));
     }
     return MU_OK;
 }
@@ -57,9 +60,30 @@ static mu_result robots_join(struct crew *c)
     return found;
 }
 
+static void crew_save(void *self)
+{
+    checkpoint_round(self);
+}
+
+static void on_trip(void *self, const muster_Trip *word)
+{
+    trip_hear(self, word);
+}
+
+static void on_step_end(void *self)
+{
+    trip_step_end(self);
+}
+
+static void on_answered(void *self)
+{
+    trip_step_answered(self);
+}
+
 static void crew_round(void *self)
 {
     trip_round(self);
+    checkpoint_round(self);
     robot_crew_look(self);
 }
 
@@ -81,7 +105,11 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
+    struct trips listener = {
+        .self = c, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
+    trips_listen(c->process, &listener);
     mu_process_each_round(c->process, crew_round, c);
+    process_before_up(c->process, crew_save, c);
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);
     mu_process_close(c->process);

@@ -102,6 +102,8 @@ struct mind_ports {
     /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
      * anybody looks; if nobody does it is printed.  May be NULL. */
     bool (*trace)(void *self, const char *text);
+    /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
+    void (*work)(void *self);
 };
 
 struct mind_options {
@@ -165,6 +167,9 @@ MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *opti
 /** Its memory stays. */
 void mind_close(struct mind *m);
 
+/** @return whether it ran out of memory where there is no way back: nothing works any more */
+bool mind_is_broken(const struct mind *m);
+
 /**
  * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
  * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
@@ -212,6 +217,24 @@ uint32_t mind_senses(const struct mind *m);
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
 /**
+ * Opens a step of a mind that has no body, and is told what it sees: as mind_percept.
+ *
+ * @param relations  whose facts go: those that it was told of the last step; ends with NULL
+ */
+void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations);
+
+/**
+ * Tells it one fact, in CLIPS: "(robot (name red) (x 12.0))".
+ *
+ * @return MU_OK; MU_MALFORMED: it is no fact, or it is one that is there already
+ */
+mu_result mind_tell(struct mind *m, const char *fact);
+
+/** @return whether a pattern or a query of some construct looks at facts of that relation, or
+ * somebody watches them */
+bool mind_looks_at(const struct mind *m, const char *relation);
+
+/**
  * Takes a mail in: a message fact when its language is clips, and its place in the queue.
  *
  * The queue holds 1024 mail facts that rules have not taken yet.  A mail becomes one when a rule's
@@ -235,15 +258,25 @@ bool mind_has_layer(const struct mind *m, uint32_t layer);
 bool mind_handle(struct mind *m, const struct mind_mail *mail);
 
 /**
+ * Answers a question of one word by the deffunction (answer-WORD), if there is one without
+ * arguments: the fields that it returns, or one field.  FALSE is no answer.
+ *
+ * @return whether there is an answer; out has it
+ */
+bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out);
+
+/**
  * @return whether a mail that no handler took is one for mind_take_mail: an answer; a speech act
  *         whose performative is empty, KQML's or FIPA's; any of a higher layer with a handler
  */
 bool mind_understands(const struct mind *m, const struct mind_mail *mail);
 
-/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens. */
+/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens; that
+ * it leaves or arrives, if a rule's pattern looks at events. */
 void mind_event(struct mind *m, enum mu_event event);
 
-/** The same at once, for what cannot wait: rules fire once more, outside of a step. */
+/** The same at once, for what cannot wait: when a rule is about to fire for it, all that are on the
+ * agenda do once more, outside of a step; else none does. */
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act);
 
 /** The broker refused a change: (event refused group-create scouts group-exists). */

@@ -12,10 +12,12 @@ static const char *const purposes[TRIP_PURPOSES] = {
 
 void passport_add(struct mu_text *out, const struct passport *p)
 {
-    mu_text_format(
-        out, "passport 1 %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n",
-        purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
-        p->passage.broker, p->passage.epoch, p->mails, p->seed);
+    mu_text_format(out,
+                   "passport 2 %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
+                   " %" PRIu64 " %" PRIu32 " %s %s\n",
+                   purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
+                   p->passage.handed, p->passage.broker, p->passage.epoch, p->mails, p->seed,
+                   p->rules_left, p->asker[0] ? p->asker : "-", p->reply_with);
 }
 
 static bool purpose_read(const char *word, enum trip_purpose *out)
@@ -42,6 +44,22 @@ static bool state_read(const char *word, enum mu_state *out)
     return false;
 }
 
+/* Who asked, and the label of the question, which ends the line.  @return false: they do not fit */
+static bool asker_read(const char **text, struct passport *out)
+{
+    char asker[MU_NAME_MAX + 2];
+    int len = 0;
+    size_t line = strcspn(*text, "\n");
+    if (sscanf(*text, " %32s%n", asker, &len) != 1 || (*text)[len] != ' ' ||
+        (*text)[line] == '\0' || line - (size_t)len - 1 > MU_FIELD_MAX) {
+        return false;
+    }
+    memcpy(out->reply_with, *text + len + 1, line - (size_t)len - 1);
+    *text += line + 1;
+    return strcmp(asker, "-") == 0 ||
+           (mu_name_valid(asker) && mu_text_copy(out->asker, sizeof out->asker, asker));
+}
+
 bool passport_read(const char **text, struct passport *out)
 {
     char purpose[16], name[MU_NAME_MAX + 2], state[16];
@@ -49,13 +67,17 @@ bool passport_read(const char **text, struct passport *out)
     *out = (struct passport){.purpose = TRIP_MOVE};
     int read = sscanf(*text,
                       "passport %d %15s %32s %15s %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
-                      " %" SCNu64 "%n",
+                      " %" SCNu64 " %" SCNu64 " %" SCNu32 "%n",
                       &version, purpose, name, state, &out->passage.last_number,
-                      &out->passage.broker, &out->passage.epoch, &out->mails, &out->seed, &len);
-    if (read != TRIP_FIELDS || version != 1 || (*text)[len] != '\n' || !mu_name_valid(name) ||
-        mu_name_reserved(name) || !mu_text_copy(out->name, sizeof out->name, name)) {
+                      &out->passage.handed, &out->passage.broker, &out->passage.epoch, &out->mails,
+                      &out->seed, &out->rules_left, &len);
+    if (read != TRIP_FIELDS || version != 2 || !mu_name_valid(name) || mu_name_reserved(name) ||
+        !mu_text_copy(out->name, sizeof out->name, name)) {
         return false;
     }
-    *text += len + 1;
+    *text += len;
+    if (!asker_read(text, out)) {
+        return false;
+    }
     return purpose_read(purpose, &out->purpose) && state_read(state, &out->state);
 }

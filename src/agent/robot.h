@@ -10,6 +10,7 @@
 #ifndef MUSTER_AGENT_ROBOT_H
 #define MUSTER_AGENT_ROBOT_H
 
+#include "agent/checkpoint.h"
 #include "agent/mind.h"
 #include "agent/settings.h"
 #include "agent/trip.h"
@@ -41,8 +42,12 @@ struct crew {
     struct world *world;   /* that (plan) knows; NULL: none */
     struct router *router; /* over its map; the robots share it */
     bool refused;          /* the broker has refused a name */
-    const char *host;      /* the platform's name; "": the process takes nobody in */
+    bool prints;           /* what rules print is the program's answer, as it stands; else it goes
+                              to the log, with the robot's name */
+    const char *rules_folder; /* of the shared rules */
+    const char *host;         /* the platform's name; "": the process takes nobody in */
     struct trip trip;
+    struct checkpoints checkpoints;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
     /** One that has come has its name, or will not get it; NULL: nobody comes. */
     void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
@@ -67,8 +72,16 @@ struct robot {
     bool percept_waits;        /* which the mind has not taken yet */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
     bool arrives;              /* it has not got its name here yet; then it goes on */
-    enum mu_state returns_as;  /* in this state */
+    bool returns;              /* its mind was made of a checkpoint: it goes on where that ends, */
+    int64_t saved_step;        /* behind this step, */
+    struct answer answer;      /* whose answer was this; text NULL: it is not known */
+    bool repeats;              /* that answer, in the step at hand */
+    enum mu_state returns_as;  /* in this state, */
+    struct mu_passage passage; /* from there: of one that has a checkpoint */
+    int64_t step;              /* that began last; -1: none has */
+    uint64_t time_ns;          /* of that step */
     bool box_full;             /* said once */
+    int64_t mends;             /* how often it got another mind for one that was broken */
     uint32_t rules_left; /* it fires so many yet and is suspended then; 0: as many as it wants */
     uint64_t mails;      /* that the rules have seen */
     bool numbered;       /* the mail at hand is among them */
@@ -84,15 +97,11 @@ struct robot {
 void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
                         const char *host);
 
-/**
- * Makes its mind: the shared library, its rules, its globals.
- *
- * @param folder  of the shared rules
- * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
+/** Sets a global of a mind: "mate=red".  @return MU_OK; MU_FAULT_USAGE: it has said what is wrong
  */
-MU_MUST_USE mu_result robot_think(struct robot *r, const char *folder);
+MU_MUST_USE mu_result robot_set_global(struct mind *mind, const char *word);
 
-/** Lets it join its crew's process.  @return as mu_agent_join */
+/** Lets it join its crew's process, or come back.  @return as mu_agent_join */
 MU_MUST_USE mu_result robot_join(struct robot *r);
 
 /** The same for one that comes from elsewhere, or returns.  @return as mu_agent_arrive */
@@ -101,6 +110,24 @@ MU_MUST_USE mu_result robot_arrive(struct robot *r, const struct mu_passage *fro
 
 /** It is not here any more; its place is free, and a process without a host ends with the last. */
 void robot_drop(struct robot *r);
+
+/* robot_mind.c */
+
+/**
+ * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
+ * library, its rules, its globals.
+ *
+ * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
+ */
+MU_MUST_USE mu_result robot_think(struct robot *r);
+
+/**
+ * Gives a robot whose mind is broken another one, of its checkpoint or else of its rules, if that
+ * is wanted and was not done too often.  The agent lives on; what its mind had done since is lost.
+ *
+ * @return whether it has; false: its mind is whole, or stays broken
+ */
+bool robot_mend(struct robot *r);
 
 /* robot_map.c */
 
@@ -153,6 +180,9 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 
 /** Answers what it knows: all facts, or those of the relation that is named. */
 enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail);
+
+/** Answers a question of one word for which rules have a deffunction (answer-WORD). */
+enum mu_take robot_take_question(void *self, mu_agent *a, const struct mu_mail *mail);
 
 /** Moves to the host that the content names: `dispatch` sends it there, `retract` calls it back. */
 enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail);

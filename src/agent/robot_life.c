@@ -47,12 +47,12 @@ void robot_crew_look(struct crew *c)
 /* Who has come goes on where it was interrupted; who does not get its name is not here. */
 static void arrive(struct robot *r, bool accepted, const char *reason)
 {
-    r->arrives = false;
     mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
            "name=%s %s", r->name, reason);
     if (accepted) {
         mu_agent_set_state(r->agent, r->returns_as);
     }
+    r->arrives = false;
     if (r->crew->on_arrived) {
         r->crew->on_arrived(r, accepted, reason);
     }
@@ -61,10 +61,20 @@ static void arrive(struct robot *r, bool accepted, const char *reason)
     }
 }
 
+/* Who was here before, and has lost its name since, is out of date. */
+static void return_refused(struct robot *r, const char *reason)
+{
+    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", r->name, reason);
+    r->crew->refused = true;
+}
+
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
     if (r->arrives) {
+        if (!accepted && r->returns) {
+            return_refused(r, reason);
+        }
         arrive(r, accepted, reason);
         return;
     }
@@ -94,7 +104,10 @@ static void on_run(void *self, mu_agent *a)
 static void on_arrive(void *self, mu_agent *a)
 {
     (void)a;
-    mind_event(((struct robot *)self)->mind, MU_ON_ARRIVE);
+    struct robot *r = self;
+    if (!r->returns) { /* else it depends on whether it has missed anything */
+        mind_event(r->mind, MU_ON_ARRIVE);
+    }
 }
 
 static void on_clone(void *self, mu_agent *a)
@@ -109,7 +122,7 @@ static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
     struct mind_act act;
     robot_settle(r);
     mind_event_now(r->mind, event, &act);
-    mu_agent_fired(a, act.firings, act.rules);
+    mu_agent_fired_also(a, act.firings, act.rules);
 }
 
 static void on_leave(void *self, mu_agent *a)
@@ -127,6 +140,8 @@ static const struct mu_layer_handler robot_handlers[] = {
     {MU_LAYER_QUERY, NULL, robot_take_by_rules},
     {MU_LAYER_SPEECH, NULL, robot_take_by_rules},
     {MU_LAYER_QUERY, "facts", robot_take_facts},
+    {MU_LAYER_SPEECH, "ask-one", robot_take_question},
+    {MU_LAYER_SPEECH, "ask-all", robot_take_question},
     {MU_LAYER_SYSTEM, "dispatch", robot_take_dispatch},
     {MU_LAYER_SYSTEM, "retract", robot_take_dispatch},
     {MU_LAYER_SYSTEM, "clone", robot_take_clone},
@@ -154,8 +169,8 @@ void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
     robot_settle(r);
-    r->rules_left = 0;
-    if (state == MU_RUNNING) {
+    r->rules_left = r->arrives ? r->rules_left : 0; /* who arrives goes on where it was */
+    if (state == MU_RUNNING && !r->arrives) {
         mind_forgive(r->mind);
         mind_go_on(r->mind);
     }
@@ -194,14 +209,33 @@ void robot_settle(struct robot *r)
     mind_percept(r->mind, &percept);
 }
 
+/* What it did in this step may not have gone out: that is said again.  Else the world may have gone
+ * on without it. */
+static void robot_return(struct robot *r)
+{
+    r->returns = false;
+    r->repeats = r->step == r->saved_step && r->answer.text;
+    if (r->repeats && !answer_repeat(r->agent, &r->answer)) {
+        mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name, (long long)r->step);
+    } else if (!r->repeats && r->step != r->saved_step + 1) {
+        mind_event(r->mind, MU_ON_ARRIVE);
+    }
+}
+
 /* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
  */
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
     struct robot *r = self;
+    r->step = p->step;
+    r->repeats = false;
+    r->time_ns = p->time_ns;
+    if (r->returns) {
+        robot_return(r);
+    }
     robot_console_offer(r); /* what happened to one that does not act */
     diary_hand(r, a);
-    if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out) {
+    if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out || r->repeats) {
         return;
     }
     r->percept = *p;
@@ -255,6 +289,9 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     struct robot *r = self;
     struct mind_act act;
     uint32_t left = r->rules_left;
+    if (r->repeats) {
+        return;
+    }
     robot_settle(r);
     mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
     if (act.end == MIND_STOPPED) {
@@ -264,7 +301,9 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     body_act(a, &act);
     body_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
-    if (act.enough) {
+    if (robot_mend(r)) {
+        mu_agent_fired(a, 0, ""); /* what it did is lost with it */
+    } else if (act.enough) {
         robot_give_up(r, a, act.enough);
     } else if (act.end == MIND_BREAK) {
         robot_break(r, a, act.why);

@@ -127,9 +127,27 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     if (mail->reply_with[0] && !is_console) {
         line_answer(r, mail, done);
     }
+    (void)robot_mend(r);
     body_ask(a, r->mind);
     robot_do_wish(r, a);
     robot_travel(r);
+}
+
+/* In any state, and whatever its rules do in the step. */
+enum mu_take robot_take_question(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    struct robot *r = self;
+    struct mu_text answer;
+    struct mind_mail letter = letter_of(mail, mail->number);
+    robot_settle(r);
+    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    if (!mind_answer(r->mind, &letter, &answer) || answer.cut) {
+        return MU_PASS;
+    }
+    if (mu_agent_reply(a, mail, "tell", answer.at) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+    return MU_TAKEN;
 }
 
 /* Whose content is one or two names. */

@@ -2,6 +2,7 @@
 /* What a mind asks of its robot. */
 #include "agent/pages.h"
 #include "agent/robot.h"
+#include "runtime/process.h"
 
 #include <stdio.h>
 #include <unistd.h>
@@ -73,7 +74,8 @@ static const char *port_entry(void *self, enum mind_list list, const char *of, s
 static void print_flush(struct robot *r)
 {
     r->print[r->print_len++] = '\n';
-    ssize_t written = write(STDERR_FILENO, r->print, r->print_len);
+    int to = r->crew->prints ? STDOUT_FILENO : STDERR_FILENO;
+    ssize_t written = write(to, r->print, r->print_len);
     (void)written; /* nobody to tell */
     r->print_len = 0;
 }
@@ -87,7 +89,7 @@ static void port_print(void *self, const char *text)
         if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
             print_flush(r);
         }
-        if (r->print_len == 0) {
+        if (r->print_len == 0 && !r->crew->prints) {
             r->print_len = (size_t)snprintf(r->print, sizeof r->print, "%s: ", r->name);
         }
         if (*c == '\n') {
@@ -103,6 +105,14 @@ static bool port_trace(void *self, const char *text)
     return robot_console_print(self, text);
 }
 
+static void port_work(void *self)
+{
+    struct robot *r = self;
+    if (r->crew->process) { /* else it loads its rules, and is not there yet */
+        process_work(r->crew->process);
+    }
+}
+
 struct mind_ports robot_ports(struct robot *r)
 {
     return (struct mind_ports){.self = r,
@@ -112,6 +122,7 @@ struct mind_ports robot_ports(struct robot *r)
                                .change = port_change,
                                .entry = port_entry,
                                .trace = port_trace,
+                               .work = port_work,
                                .print = port_print};
 }
 

@@ -79,6 +79,11 @@ static mu_result settings_check(const struct settings *set)
                 set->name, (long long)(set->first + set->count - 1), MU_NAME_MAX);
         return MU_FAULT_USAGE;
     }
+    MU_TRY(checkpoint_settings_check(&set->checkpoints, "muster robot"));
+    if (set->checkpoints.restore && !set->checkpoints.folder) {
+        fprintf(stderr, "muster robot: --restore needs --folder DIR\n");
+        return MU_FAULT_USAGE;
+    }
     return pages_check(set);
 }
 
@@ -154,6 +159,8 @@ static struct mu_option settings_table[] = {
      .unit = "'S KEY=VALUE...'",
      .help = "offer a service, likewise, for example 'mapper role=scout'",
      .target = &settings.services},
+    CHECKPOINT_OPTIONS(settings.checkpoints),
+    SETTINGS_MEND_OPTION(settings),
     {.name = "functions",
      .kind = MU_OPTION_FLAG,
      .help = "print the functions that rules may call, and exit",

@@ -6,6 +6,7 @@
 #ifndef MUSTER_AGENT_SETTINGS_H
 #define MUSTER_AGENT_SETTINGS_H
 
+#include "agent/checkpoint.h"
 #include "core/network.h"
 #include "core/options.h"
 #include "muster/limits.h"
@@ -21,10 +22,21 @@ struct settings {
     int64_t count,
         first; /* of robots, and the number of the first; count 0: one, without a number */
     int64_t seed, firings_max, failures_max;
+    int64_t mends_max;             /* of a mind that is broken; 0: it stays so */
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
+    struct checkpoint_settings checkpoints;
     bool diary, verbose, functions;
 };
+
+/* This option, for a program's table of options. */
+#define SETTINGS_MEND_OPTION(set)                                                            \
+    {                                                                                        \
+        .name = "mend", .kind = MU_OPTION_INTEGER, .unit = "N", .fallback = "0",             \
+        .help = "make a mind that broke, for want of memory, anew of its checkpoint or its " \
+                "rules, so often at most; then the robot is suspended",                      \
+        .target = &(set).mends_max, .max = 1000                                              \
+    }
 
 /**
  * Reads and checks the command line; what it says lives as long as the process.

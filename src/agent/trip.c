@@ -7,6 +7,7 @@
 #include "core/pieces.h"
 #include "muster/memory.h"
 #include "runtime/kind.h"
+#include "runtime/trips.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,7 +26,7 @@ void trip_reserve(struct trip *t)
 bool trip_holds(const struct robot *r)
 {
     const struct trip *t = &r->crew->trip;
-    return t->robot == r && t->phase != TRIP_NONE && t->purpose == TRIP_MOVE;
+    return t->robot == r && t->phase > TRIP_DEPARTS && t->purpose == TRIP_MOVE;
 }
 
 /* --- who speaks ------------------------------------------------------------------------------- */
@@ -55,11 +56,17 @@ static mu_agent *envoy(struct crew *c)
     return c->envoy;
 }
 
-/* Tells whoever asked what became of it; a trip without an asker: nobody. */
+/* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
+ * comes, and an agent without a host speaks for itself, when it stays; when it goes the other host
+ * does. */
 static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
                       const char *text)
 {
-    mu_agent *speaker = reply_with[0] ? envoy(c) : NULL;
+    bool lockstep = mu_process_in_lockstep(c->process);
+    if (!reply_with[0] || (lockstep && done && c->trip.purpose == TRIP_MOVE)) {
+        return;
+    }
+    mu_agent *speaker = lockstep && !c->envoy ? c->trip.robot->agent : envoy(c);
     struct mu_mail mail = {.dst = to,
                            .performative = done ? "inform" : "failure",
                            .in_reply_to = reply_with,
@@ -80,6 +87,7 @@ static void trip_end(struct crew *c, bool done, const char *text)
 {
     struct trip *t = &c->trip;
     t->phase = TRIP_NONE;
+    trips_set_under_way(c->process, false);
     mu_log(done ? MU_LOG_INFO : MU_LOG_WARNING, done ? "trip-done" : "trip-refused",
            "name=%s to=%s %s", t->robot->name, t->host, text);
     trip_tell(c, t->asker, t->reply_with, done, text);
@@ -95,14 +103,17 @@ static void trip_fail(struct crew *c, const char *reason)
              t->purpose == TRIP_MOVE ? t->host : t->name);
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
+    bool deposited = t->phase == TRIP_DEPOSITED;
     trip_end(c, false, said);
+    if (deposited) { /* the broker's copy is one journey ahead */
+        mu_agent_set_out(r->agent);
+        mu_agent_set_out(r->agent);
+    }
     if (t->purpose == TRIP_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
         mu_agent_set_out(r->agent); /* the host may have a copy yet */
         mu_agent_set_state(r->agent, t->was);
     }
 }
-
-/* --- the way ---------------------------------------------------------------------------------- */
 
 static const char *objection(struct robot *r, const struct mind_travel *w, const char *host)
 {
@@ -112,7 +123,7 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
     if (c->trip.phase != TRIP_NONE) {
         return "busy";
     }
-    if (mu_process_in_lockstep(c->process)) {
+    if (mu_process_in_lockstep(c->process) && w->kind != MIND_MOVES) {
         return "lock-step";
     }
     if (!host[0] || !m || m->kind != MU_KIND_HOST) {
@@ -135,6 +146,7 @@ static void trip_fill(struct robot *r, const struct mind_travel *w, const char *
     t->purpose = w->kind == MIND_CLONES ? TRIP_CLONE : TRIP_MOVE;
     t->was = mu_agent_state(r->agent);
     t->sent = t->piece = 0;
+    t->left = false;
     t->until_ns = mu_clock_ns() + SETTLE_NS;
     snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
              (unsigned long long)(mu_clock_wall_ns() / 1000u), (unsigned long long)++t->count);
@@ -142,34 +154,6 @@ static void trip_fill(struct robot *r, const struct mind_travel *w, const char *
     (void)mu_text_copy(t->name, sizeof t->name, w->name);
     (void)mu_text_copy(t->asker, sizeof t->asker, asked ? asked->src : "");
     (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
-}
-
-mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked)
-{
-    struct crew *c = r->crew;
-    const char *host = w->host[0] ? w->host : c->host;
-    const char *wrong = objection(r, w, host);
-    if (wrong) {
-        char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
-        bool moves = w->kind == MIND_MOVES;
-        snprintf(change, sizeof change, "%s %s", moves ? "moveTo" : "clone",
-                 moves ? host : w->name);
-        snprintf(said, sizeof said, "%s %s", r->name, wrong);
-        mind_refused(r->mind, change, wrong);
-        if (asked && asked->reply_with[0] &&
-            mu_agent_reply(r->agent, asked, "failure", said) != MU_OK) {
-            mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
-        }
-        return MU_REFUSED;
-    }
-    trip_fill(r, w, host, asked);
-    if (w->kind == MIND_MOVES) {
-        kind_event(r->agent, MU_ON_LEAVE);
-        mu_agent_set_out(r->agent);
-        mu_agent_set_state(r->agent, MU_MOVING);
-    }
-    c->trip.phase = TRIP_SETTLES;
-    return MU_OK;
 }
 
 const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
@@ -186,38 +170,161 @@ const char *trip_write(struct robot *r, const struct passport *p, struct mu_text
     return NULL;
 }
 
-/* @return NULL, or why there can be no capsule */
-static const char *capsule_make(struct trip *t, struct mu_fault *fault)
+/* Hands the capsule to the broker. */
+static mu_result capsule_deposit(struct trip *t, uint64_t epoch)
 {
     struct robot *r = t->robot;
-    bool moves = t->purpose == TRIP_MOVE;
-    struct passport p = {.purpose = t->purpose, .state = t->was, .mails = r->mails};
-    (void)mu_text_copy(p.name, sizeof p.name, moves ? r->name : t->name);
+    muster_Trip word = {.word = muster_TRIP_DEPOSIT,
+                        .agent = r->name,
+                        .epoch = epoch,
+                        .host = t->host,
+                        .text = t->text.at};
+    return trips_say(r->crew->process, &word);
+}
+
+/* --- departure -------------------------------------------------------------------------------- */
+
+/* As it is now: for the host it is a journey ahead of what it is here. */
+static const char *departure_write(struct trip *t, struct mu_fault *fault)
+{
+    struct robot *r = t->robot;
+    t->was = mu_agent_state(r->agent);
     t->passage = mu_agent_passage(r->agent);
-    if (moves) {
-        p.passage = t->passage;
+    t->passage.epoch++;
+    struct passport p = {.purpose = TRIP_MOVE,
+                         .state = t->was,
+                         .passage = t->passage,
+                         .mails = r->mails,
+                         .rules_left = r->rules_left};
+    (void)mu_text_copy(p.name, sizeof p.name, r->name);
+    if (t->reply_with[0] && mu_process_in_lockstep(r->crew->process)) {
+        (void)mu_text_copy(p.asker, sizeof p.asker, t->asker);
+        (void)mu_text_copy(p.reply_with, sizeof p.reply_with, t->reply_with);
     }
     return trip_write(r, &p, &t->text, fault);
 }
 
-static void settle(struct crew *c)
+static void depart(struct crew *c)
 {
     struct trip *t = &c->trip;
     struct mu_fault fault;
-    if (t->purpose == TRIP_MOVE && !mu_agent_is_settled(t->robot->agent)) {
-        if (mu_clock_ns() > t->until_ns) {
-            trip_fail(c, "broker-silent");
-        }
+    if (!t->left) {
+        t->left = true;
+        kind_event(t->robot->agent, MU_ON_LEAVE);
+    }
+    if (!trips_fits_answer(t->robot->agent)) {
+        return; /* its last words need a step more */
+    }
+    const char *why = departure_write(t, &fault);
+    if (why || capsule_deposit(t, t->passage.epoch) != MU_OK) {
+        trip_fail(c, why ? why : "busy");
         return;
     }
-    const char *why = capsule_make(t, &fault);
-    if (why) {
-        trip_fail(c, why);
+    t->phase = TRIP_DEPOSITED;
+}
+
+void trip_step_end(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (t->phase != TRIP_DEPARTS) {
         return;
     }
-    t->phase = TRIP_SENDS;
+    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
+        trip_end(c, false, "gone");
+    } else if (t->left || trips_fits_answer(t->robot->agent)) {
+        depart(c);
+    }
+}
+
+void trip_step_answered(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (t->phase != TRIP_DEPOSITED || mu_process_in_lockstep(c->process)) {
+        return;
+    }
+    mu_agent_set_out(t->robot->agent);
+    mu_agent_set_state(t->robot->agent, MU_MOVING);
+    trips_set_under_way(c->process, true);
+    t->phase = TRIP_KEPT;
     t->until_ns = mu_clock_ns() + ANSWER_NS;
 }
+
+/* Where no steps come, at once; what it has said goes out before. */
+static void depart_now(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    if (trips_awaits_step(c->process)) {
+        return;
+    }
+    if (mu_clock_ns() > t->until_ns) {
+        trip_fail(c, "broker-silent");
+    } else if (trips_all_sent(t->robot->agent)) {
+        trip_step_end(c);
+        trip_step_answered(c);
+    }
+}
+
+/* In lock step the host has it, and answers for it from the next step on. */
+static void departed(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    mu_agent_leave(t->robot->agent);
+    trip_end(c, true, "");
+    robot_drop(t->robot);
+}
+
+static void clone_begin(struct crew *c)
+{
+    struct trip *t = &c->trip;
+    struct mu_fault fault;
+    struct passport p = {.purpose = TRIP_CLONE, .state = t->was, .mails = t->robot->mails};
+    (void)mu_text_copy(p.name, sizeof p.name, t->name);
+    const char *why = trip_write(t->robot, &p, &t->text, &fault);
+    trips_set_under_way(c->process, true);
+    t->phase = TRIP_SENDS;
+    t->until_ns = mu_clock_ns() + ANSWER_NS;
+    if (why) {
+        trip_fail(c, why);
+    }
+}
+
+/* A host speaks for its agents. */
+static void refusal_answer(struct robot *r, const struct mu_mail *asked, const char *said)
+{
+    mu_agent *speaker = r->crew->host[0] ? r->crew->envoy : r->agent;
+    if (asked && asked->reply_with[0] && mu_agent_reply(speaker, asked, "failure", said) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
+    }
+}
+
+mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct mu_mail *asked)
+{
+    struct crew *c = r->crew;
+    const char *host = w->host[0] ? w->host : c->host;
+    const char *wrong = objection(r, w, host);
+    if (wrong) {
+        char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
+        bool moves = w->kind == MIND_MOVES;
+        snprintf(change, sizeof change, "%s %s", moves ? "moveTo" : "clone",
+                 moves ? host : w->name);
+        snprintf(said, sizeof said, "%s %s", r->name, wrong);
+        mind_refused(r->mind, change, wrong);
+        refusal_answer(r, asked, said);
+        return MU_REFUSED;
+    }
+    trip_fill(r, w, host, asked);
+    if (c->trip.purpose == TRIP_CLONE) {
+        clone_begin(c);
+        return MU_OK;
+    }
+    c->trip.phase = TRIP_DEPARTS;
+    if (!mu_process_in_lockstep(c->process) && c->trip.reply_with[0]) {
+        (void)envoy(c); /* who leaves its process empty has no time for that */
+    }
+    return MU_OK;
+}
+
+/* --- the way ---------------------------------------------------------------------------------- */
 
 /* As many pieces as the outbox takes. */
 static void pieces_send(struct crew *c)
@@ -296,17 +403,16 @@ static void answer_await(struct crew *c)
     }
 }
 
-void trip_round(struct crew *c)
+/* Lets the name go, when nobody has anything more to say to the agent here. */
+static void yield(struct crew *c)
 {
-    switch (c->trip.phase) {
-    case TRIP_NONE: return;
-    case TRIP_SETTLES: settle(c); return;
-    case TRIP_SENDS:
-        pieces_send(c);
-        answer_await(c);
-        return;
-    case TRIP_WAITS: answer_await(c); return;
-    case TRIP_HANDS_OVER: hand_over(c); return;
+    struct trip *t = &c->trip;
+    if (mu_agent_is_settled(t->robot->agent)) {
+        t->phase = TRIP_HANDS_OVER;
+        t->until_ns = mu_clock_ns() + NAME_NS;
+        mu_agent_leave(t->robot->agent);
+    } else if (mu_clock_ns() > t->until_ns) {
+        trip_fail(c, "broker-silent");
     }
 }
 
@@ -320,9 +426,56 @@ static void answer_yes(struct crew *c)
         trip_end(c, true, said);
         return;
     }
-    t->phase = TRIP_HANDS_OVER;
-    t->until_ns = mu_clock_ns() + NAME_NS;
-    mu_agent_leave(t->robot->agent);
+    t->phase = TRIP_YIELDS;
+    t->until_ns = mu_clock_ns() + SETTLE_NS;
+    yield(c);
+}
+
+void trip_round(struct crew *c)
+{
+    switch (c->trip.phase) {
+    case TRIP_NONE:
+    case TRIP_DEPOSITED: return;
+    case TRIP_DEPARTS: depart_now(c); return;
+    case TRIP_SENDS:
+        pieces_send(c);
+        answer_await(c);
+        return;
+    case TRIP_KEPT:
+    case TRIP_WAITS: answer_await(c); return;
+    case TRIP_YIELDS: yield(c); return;
+    case TRIP_HANDS_OVER: hand_over(c); return;
+    }
+}
+
+/* The host refuses, or is no more.  Who has let go takes the agent back. */
+static void refused(struct crew *c, const char *reason)
+{
+    struct trip *t = &c->trip;
+    if (t->phase == TRIP_HANDS_OVER) {
+        hand_over_undo(c);
+    } else if (t->phase == TRIP_DEPOSITED || t->phase == TRIP_KEPT || t->phase == TRIP_YIELDS) {
+        trip_fail(c, reason);
+    }
+}
+
+void trip_hear(struct crew *c, const muster_Trip *word)
+{
+    struct trip *t = &c->trip;
+    if (t->phase == TRIP_NONE || strcmp(word->agent, t->robot->name) != 0) {
+        return;
+    }
+    if (word->word == muster_TRIP_REFUSED) {
+        refused(c, word->reason);
+    } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_DEPOSITED) {
+        departed(c);
+    } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_HANDS_OVER) {
+        hand_over_end(c);
+    } else if (word->word == muster_TRIP_READY && t->phase == TRIP_KEPT) {
+        answer_yes(c);
+    } else if (word->word == muster_TRIP_STORED && t->phase == TRIP_KEPT) {
+        t->phase = TRIP_SENDS;
+    }
 }
 
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail)

@@ -12,10 +12,11 @@
 #include "agent/mind.h"
 #include "core/text.h"
 #include "muster/muster.h"
+#include "wire.h"
 
 enum {
-    TRIP_CAPSULE_MAX = 1 << 20, /* bytes of passport and capsule */
-    TRIP_FIELDS = 9,            /* of a passport */
+    TRIP_CAPSULE_MAX = MU_CAPSULE_MAX, /* bytes of passport and capsule */
+    TRIP_FIELDS = 11,                  /* of a passport, without who asked */
 };
 
 enum trip_purpose { TRIP_MOVE, TRIP_CLONE, TRIP_LAUNCH, TRIP_PURPOSES };
@@ -26,15 +27,21 @@ struct passport {
     char name[MU_NAME_MAX + 1]; /* that it is to have */
     enum mu_state state;        /* that it goes on in */
     struct mu_passage passage;
-    uint64_t mails; /* that its rules have seen */
-    uint64_t seed;  /* of one that is launched; its rules stand in the place of the capsule */
+    uint64_t mails;      /* that its rules have seen */
+    uint32_t rules_left; /* that it may fire yet; 0: as many as it wants */
+    /* Whom the host tells that it is there; "": nobody, or the source does that. */
+    char asker[MU_NAME_MAX + 1], reply_with[MU_FIELD_MAX + 1];
+    uint64_t seed; /* of one that is launched; its rules stand in the place of the capsule */
 };
 
 enum trip_phase {
     TRIP_NONE,
-    TRIP_SETTLES,   /* what it sent has no answer yet */
-    TRIP_SENDS,     /* pieces go out */
+    TRIP_DEPARTS,   /* it goes at the end of the step, or when all is sent, if there are none */
+    TRIP_DEPOSITED, /* the capsule goes with the answer; in lock step the step waits for a word */
+    TRIP_KEPT,      /* the broker has it: the host's word is awaited */
+    TRIP_SENDS,     /* pieces go out: of a clone, or to a host at another broker */
     TRIP_WAITS,     /* for the host's word */
+    TRIP_YIELDS,    /* the host is ready; what was sent has no answer yet */
     TRIP_HANDS_OVER /* its name is free; the copy here is kept until the host has it */
 };
 
@@ -49,6 +56,7 @@ struct trip {
     char id[MU_FIELD_MAX + 1]; /* that the host's answer refers to */
     char asker[MU_NAME_MAX + 1], reply_with[MU_FIELD_MAX + 1]; /* "": nobody asked */
     enum mu_state was;
+    bool left; /* its rules have had their last word */
     struct mu_passage passage;
     uint64_t until_ns, count;
     struct mu_text text; /* passport and capsule */
@@ -77,6 +85,15 @@ const char *trip_write(struct robot *r, const struct passport *p, struct mu_text
 
 /** Goes on as far as that is possible now. */
 void trip_round(struct crew *c);
+
+/** Takes what the broker says of one that is on its way. */
+void trip_hear(struct crew *c, const muster_Trip *word);
+
+/** The step at hand is about to be answered: who wants to go does so now. */
+void trip_step_end(struct crew *c);
+
+/** It has been answered: out of lock step, who goes stands still from now on. */
+void trip_step_answered(struct crew *c);
 
 /** Takes the answer of a host.  @return whether the mail was one */
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail);

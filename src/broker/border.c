@@ -82,12 +82,25 @@ static bool border_act(const muster_Act *act)
            border_sequence(act->mails._length, act->mails._buffer, MU_OUTBOX_MAX);
 }
 
+static bool border_trip(const muster_Trip *t)
+{
+    return border_string(t->agent, MU_NAME_MAX) && border_string(t->host, MU_NAME_MAX) &&
+           border_string(t->reason, MU_FIELD_MAX) && border_string(t->text, MU_CAPSULE_MAX - 1) &&
+           t->slot < MU_LOCAL_AGENTS_MAX;
+}
+
 bool border_up(const muster_Up *up)
 {
     if (!border_process(up->process) ||
         !border_sequence(up->acts._length, up->acts._buffer, MU_LOCAL_AGENTS_MAX) ||
-        !border_sequence(up->acks._length, up->acks._buffer, MU_LOCAL_AGENTS_MAX)) {
+        !border_sequence(up->acks._length, up->acks._buffer, MU_LOCAL_AGENTS_MAX) ||
+        !border_sequence(up->trips._length, up->trips._buffer, MU_LOCAL_AGENTS_MAX)) {
         return false;
+    }
+    for (uint32_t i = 0; i < up->trips._length; i++) {
+        if (!border_trip(&up->trips._buffer[i])) {
+            return false;
+        }
     }
     for (uint32_t i = 0; i < up->acts._length; i++) {
         if (!border_act(&up->acts._buffer[i])) {

@@ -63,6 +63,7 @@ struct broker *broker_open(const struct broker_options *options)
     receipts_init(&b->receipts, REGISTRY_MAX);
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
+    depot_init(&b->depot);
     pages_init(&b->pages);
     resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
@@ -203,6 +204,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
     }
     if (effect == EFFECT_STEP) {
         lockstep_keep_state(&b->lockstep, agent, act->state);
+        depot_review(b, agent); /* it answers where it lives now */
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
     }
@@ -219,7 +221,10 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
     uint32_t agent = agent_at(b, place, ack->box);
     if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
         b->counters.malformed += !b->places.at[place].is_broker;
-    } else if (b->places.at[place].rostered) {
+        return;
+    }
+    depot_acknowledged(b, agent, place);
+    if (b->places.at[place].rostered) {
         lockstep_keep_ack(&b->lockstep, agent, ack->number);
     } else {
         router_acknowledge(b, agent, ack->number);
@@ -252,6 +257,9 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     }
     for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
+    }
+    for (uint32_t i = 0; i < up->trips._length; i++) {
+        depot_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
     }
     if (effect == EFFECT_STEP) {
         lockstep_answered(b, place);
@@ -323,6 +331,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     resend_tick(b);
     outcome_tick(b);
     courier_tick(b);
+    depot_tick(b);
     journal_tick(b);
     liaison_tick(b);
     announce_tick(b);
@@ -367,6 +376,7 @@ uint64_t broker_deadline_ns(const struct broker *b)
     const uint64_t times_ns[] = {presence_deadline_ns(b),
                                  resend_deadline_ns(b),
                                  courier_deadline_ns(b),
+                                 depot_deadline_ns(b),
                                  pacer_deadline_ns(&b->pacer),
                                  journal_deadline_ns(b),
                                  liaison_deadline_ns(b),

@@ -42,6 +42,12 @@ static const struct counter counters[] = {
      AT(registry.count)},
     {PART_REGISTRAR, "processes", "processes that it serves now", AT(places.used_count)},
     {PART_REGISTRAR, "claims", "names that another process waits for now", AT(claims.count)},
+    {PART_REGISTRAR, "capsules", "capsules of agents on their way that it keeps now",
+     AT(depot.count)},
+    {PART_REGISTRAR, "capsules-kept", "of them, ever", AT(depot.kept)},
+    {PART_REGISTRAR, "capsules-refused", "of them, whose agents stayed", AT(depot.refused)},
+    {PART_REGISTRAR, "capsules-restored", "of them, given to a host because nobody had the agent",
+     AT(depot.restored)},
     {PART_REGISTRAR, "changes", "changes of the white pages", AT(registry.changes.version)},
 
     {PART_POSTMASTER, "sent", "mails, one a receiver", AT(counters.sent)},

@@ -137,7 +137,7 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!mailbox_is_begun(&b->mailbox, agent)) {
+    if (!mailbox_is_begun(&b->mailbox, agent) || lockstep_awaits(b, agent)) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
@@ -369,7 +369,7 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     struct courier *c = &b->courier;
     struct place *at = &b->places.at[place];
     c->open_lockstep = at->rostered || at->simulator;
-    if (c->open_lockstep && !at->step_due) {
+    if (c->open_lockstep && (!at->step_due || b->lockstep.awaits_moves)) {
         return false;
     }
     c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.changes.version;
@@ -394,16 +394,47 @@ static bool delivery_fill(struct broker *b, uint32_t place, muster_Delivery *d)
            d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }
 
+/* A word about an agent on its way waits for nothing, and goes alone.  @return whether there is one
+ */
+static bool trip_fill(struct broker *b, uint32_t place, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    c->open_trip = depot_next(b, place, &c->trip);
+    if (c->open_trip) {
+        delivery_begin(b, &b->places.at[place], d);
+        d->roll_call = false;
+        d->trips._buffer = &c->trip;
+        d->trips._length = d->trips._maximum = 1;
+    }
+    return c->open_trip;
+}
+
+static void trip_end(struct broker *b)
+{
+    depot_sent(b);
+    places_wake(&b->places, b->courier.open);
+    b->courier.open = MU_NONE;
+    b->courier.open_trip = false;
+}
+
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 {
     uint32_t place;
     courier_wake(b);
     while ((place = places_next(&b->places)) != MU_NONE) {
         const struct place *at = &b->places.at[place];
-        if (!at->used || !at->matched || at->blocked || place_hold(b, place)) {
+        if (!at->used || !at->matched || at->blocked) {
             continue;
         }
         b->courier.open = place;
+        if (trip_fill(b, place, d)) {
+            *process = at->name;
+            return true;
+        }
+        if (place_hold(b, place)) {
+            b->courier.open = MU_NONE;
+            continue;
+        }
         if (delivery_fill(b, place, d)) {
             *process = at->name;
             return true;
@@ -451,6 +482,10 @@ void courier_delivered(struct broker *b)
 {
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
+    if (c->open_trip) {
+        trip_end(b);
+        return;
+    }
     struct place *at = &b->places.at[c->open];
     uint32_t parcels = 0;
     for (uint32_t i = 0; i < c->parts_count; i++) {
@@ -486,6 +521,7 @@ void courier_undelivered(struct broker *b)
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
     parts_return(b, false);
+    c->open_trip = false;
     if (b->places.blocked == 0) {
         uint64_t now_ns = b->clock.now_ns;
         c->retry_ns =

@@ -62,6 +62,8 @@ struct courier {
     uint32_t held;          /* processes that wait for it to wake, at most */
     struct courier_counts count;
     uint64_t retry_ns; /* when blocked processes are tried again */
+    bool open_trip;    /* it has this alone: */
+    muster_Trip trip;
     struct courier_part parts[COURIER_AGENTS];
     uint32_t parts_count;
     muster_Parcel *parcels;

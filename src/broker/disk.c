@@ -107,6 +107,17 @@ static bool drop_lines(struct disk *d, const struct journal_entry *e)
     return disk_step(f.statement);
 }
 
+static bool put_capsule(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, e->capsule[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE);
+    fill_text(&f, e->name);
+    if (e->capsule[0]) {
+        fill_number(&f, e->epoch);
+        fill_text(&f, e->capsule);
+    }
+    return disk_step(f.statement);
+}
+
 static bool put_clock(struct disk *d, const struct journal_entry *e)
 {
     struct filling f = fill(d, DISK_PUT_META);
@@ -123,7 +134,7 @@ static bool entries_write(struct disk *d, struct broker *b)
         [JOURNAL_AGENT] = put_agent,     [JOURNAL_MAIL] = disk_bundle_put,
         [JOURNAL_WAITING] = set_waiting, [JOURNAL_GONE] = disk_bundle_drop,
         [JOURNAL_LINE] = put_line,       [JOURNAL_RESET] = drop_lines,
-        [JOURNAL_CLOCK] = put_clock};
+        [JOURNAL_CLOCK] = put_clock,     [JOURNAL_CAPSULE] = put_capsule};
     struct journal_entry e;
     disk_bundle_begin(d);
     while (journal_next(b, &e)) {

@@ -66,6 +66,14 @@ static void read_clock(struct reading *r, struct journal_entry *e)
     e->run_wall_ns = read_number(r);
 }
 
+static void read_capsule(struct reading *r, struct journal_entry *e)
+{
+    e->kind = JOURNAL_CAPSULE;
+    e->name = read_text(r);
+    e->epoch = read_number(r);
+    e->capsule = read_text(r);
+}
+
 static void read_mail(struct reading *r, struct journal_entry *e)
 {
     muster_Mail *m = &e->letter;
@@ -101,6 +109,7 @@ mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused)
         {"SELECT * FROM agents", read_agent},
         {"SELECT * FROM lines", read_line},
         {"SELECT value FROM meta WHERE key = 'run_wall_ns' AND value != 0", read_clock},
+        {"SELECT * FROM capsules", read_capsule},
         {disk_bundle_select, read_mail},
     };
     *refused = 0;

@@ -23,6 +23,12 @@ static const char schema[] =
     "INSERT INTO meta VALUES ('schema', 3), ('store', lower(hex(randomblob(8)))),"
     "  ('incarnation', 0), ('run_wall_ns', 0);";
 
+/* Not in the first stores of this version. */
+static const char capsules[] =
+    "CREATE TABLE IF NOT EXISTS capsules (agent TEXT PRIMARY KEY, epoch INTEGER,\n"
+    "  text TEXT -- a passport and the capsule: an agent on its way, to be restored\n"
+    ") WITHOUT ROWID;";
+
 /* Version 2 had a row for each mail. */
 static const char rename_mails[] = "ALTER TABLE mails RENAME TO mails_2;";
 static const char upgraded[] =
@@ -45,6 +51,8 @@ static const char *const statements[DISK_STATEMENTS] = {
     [DISK_DROP_LINE] = "DELETE FROM lines WHERE kind = ? AND slot = ?",
     [DISK_DROP_LINES] = "DELETE FROM lines WHERE kind = ?",
     [DISK_PUT_META] = "INSERT OR REPLACE INTO meta VALUES (?, ?)",
+    [DISK_PUT_CAPSULE] = "INSERT OR REPLACE INTO capsules VALUES (?, ?, ?)",
+    [DISK_DROP_CAPSULE] = "DELETE FROM capsules WHERE agent = ?",
 };
 
 /* --- what can be wrong ------------------------------------------------------------------------ */
@@ -230,8 +238,8 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
     }
     d->full_sync = true;
     bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
-                 schema_set(d, version) && incarnation_begin(d, wall_ns) && statements_prepare(d) &&
-                 sqlite3_db_release_memory(d->db) == SQLITE_OK;
+                 schema_set(d, version) && disk_run(d, capsules) && incarnation_begin(d, wall_ns) &&
+                 statements_prepare(d) && sqlite3_db_release_memory(d->db) == SQLITE_OK;
     sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
     return begun ? MU_OK : complain_of(d);
 }

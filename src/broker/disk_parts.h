@@ -33,6 +33,8 @@ enum disk_statement {
     DISK_DROP_LINE,
     DISK_DROP_LINES,
     DISK_PUT_META,
+    DISK_PUT_CAPSULE,
+    DISK_DROP_CAPSULE,
     DISK_STATEMENTS
 };
 

@@ -255,6 +255,9 @@ static bool something_is_marked(const struct broker *b)
     for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
         marked = marked || j->slots[i].count || j->slots[i].reset;
     }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        marked = marked || b->depot.capsules[i].unsaved;
+    }
     return marked;
 }
 
@@ -385,10 +388,26 @@ static bool next_clock(struct broker *b, struct journal_entry *e)
     return wanted;
 }
 
+static bool next_capsule(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    while (j->at.capsule < MU_CAPSULES_MAX) {
+        const struct depot_capsule *c = &b->depot.capsules[j->at.capsule++];
+        if (c->unsaved) {
+            e->kind = JOURNAL_CAPSULE;
+            e->name = b->registry.agents[c->agent].name;
+            e->epoch = c->epoch;
+            e->capsule = c->phase == DEPOT_FREE ? "" : c->text;
+            return true;
+        }
+    }
+    return false;
+}
+
 bool journal_next(struct broker *b, struct journal_entry *entry)
 {
     return next_agent(b, entry) || next_mail(b, entry) || next_line(b, entry) ||
-           next_clock(b, entry);
+           next_clock(b, entry) || next_capsule(b, entry);
 }
 
 /* --- and how that went ------------------------------------------------------------------------ */
@@ -451,6 +470,9 @@ static void marks_clear(struct broker *b)
         while (s->count > 0) {
             s->is_marked[s->marked[--s->count]] = false;
         }
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        b->depot.capsules[i].unsaved = false;
     }
     j->run_wall_ns = run_wall_ns(b);
 }

@@ -63,6 +63,7 @@ enum journal_kind {
     JOURNAL_LINE,    /* lines, slot, line; present false and no key: the slot is free */
     JOURNAL_RESET,   /* lines: all earlier ones of that kind are void */
     JOURNAL_CLOCK,   /* run_wall_ns */
+    JOURNAL_CAPSULE, /* name, epoch, capsule */
 };
 
 /* One row on its way to the disk, or from it. */
@@ -79,6 +80,8 @@ struct journal_entry {
     uint32_t slot;
     struct journal_line line;
     uint64_t run_wall_ns; /* when the run's time was 0; 0: no run goes on by the wall */
+    uint64_t epoch;
+    const char *capsule; /* of that agent; "": it has none any more */
 };
 
 struct journal_slots {
@@ -95,6 +98,7 @@ struct journal_cursor {
     struct mail *mail;
     enum journal_lines lines;
     uint32_t line;
+    uint32_t capsule;
     bool clock_done, begun;
 };
 

@@ -119,6 +119,13 @@ bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step)
     return at->rostered && !at->answered && step == b->lockstep.step;
 }
 
+bool lockstep_awaits(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return b->lockstep.on && b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
+           !b->places.at[a->process].rostered;
+}
+
 /* --- the end of a step ------------------------------------------------------------------------ */
 
 static int agent_compare(const void *x, const void *y, const void *registry)
@@ -270,6 +277,20 @@ static void delivery_owe(struct broker *b, uint32_t place)
     places_wake(&b->places, place);
 }
 
+void lockstep_release(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    if (!l->awaits_moves) {
+        return;
+    }
+    l->awaits_moves = false;
+    l->version = b->registry.changes.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        delivery_owe(b, l->roster[i]);
+    }
+    delivery_owe(b, l->simulator);
+}
+
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
@@ -278,17 +299,18 @@ static void step_end(struct broker *b)
     step_apply(b);
     l->step++;
     l->answered = 0;
-    l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->places.at[l->roster[i]].answered = false;
-        delivery_owe(b, l->roster[i]);
     }
-    delivery_owe(b, l->simulator);
+    l->awaits_moves = true;
+    if (!depot_step_ended(b)) {
+        lockstep_release(b);
+    }
 }
 
 static bool step_is_complete(const struct lockstep *l)
 {
-    return l->roster_count > 0 && l->answered == l->roster_count;
+    return l->roster_count > 0 && l->answered == l->roster_count && !l->held;
 }
 
 uint32_t lockstep_missing(const struct lockstep *l)
@@ -318,6 +340,7 @@ static void place_enter(struct broker *b, uint32_t place)
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent); /* its mail may have waited for this */
     }
 }
 
@@ -349,7 +372,11 @@ static void turns_drop(struct broker *b, uint32_t place)
          agent = tenants_next(&b->registry, &b->places, agent)) {
         struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
-        for (struct mail *m = list_pop(&turn->mails); m; m = list_pop(&turn->mails)) {
+        struct mail *m = list_pop(&turn->mails);
+        if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
+            b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
+        }
+        for (; m; m = list_pop(&turn->mails)) {
             router_drop(b, m);
         }
     }
@@ -414,6 +441,8 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 static void lockstep_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
+    l->awaits_moves = false;
+    depot_lockstep_over(b);
     do { /* nothing that was admitted is lost */
         lockstep_told(b);
         step_apply(b);
@@ -440,6 +469,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     struct lockstep *l = &b->lockstep;
     resolve_give_up(b);
     l->on = true;
+    l->held = roster->held;
     l->step = roster->step;
     l->step_ns = roster->step_ns;
     l->simulator = simulator;
@@ -460,6 +490,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 static void lockstep_change(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
+    l->held = roster->held;
     roster_shrink(b, roster);
     roster_grow(b, roster, true);
     if (roster->step > l->step || step_is_complete(l)) {
@@ -493,8 +524,9 @@ void lockstep_set_roster(struct broker *b, const muster_Roster *roster)
         }
         return;
     }
-    bool goes_on = same && roster->step_ns == l->step_ns &&
-                   (roster->step == l->step || roster->step == l->step + 1);
+    /* The simulator may not have heard yet that the step before has ended. */
+    bool goes_on = same && roster->step_ns == l->step_ns && roster->step >= l->step - 1 &&
+                   roster->step <= l->step + 1;
     if (goes_on) {
         lockstep_change(b, roster);
     } else {

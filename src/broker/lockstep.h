@@ -41,8 +41,10 @@ struct turn {
 
 struct lockstep {
     bool on;
-    bool applying; /* a step is ending: what happens now happens in every run */
-    int64_t step;  /* whose Ups are collected */
+    bool applying;     /* a step is ending: what happens now happens in every run */
+    bool held;         /* the step does not end: a process of the roster is to come yet */
+    bool awaits_moves; /* the last step has no end yet: agents are on their way */
+    int64_t step;      /* whose Ups are collected */
     uint64_t step_ns;
     uint32_t simulator; /* its place */
     uint32_t roster[MU_PROCESSES_MAX];
@@ -68,6 +70,10 @@ void lockstep_set_roster(struct broker *b, const muster_Roster *roster);
 
 /** @return whether an Up of this process and step is to be collected now */
 bool lockstep_wants(const struct broker *b, uint32_t place, int64_t step);
+
+/** @return whether this agent's process is not in the lock step yet, which is held for such ones:
+ * its mail waits for its first step */
+bool lockstep_awaits(const struct broker *b, uint32_t agent);
 
 /** All of a process's Up has been collected; the step may end with it. */
 void lockstep_answered(struct broker *b, uint32_t place);
@@ -98,6 +104,9 @@ void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
  *         are not known yet, or both are for the disk, where they are to go in order
  */
 bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m);
+
+/** No agent is on its way any more: the step that was held ends. */
+void lockstep_release(struct broker *b);
 
 /** The simulator has been told of the mails from outside. */
 void lockstep_told(struct broker *b);

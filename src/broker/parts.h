@@ -25,6 +25,8 @@
  *   liaison    the other brokers: who lives beyond which;     presence, router, pages
  *              announce says who is known here, relay takes
  *              their mail
+ *   depot      agents on their way: their capsules, and      presence, lockstep
+ *              who is told what
  *   journal    what must be on disk before anybody is told    registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -36,6 +38,7 @@
 #include "broker/claims.h"
 #include "broker/counters.h"
 #include "broker/courier.h"
+#include "broker/depot.h"
 #include "broker/events.h"
 #include "broker/journal.h"
 #include "broker/liaison.h"
@@ -84,6 +87,7 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct depot depot;
     struct pages pages;
     struct resolve resolve;
     struct ages ages;

@@ -87,6 +87,7 @@ void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     presence_changed(b);
     pages_presence(b, agent);
     tenants_wake(&b->registry, &b->places, agent);
+    depot_review(b, agent);
 }
 
 void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
@@ -95,6 +96,7 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     uint32_t from = b->registry.agents[agent].process;
     tenants_remove(&b->registry, &b->places, agent);
     mailbox_unwatch(&b->mailbox, agent);
+    b->registry.agents[agent].left = from;
     presence_seat(b, agent, place, slot, is);
     places_tidy(&b->places, from);
 }
@@ -277,6 +279,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
         tenants_wake(&b->registry, &b->places, agent);
     }
     claim_review(b, agent);
+    depot_review(b, agent);
 }
 
 /* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
@@ -319,10 +322,15 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
                            struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
+    if (a->process != place && depot_overrules(b, agent, place, is->epoch)) {
+        return;
+    }
     if (a->process == place && a->tenant.slot != slot && !b->places.at[place].rostered) {
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
-    if (a->process == MU_NONE) {
+    if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
+        places_refuse(&b->places, place, a->name, "out of date");
+    } else if (a->process == MU_NONE) {
         presence_seat(b, agent, place, slot, is);
         liaison_review(b, agent);
     } else if (a->process == place) {
@@ -474,8 +482,12 @@ void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed
         liaison_lose(b, place);
     } else if (crashed) {
         b->places.at[place].lost = true;
+        depot_gone(b, place);
         place_leave(b, place);
     } else if (part < PLACES_PARTS) {
+        if (part == 0) {
+            depot_gone(b, place);
+        }
         part_leave(b, place, part, NULL);
     }
 }

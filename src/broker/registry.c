@@ -64,7 +64,7 @@ uint32_t registry_add(struct registry *r, const char *name)
     }
     uint32_t index = r->count;
     struct agent *a = &r->agents[index];
-    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE};
+    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
     a->is.state = muster_STATE_ABSENT;
     bool fits = mu_text_copy(a->name, sizeof a->name, name);
     MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);

@@ -111,6 +111,20 @@ bool check_registration(const void *sample)
     return true;
 }
 
+static bool trips_ok(const muster_Trip *trips, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const muster_Trip *t = &trips[i];
+        if ((unsigned)t->word > muster_TRIP_WANTED || !text_fits(t->host, MU_NAME_MAX) ||
+            !text_fits(t->process, MU_PROCESS_MAX) || !text_fits(t->reason, MU_FIELD_MAX) ||
+            !text_fits(t->text, MU_CAPSULE_MAX - 1) ||
+            (t->word != muster_TRIP_WANTED && !is_name(t->agent))) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool acts_ok(const muster_Act *acts, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -125,7 +139,7 @@ bool check_up(const void *sample)
 {
     const muster_Up *u = sample;
     if (!is_process(u->process) || u->acts._length > MU_LOCAL_AGENTS_MAX ||
-        u->acks._length > MU_LOCAL_AGENTS_MAX) {
+        u->acks._length > MU_LOCAL_AGENTS_MAX || !trips_ok(u->trips._buffer, u->trips._length)) {
         return false;
     }
     return acts_ok(u->acts._buffer, u->acts._length) && acks_ok(u->acks._buffer, u->acks._length);
@@ -286,7 +300,8 @@ bool check_delivery(const void *sample)
             return false;
         }
     }
-    return pages_ok(d) && mails_ok(d->outside._buffer, d->outside._length);
+    return pages_ok(d) && mails_ok(d->outside._buffer, d->outside._length) &&
+           trips_ok(d->trips._buffer, d->trips._length);
 }
 
 bool check_roster(const void *sample)

@@ -101,7 +101,7 @@ static int body_find(const void *self, const char *name)
     return -1;
 }
 
-static mu_result condition_check(const struct run *r, const char *text, int line, int column,
+static mu_result condition_check(const struct run *r, const char *text, struct experiment_mark mark,
                                  struct mu_fault *fault)
 {
     char why[CONDITION_WHY_MAX];
@@ -110,7 +110,7 @@ static mu_result condition_check(const struct run *r, const char *text, int line
         .find = body_find, .self = r->world, .robots = (int)r->world->robot_count};
     return condition_read(&condition, text, &names, why) == MU_OK
                ? MU_OK
-               : mu_fault_at(fault, r->experiment->file, line, column, "%s: %s", text, why);
+               : mu_fault_at(fault, r->experiment->file, mark.line, mark.column, "%s", why);
 }
 
 /* What the file alone could not tell: whether such things are in the world. */
@@ -118,17 +118,17 @@ static mu_result names_check(const struct run *r, struct mu_fault *fault)
 {
     const struct experiment *e = r->experiment;
     for (unsigned i = 0; i < e->events_count; i++) {
-        MU_TRY(condition_check(r, e->events[i], 0, 0, fault));
+        MU_TRY(condition_check(r, e->events[i], e->event_marks[i], fault));
     }
     for (unsigned i = 0; i < e->chaos_count; i++) {
         const struct experiment_chaos *c = &e->chaos[i];
         bool body = c->kind == CHAOS_PUSH || c->kind == CHAOS_PLACE;
         if (body && body_find(r->world, c->who) < 0) {
-            return mu_fault_at(fault, e->file, c->line, c->column,
+            return mu_fault_at(fault, e->file, c->mark.line, c->mark.column,
                                "no robot or thing '%.80s' in this world", c->who);
         }
         if (c->when) {
-            MU_TRY(condition_check(r, c->when, c->line, c->column, fault));
+            MU_TRY(condition_check(r, c->when, c->mark, fault));
         }
     }
     return MU_OK;
@@ -229,12 +229,16 @@ mu_result chaos_send(struct run *r)
 
 /* --- what is done to processes and packets ---------------------------------------------------- */
 
-/* A killed process, once more.  In free running it finds its place again; in lock step nobody waits
- * for a second life of a robot. */
+/* A killed process, once more.  In free running it finds its place again; in lock step somebody
+ * waits for a second life of a robot with `on-crash: restart` alone. */
 static bool part_restart(struct run *r, struct child *child)
 {
     supervise_await(&r->children, child, PATIENCE_MS);
-    return child->ended && run_restart(r, child->name) == MU_OK;
+    if (!child->ended || run_start_again(r, child) != MU_OK) {
+        return false;
+    }
+    run_wake(r, child->name);
+    return true;
 }
 
 static bool process_strike(struct run *r, const struct experiment_chaos *c)
@@ -243,8 +247,11 @@ static bool process_strike(struct run *r, const struct experiment_chaos *c)
     struct child *child = supervise_find(&r->children, child_of(r, c->who, name));
     switch (c->kind) {
     case CHAOS_KILL:
-        run_mail_keep(r, name);
-        child->struck = true;
+        /* Who comes back by itself has died as if nobody had meant it. */
+        child->struck = c->for_s > 0 || !run_restarts(r, child);
+        if (child->struck) {
+            run_mail_keep(r, name);
+        }
         supervise_signal(child, SIGKILL);
         supervise_await(&r->children, child, PATIENCE_MS);
         return child->ended;

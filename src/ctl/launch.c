@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LAUNCH_RULES_MAX = 512 * 1024 };
+enum { LAUNCH_RULES_MAX = 512 * 1024, LAUNCH_HEAD_MAX = 8 * 1024 };
 
 static const double ANSWER_PATIENCE_S = 15.0;
 
@@ -22,10 +22,11 @@ struct launch {
     const char *name, *host, *rules;
     int64_t seed;
     bool start;
+    struct mu_option_list globals, groups;
 };
 
 /* A passport and the rules behind it. */
-static char launch_bytes[LAUNCH_RULES_MAX + 256];
+static char launch_bytes[LAUNCH_RULES_MAX + LAUNCH_HEAD_MAX];
 
 /* @return what is wrong with a text that was read, or NULL */
 static const char *text_objection(FILE *f, const char *text, size_t len, size_t room)
@@ -85,8 +86,14 @@ static int launch(struct launch *l)
 {
     struct mu_text text;
     mu_text_init(&text, launch_bytes, sizeof launch_bytes);
-    mu_text_format(&text, "passport 1 launch %s %s 0 0 0 0 %lld\n", l->name,
+    mu_text_format(&text, "passport 2 launch %s %s 0 0 0 0 0 %lld 0 - \n", l->name,
                    l->start ? "running" : "standby", (long long)l->seed);
+    for (size_t i = 0; i < l->globals.count; i++) {
+        mu_text_format(&text, "global %s\n", l->globals.items[i]);
+    }
+    for (size_t i = 0; i < l->groups.count; i++) {
+        mu_text_format(&text, "group %s\n", l->groups.items[i]);
+    }
     int code = rules_read(l, &text);
     if (code != MU_EXIT_DONE) {
         return code;
@@ -121,6 +128,41 @@ static bool words_take(const struct mu_options *o, struct launch *l)
     return true;
 }
 
+/* What stands in a line of its own. */
+static bool line_fits(const char *line)
+{
+    return strlen(line) <= MU_FIELD_MAX && !strpbrk(line, "\r\n") && words_are_utf8(line);
+}
+
+static bool pages_check(const struct launch *l)
+{
+    char shown[MU_TEXT_SHOWN];
+    size_t bytes = 0;
+    for (size_t i = 0; i < l->globals.count; i++) {
+        const char *global = l->globals.items[i];
+        bytes += strlen(global) + sizeof "global ";
+        if (!line_fits(global) || !strchr(global, '=') || global[0] == '=') {
+            fprintf(stderr, "muster launch --global %s: expected NAME=VALUE, at most %d bytes\n",
+                    mu_text_show(shown, global), MU_FIELD_MAX);
+            return false;
+        }
+    }
+    for (size_t i = 0; i < l->groups.count; i++) {
+        bytes += strlen(l->groups.items[i]) + sizeof "group ";
+        if (!mu_name_of_group(l->groups.items[i])) {
+            fprintf(stderr, "muster launch --group %s: this cannot be the name of a group\n",
+                    mu_text_show(shown, l->groups.items[i]));
+            return false;
+        }
+    }
+    if (bytes > LAUNCH_HEAD_MAX - 256) {
+        fprintf(stderr, "muster launch: globals and groups have more than %d bytes\n",
+                LAUNCH_HEAD_MAX - 256);
+        return false;
+    }
+    return true;
+}
+
 int launch_verb(int argc, char **argv)
 {
     static struct launch l;
@@ -139,6 +181,16 @@ int launch_verb(int argc, char **argv)
          .fallback = "1",
          .help = "seed of (random), together with the name",
          .target = &l.seed},
+        {.name = "global",
+         .kind = MU_OPTION_LIST,
+         .unit = "NAME=VALUE",
+         .help = "set a global, for example mate=red",
+         .target = &l.globals},
+        {.name = "group",
+         .kind = MU_OPTION_LIST,
+         .unit = "G",
+         .help = "join a group when the broker knows the agent",
+         .target = &l.groups},
         {.name = "start",
          .kind = MU_OPTION_FLAG,
          .help = "let it run at once, without waiting in standby",
@@ -162,5 +214,5 @@ int launch_verb(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    return words_take(&o, &l) ? launch(&l) : MU_EXIT_USAGE;
+    return words_take(&o, &l) && pages_check(&l) ? launch(&l) : MU_EXIT_USAGE;
 }

@@ -12,11 +12,13 @@
 #include "desk/runs.h"
 #include "muster/directory.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-static const uint64_t RECEIPT_PATIENCE_NS = 5000000000;
+static const double RECEIPT_PATIENCE_S = 5;
+static const double BUSY_WAIT_S = 0.5; /* at least, for somebody who is busy */
 static const int64_t ROUND_NS = 20000000;
 static const uint64_t PAGES_QUIET_NS = 100000000;
 
@@ -215,12 +217,31 @@ void operator_leave(struct operator* o)
     mu_process_close(o->process);
 }
 
-/* @return false when that did not happen within patience_ns */
-static bool outcome_await(struct operator* o, uint64_t patience_ns)
+/* @return the line of one who was written to in person, and is busy; NULL: that is not why */
+static const struct mu_member *busy_find(const struct operator* o, const char *to)
 {
-    uint64_t until_ns = mu_clock_ns() + patience_ns;
+    const struct mu_member *m = mu_process_lookup(o->process, to);
+    return m && answer_is_busy(m) ? m : NULL;
+}
+
+static bool busy_tell(const struct operator* o, const char *to)
+{
+    const struct mu_member *m = busy_find(o, to);
+    if (m) {
+        fprintf(stderr, "muster: %s is %s\n", m->name, m->reason);
+    }
+    return m;
+}
+
+/* Waits for as long as a broker may take; for one who is busy, as long as that is wanted.
+ * @return false: in vain */
+static bool outcome_await(struct operator* o, const char *to, double wait_s)
+{
+    uint64_t began_ns = mu_clock_ns();
     while (!o->answered_for) {
-        if (mu_clock_ns() > until_ns || mu_process_spin(o->process, ROUND_NS) != MU_OK) {
+        double most_s = busy_find(o, to) ? fmax(wait_s, BUSY_WAIT_S) : RECEIPT_PATIENCE_S;
+        bool over = (double)(mu_clock_ns() - began_ns) > most_s * 1e9;
+        if (over || mu_process_spin(o->process, ROUND_NS) != MU_OK) {
             return false;
         }
     }
@@ -257,6 +278,7 @@ static int answers_take(struct operator* o, const char *to, unsigned wanted, dou
     }
     if (o->answers < wanted && !(o->quiet && o->answers > 0)) {
         fprintf(stderr, "muster: %u of %u answers within %g s\n", o->answers, wanted, wait_s);
+        (void)busy_tell(o, to);
     }
     if (o->answers < wanted && !(o->asks_many && o->answers > 0)) {
         return MU_EXIT_TIME;
@@ -280,7 +302,10 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
                 mu_result_text(sent), MU_CONTENT_MAX, MU_DST_MAX);
         return MU_EXIT_USAGE;
     }
-    if (!outcome_await(o, RECEIPT_PATIENCE_NS)) {
+    if (!outcome_await(o, mail->dst, wait_s)) {
+        if (busy_tell(o, mail->dst)) {
+            return MU_EXIT_TIME;
+        }
         fprintf(stderr, "muster: the broker has not answered for the mail\n");
         return MU_EXIT_DDS;
     }

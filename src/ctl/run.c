@@ -285,7 +285,10 @@ static const char *line_of(const struct experiment *e, const char *in_reply_to)
 {
     char *end;
     unsigned long index = strtoul(in_reply_to, &end, 10);
-    return in_reply_to[0] && !*end && index < e->observer_count ? e->observer[index].line : "it";
+    if (!in_reply_to[0] || *end || index >= e->observer_count) {
+        return "it";
+    }
+    return e->observer[index].line ? e->observer[index].line : "the move";
 }
 
 /* Robots answer commands; only what went wrong is worth a line. */
@@ -338,14 +341,31 @@ static mu_result directive_send(struct run *r, struct mu_mail mail)
     return sent;
 }
 
+/* The mail waits for them at the broker. */
+void run_wake(struct run *r, const char *child)
+{
+    const struct experiment *e = r->experiment;
+    for (unsigned i = 0; i < e->crews_count; i++) {
+        const struct experiment_crew *crew = &e->crews[i];
+        bool meant = strcmp(e->robots[crew->robot].name, child) == 0;
+        for (unsigned k = 0; meant && k < crew->count; k++) {
+            struct mu_mail start = {.dst = e->robots[crew->robot + k].name,
+                                    .performative = "start"};
+            if (directive_send(r, start) != MU_OK) {
+                fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
+            }
+        }
+    }
+}
+
 /* @param label  its place in the file, for answers */
 static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
                               const char *label)
 {
     return directive_send(r, (struct mu_mail){.dst = to,
-                                              .performative = "do",
+                                              .performative = c->move ? "move" : "do",
                                               .reply_with = label,
-                                              .content = c->line,
+                                              .content = c->move ? c->move : c->line,
                                               .timed = true,
                                               .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
@@ -476,6 +496,31 @@ static bool simulator_silent(struct run *r)
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
 }
 
+/* @return whether one of the experiment's robots lives in a child */
+static bool child_has_robots(const struct run *r, const struct child *child)
+{
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct mu_member *m = mu_process_lookup(r->process, r->experiment->robots[i].name);
+        if (m && m->pid == (uint32_t)child->pid) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A host that dies with no robot in it has only ceased to be one. */
+static void hosts_excuse(struct run *r)
+{
+    for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        struct child *child = supervise_find(&r->children, r->experiment->hosts[i]);
+        if (child && child->ended && !child->excused && r->state == muster_RUN_RUNNING &&
+            !child_has_robots(r, child)) {
+            child->excused = true;
+            fprintf(stderr, "muster run: the host %s is no more; the run goes on\n", child->name);
+        }
+    }
+}
+
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -484,12 +529,13 @@ static int round_live(struct run *r)
     run_observer_look(r);
     chaos_look(r);
     supervise_look(&r->children);
+    hosts_excuse(r);
     progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
     }
     bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    const struct child *ended = over ? NULL : supervise_ended(&r->children);
+    const struct child *ended = over ? NULL : run_restart_look(r);
     if (ended) {
         /* A simulator that is done says so before it ends; the word may still be on its way. */
         bool is_broker =

@@ -103,9 +103,9 @@ const struct run_file *run_files(const struct run *r, size_t *count);
 /** Writes the command that does the run again, without the words that change nothing in it. */
 void run_command_write(const struct run *r, char *buffer, size_t size);
 
-/** Starts a child once more that has ended: a broker or robots.  @return MU_OK; MU_REFUSED: it is
- * neither; or a fault, explained */
-MU_MUST_USE mu_result run_restart(struct run *r, const char *child);
+/** Takes the robots of a process that was started once more out of standby, as soon as they are
+ * there. */
+void run_wake(struct run *r, const char *child);
 
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);
@@ -113,6 +113,40 @@ void run_mail_keep(struct run *r, const char *child);
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
+
+/* A child, by what it is. */
+enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_CREW };
+
+struct run_part {
+    enum run_kind kind;
+    unsigned index; /* among the brokers, resolvers or crews */
+};
+
+/** @return what a child is; it may have died */
+struct run_part run_part_of(const struct run *r, const struct child *child);
+
+/** Starts a child that has ended anew, robots from their checkpoints if there are to be any.
+ * @return MU_OK; MU_REFUSED: it is the simulator; or a fault, explained */
+MU_MUST_USE mu_result run_start_again(struct run *r, struct child *child);
+
+/* The folder of capsules and stores, in the report's. */
+#define RUN_CHECKPOINTS "checkpoints"
+
+/** @return whether anything of the run may be started again when it dies, in run_restart.c */
+bool run_restarts_any(const struct run *r);
+
+/** @return whether a child is started again by itself when it dies */
+bool run_restarts(const struct run *r, const struct child *child);
+
+/** @return whether its brokers are: in lock step the mail of a step is theirs alone */
+bool run_restarts_brokers(const struct run *r);
+
+/**
+ * Starts again what has died, is to be started again, and has waited long enough.
+ *
+ * @return a child that has died and is not started again, or NULL
+ */
+const struct child *run_restart_look(struct run *r);
 
 /** @return whether a robot enters its groups and services itself: it is with another broker than
  * the observer, which lock step does not allow */

@@ -70,6 +70,9 @@ static void text_print(const struct run *r, const struct report_input *in,
         printf("  %s  %s%s%s\n", word, out->texts[i], out->judged[i] ? ": " : "",
                out->judged[i] ? out->measured[i] : "");
     }
+    for (size_t i = 0; i < in->restarts_count; i++) {
+        printf("  restarted %s, %" PRIu32 " times\n", in->restarts[i].name, in->restarts[i].count);
+    }
     for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
         char when[32] = "not done";
         if (in->chaos[i].done) {
@@ -148,9 +151,26 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
     return count;
 }
 
+/* @return how many processes died and were started again */
+static size_t restarts_fill(const struct run *r, const struct report_restarts **out)
+{
+    struct report_restarts *restarts = mu_startup_array(r->children.count, sizeof *restarts);
+    size_t count = 0;
+    for (uint32_t i = 0; i < r->children.count; i++) {
+        const struct child *child = &r->children.children[i];
+        if (child->restarts > 0) {
+            restarts[count++] = (struct report_restarts){child->name, child->restarts};
+        }
+    }
+    *out = restarts;
+    return count;
+}
+
 int run_report(struct run *r)
 {
-    char command[2048];
+    char command[2048], versions[128];
+    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", MU_VERSION,
+             bus_version(), MU_CLIPS_VERSION);
     run_command_write(r, command, sizeof command);
     struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
@@ -173,8 +193,10 @@ int run_report(struct run *r)
                                  .objects = objects,
                                  .objects_count = r->objects_count,
                                  .mail = mail_of(r),
+                                 .versions = versions,
                                  .chaos = chaos_fates(r),
                                  .packets_struck = chaos_packets(r)};
+    input.restarts_count = restarts_fill(r, &input.restarts);
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);
     if (written != MU_OK) {

@@ -4,10 +4,12 @@
 #include "ctl/chaos.h"
 #include "ctl/run.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum {
     WORDS_MAX = 4 * MU_ROBOTS_MAX + RUN_FILES_MAX + 128,
@@ -53,6 +55,16 @@ static const char *const *words_end(void)
     return words.items;
 }
 
+/* again: the child that these words are for, which has died; NULL: it is a new one */
+static mu_result child_start(struct run *r, struct child *again, const char *name,
+                             const char *program)
+{
+    const char *const *argv = words_end();
+    chaos_child(r, name);
+    return again ? supervise_start_again(&r->children, again, program, argv)
+                 : supervise_start(&r->children, name, program, argv);
+}
+
 unsigned run_brokers(const struct run *r)
 {
     return r->experiment->brokers_count > 0 ? r->experiment->brokers_count : 1;
@@ -69,13 +81,7 @@ void run_child_name(const struct run *r, unsigned index, char *name)
              index ? run_broker(r, index) : "");
 }
 
-static mu_result child_start(struct run *r, const char *name, const char *program)
-{
-    chaos_child(r, name);
-    return supervise_start(&r->children, name, program, words_end());
-}
-
-static mu_result broker_start(struct run *r, unsigned index)
+static mu_result broker_start(struct run *r, unsigned index, struct child *again)
 {
     char name[RUN_CHILD_MAX];
     run_child_name(r, index, name);
@@ -88,12 +94,13 @@ static mu_result broker_start(struct run *r, unsigned index)
     if (r->experiment->policy) {
         word_add("--policy=%s", r->experiment->policy);
     }
-    if (r->experiment->broker.store) {
+    /* A run repeats from nothing, but for a broker that may be started again. */
+    if (r->experiment->broker.store || run_restarts_brokers(r)) {
         word_add("--store=%s/%s.db", r->folder, name);
     } else {
-        word_add("--store=none"); /* a run repeats from nothing */
+        word_add("--store=none");
     }
-    return child_start(r, name, "muster-broker");
+    return child_start(r, again, name, "muster-broker");
 }
 
 static void places_add(const struct experiment *e)
@@ -177,6 +184,12 @@ static mu_result simulator_start(struct run *r)
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
+    if (run_restarts_any(r)) {
+        word_add("--return=%.17g", e->return_within_s);
+    }
+    if (e->hosts_count > 0) {
+        word_add("--hosts=%u", e->hosts_count);
+    }
     places_add(e);
     recording_add(r);
     if (e->events_count > 0) {
@@ -189,11 +202,34 @@ static mu_result simulator_start(struct run *r)
         chaos_child(r, "simulator");
         return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
     }
-    return child_start(r, "simulator", "muster-sim");
+    return child_start(r, NULL, "simulator", "muster-sim");
+}
+
+static void checkpoints_add(const struct run *r, const struct experiment_robot *robot, bool again)
+{
+    if (robot->on_crash != EXPERIMENT_RESTART) {
+        return;
+    }
+    word_add("--mend=%u", r->experiment->restarts);
+    if (robot->checkpoint_s <= 0) {
+        return;
+    }
+    word_add("--checkpoint=%.17g", robot->checkpoint_s);
+    word_add("--folder=%s/" RUN_CHECKPOINTS, r->folder);
+    if (again) {
+        word_add("--restore");
+    }
+}
+
+static void diary_add(const struct run *r)
+{
+    if (record_is(r, "full") && !r->options.no_diary) {
+        word_add("--diary");
+    }
 }
 
 /* What robots bear that share an entry of the experiment, they share here, too. */
-static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
+static mu_result crew_start(struct run *r, const struct experiment_crew *crew, struct child *again)
 {
     const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
     words_begin("muster-robot");
@@ -207,9 +243,7 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
-    if (record_is(r, "full") && !r->options.no_diary) {
-        word_add("--diary");
-    }
+    diary_add(r);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
@@ -219,50 +253,119 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew)
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
         word_add("--service=%s", robot->services[i]);
     }
-    MU_TRY(child_start(r, robot->name, "muster-robot"));
-    /* In free running a robot may move to a host, or be disposed of: its process ends. */
-    supervise_find(&r->children, robot->name)->may_leave = r->options.free;
+    checkpoints_add(r, robot, again != NULL);
+    MU_TRY(child_start(r, again, robot->name, "muster-robot"));
+    if (!again) {
+        /* In free running a robot may move to a host, or be disposed of: its process ends. */
+        r->children.children[r->children.count - 1].may_leave = r->options.free;
+    }
     return MU_OK;
 }
 
-static mu_result resolver_start(struct run *r, const char *scheme)
+/* The robots that begin on a host, with their rules and globals. */
+static void natives_add(const struct run *r, const char *host)
+{
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct experiment_robot *robot = &r->experiment->robots[i];
+        if (!robot->host || strcmp(robot->host, host) != 0) {
+            continue;
+        }
+        word_add("--robot=%s=%s", robot->name, robot->rules);
+        for (unsigned k = 0; k < robot->globals_count; k++) {
+            word_add("--global=%s.%s=%s", robot->name, robot->globals[k].name,
+                     robot->globals[k].value);
+        }
+    }
+}
+
+static mu_result host_start(struct run *r, const char *host)
+{
+    unsigned robots = r->experiment->robots_count;
+    words_begin("muster-host");
+    word_add("%s", host);
+    word_add("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);
+    word_add("--world=%s", r->experiment->world);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    if (r->options.free) {
+        word_add("--restore");
+    }
+    diary_add(r);
+    natives_add(r, host);
+    return child_start(r, NULL, host, "muster-host");
+}
+
+static mu_result resolver_start(struct run *r, const char *scheme, struct child *again)
 {
     words_begin("muster-resolver");
     word_add("%s", scheme);
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", run_broker(r, 0));
-    return child_start(r, scheme, "muster-resolver");
+    return child_start(r, again, scheme, "muster-resolver");
 }
 
-mu_result run_restart(struct run *r, const char *child)
+/* Where the capsules and stores of those are that may be started again. */
+static mu_result checkpoints_make(const struct run *r)
 {
-    char name[RUN_CHILD_MAX];
-    for (unsigned i = 0; i < run_brokers(r); i++) {
-        run_child_name(r, i, name);
-        if (strcmp(name, child) == 0) {
-            return broker_start(r, i);
-        }
+    char path[PATH_MAX + sizeof "/" RUN_CHECKPOINTS];
+    snprintf(path, sizeof path, "%s/" RUN_CHECKPOINTS, r->folder);
+    if (mkdir(path, 0777) == 0) {
+        return MU_OK;
     }
-    for (unsigned i = 0; i < r->experiment->crews_count; i++) {
-        const struct experiment_crew *crew = &r->experiment->crews[i];
-        if (strcmp(r->experiment->robots[crew->robot].name, child) == 0) {
-            return crew_start(r, crew);
-        }
+    fprintf(stderr, "muster run: cannot create %s: %s\n", path, strerror(errno));
+    return MU_FAULT_OS;
+}
+
+mu_result run_start_again(struct run *r, struct child *child)
+{
+    const struct experiment *e = r->experiment;
+    struct run_part part = run_part_of(r, child);
+    switch (part.kind) {
+    case RUN_BROKER: return broker_start(r, part.index, child);
+    case RUN_RESOLVER: return resolver_start(r, e->resolvers[part.index], child);
+    case RUN_CREW: return crew_start(r, &e->crews[part.index], child);
+    case RUN_SIMULATOR: break;
     }
     return MU_REFUSED;
 }
 
+struct run_part run_part_of(const struct run *r, const struct child *child)
+{
+    unsigned index = (unsigned)(child - r->children.children);
+    if (index < run_brokers(r)) {
+        return (struct run_part){RUN_BROKER, index};
+    }
+    index -= run_brokers(r);
+    if (index == 0) {
+        return (struct run_part){RUN_SIMULATOR, 0};
+    }
+    index--;
+    return index < r->experiment->resolvers_count
+               ? (struct run_part){RUN_RESOLVER, index}
+               : (struct run_part){RUN_CREW, index - r->experiment->resolvers_count};
+}
+
+/* In the order that run_part_of knows. */
 mu_result run_start(struct run *r)
 {
+    if (run_restarts_any(r)) {
+        MU_TRY(checkpoints_make(r));
+    }
     for (unsigned i = 0; i < run_brokers(r); i++) {
-        MU_TRY(broker_start(r, i));
+        MU_TRY(broker_start(r, i, NULL));
     }
     MU_TRY(simulator_start(r));
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
-        MU_TRY(resolver_start(r, r->experiment->resolvers[i]));
+        MU_TRY(resolver_start(r, r->experiment->resolvers[i], NULL));
+    }
+    for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        MU_TRY(host_start(r, r->experiment->hosts[i]));
     }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
-        MU_TRY(crew_start(r, &r->experiment->crews[i]));
+        if (!r->experiment->robots[r->experiment->crews[i].robot].host) {
+            MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
+        }
     }
     return MU_OK;
 }

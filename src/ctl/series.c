@@ -145,6 +145,15 @@ static void words_make(struct series_words *w, const struct series *s, const str
     if (o->domain >= 0) {
         word_add(w, "--domain=%d", (int)o->domain + (int)run->place);
     }
+    if (o->record) {
+        word_add(w, "--record=%s", o->record);
+    }
+    if (o->root) {
+        word_add(w, "--root=%s", o->root);
+    }
+    if (o->no_diary) {
+        word_add(w, "--no-diary");
+    }
     if (o->free) {
         word_add(w, "--free");
     }

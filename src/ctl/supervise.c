@@ -25,13 +25,13 @@ void supervise_init(struct supervise *s, bool quiet, bool spread)
 }
 
 /* Finds the processor of the next child: they take turns. */
-static cpu_set_t processor_choose(const struct supervise *s)
+static cpu_set_t processor_choose(const struct supervise *s, const struct child *child)
 {
     cpu_set_t one = s->processors;
     if (!s->spread) {
         return one; /* on a machine with more than CPU_SETSIZE of them, we know of none */
     }
-    int turn = (int)(s->count % (uint32_t)CPU_COUNT(&s->processors));
+    int turn = (int)((uint32_t)(child - s->children) % (uint32_t)CPU_COUNT(&s->processors));
     for (int cpu = 0; cpu < CPU_SETSIZE; cpu++) {
         if (CPU_ISSET(cpu, &s->processors) && turn-- == 0) {
             CPU_ZERO(&one);
@@ -61,37 +61,21 @@ static _Noreturn void child_become(const char *path, const char *const *argv, in
     _exit(127);
 }
 
-/* One that has ended makes room for the next of its name. */
-static struct child *child_place(struct supervise *s, const char *name)
-{
-    struct child *before = supervise_find(s, name);
-    if (before && before->ended) {
-        if (before->output >= 0) {
-            close(before->output);
-        }
-        return before;
-    }
-    return &s->children[s->count++];
-}
-
-/* @param processors  that it may use; NULL: as we may */
-static mu_result child_launch(struct supervise *s, const char *name, const char *program,
-                              const char *const *argv, const cpu_set_t *processors)
+static mu_result child_start(const struct supervise *s, struct child *child, const char *program,
+                             const char *const *argv)
 {
     char path[PATH_MAX];
     int ends[2];
-    if (s->count == SUPERVISE_CHILDREN_MAX) {
-        return MU_FULL;
-    }
     if (!mu_path_program(path, sizeof path, program) || pipe2(ends, O_CLOEXEC) != 0) {
         fprintf(stderr, "muster: cannot start %s: %s\n", program, strerror(errno));
         return MU_FAULT_OS;
     }
     pid_t parent = getpid();
+    cpu_set_t processors = processor_choose(s, child);
     pid_t pid = fork();
     if (pid == 0) {
-        if (processors) {
-            sched_setaffinity(0, sizeof *processors, processors);
+        if (s->spread && !child->wide) {
+            sched_setaffinity(0, sizeof processors, &processors);
         }
         child_become(path, argv, ends[1], parent);
     }
@@ -102,23 +86,54 @@ static mu_result child_launch(struct supervise *s, const char *name, const char 
         return MU_FAULT_OS;
     }
     fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    struct child *child = child_place(s, name);
-    *child = (struct child){.pid = pid, .output = ends[0]};
-    mu_text_copy(child->name, sizeof child->name, name);
+    child->pid = pid;
+    child->output = ends[0];
+    child->ended = false;
+    child->words_len = 0;
+    child->words[0] = '\0';
     return MU_OK;
+}
+
+static mu_result child_add(struct supervise *s, const char *name, const char *program,
+                           const char *const *argv, bool wide)
+{
+    if (s->count == SUPERVISE_CHILDREN_MAX) {
+        return MU_FULL;
+    }
+    struct child *child = &s->children[s->count];
+    *child = (struct child){.output = -1, .wide = wide};
+    mu_text_copy(child->name, sizeof child->name, name);
+    mu_result started = child_start(s, child, program, argv);
+    s->count += started == MU_OK;
+    return started;
 }
 
 mu_result supervise_start(struct supervise *s, const char *name, const char *program,
                           const char *const *argv)
 {
-    cpu_set_t processors = processor_choose(s);
-    return child_launch(s, name, program, argv, s->spread ? &processors : NULL);
+    struct child *before = supervise_find(s, name);
+    if (before && before->ended) {
+        return supervise_start_again(s, before, program, argv);
+    }
+    return child_add(s, name, program, argv, false);
 }
 
 mu_result supervise_start_wide(struct supervise *s, const char *name, const char *program,
                                const char *const *argv)
 {
-    return child_launch(s, name, program, argv, NULL);
+    return child_add(s, name, program, argv, true);
+}
+
+mu_result supervise_start_again(struct supervise *s, struct child *child, const char *program,
+                                const char *const *argv)
+{
+    MU_ASSERT(child->ended);
+    if (child->output >= 0) {
+        close(child->output);
+        child->output = -1;
+    }
+    child->struck = false;
+    return child_start(s, child, program, argv);
 }
 
 /* Keeps the last words, dropping the oldest. */
@@ -167,17 +182,17 @@ void supervise_look(struct supervise *s)
     }
 }
 
-static bool has_left(const struct child *child)
+bool supervise_has_died(const struct child *child)
 {
-    return child->struck ||
-           (child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0);
+    bool left = child->may_leave && WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
+    return child->ended && !child->excused && !child->struck && !left;
 }
 
 const struct child *supervise_ended(const struct supervise *s)
 {
     for (uint32_t i = 0; i < s->count; i++) {
         const struct child *child = &s->children[i];
-        if (child->ended && !has_left(child)) {
+        if (supervise_has_died(child)) {
             return child;
         }
     }

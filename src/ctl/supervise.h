@@ -22,8 +22,13 @@ struct child {
     char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */
     pid_t pid;
     int output;     /* both of its outputs, read end; -1: closed */
+    bool wide;      /* it may use all processors */
     bool may_leave; /* its end with exit code 0 is none that matters */
-    bool struck;    /* its end is meant: chaos.c */
+    uint32_t restarts;
+    uint64_t restart_ns; /* when it is to be started again; 0: it has not died */
+    bool returned;       /* it was started again, and not everybody in it was seen yet */
+    bool excused;        /* its end, however it came, is none that matters */
+    bool struck;         /* its end is meant: chaos.c */
     bool ended;
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
@@ -56,8 +61,19 @@ MU_MUST_USE mu_result supervise_start(struct supervise *s, const char *name, con
 MU_MUST_USE mu_result supervise_start_wide(struct supervise *s, const char *name,
                                            const char *program, const char *const *argv);
 
+/**
+ * Starts a child that has ended anew, with the same name.
+ *
+ * @return MU_OK; MU_FAULT_OS, explained
+ */
+MU_MUST_USE mu_result supervise_start_again(struct supervise *s, struct child *child,
+                                            const char *program, const char *const *argv);
+
 /** Reads what children say and notes who has ended; never blocks. */
 void supervise_look(struct supervise *s);
+
+/** @return whether a child has ended and may not */
+bool supervise_has_died(const struct child *child);
 
 /** @return the first child that has ended and may not, or NULL */
 const struct child *supervise_ended(const struct supervise *s);

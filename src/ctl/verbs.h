@@ -38,4 +38,6 @@ int why_verb(int argc, char **argv);
 
 int world_verb(int argc, char **argv);
 
+int top_verb(int argc, char **argv);
+
 #endif

@@ -117,3 +117,9 @@ int answer_outcome_exit(enum mu_outcome outcome)
     }
     return MU_EXIT_UNDELIVERED;
 }
+
+bool answer_is_busy(const struct mu_member *m)
+{
+    static const char word[] = "busy ";
+    return strncmp(m->reason, word, sizeof word - 1) == 0;
+}

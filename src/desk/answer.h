@@ -7,6 +7,7 @@
 #define MUSTER_DESK_ANSWER_H
 
 #include "muster/agent.h"
+#include "muster/directory.h"
 
 #include <stdio.h>
 
@@ -21,5 +22,8 @@ void answer_print(const struct mu_mail *mail, bool json);
 
 /** @return the exit code for what became of a mail */
 int answer_outcome_exit(enum mu_outcome outcome);
+
+/** @return whether the white pages say that the agent is at work, and does not answer meanwhile */
+bool answer_is_busy(const struct mu_member *m);
 
 #endif

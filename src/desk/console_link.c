@@ -265,9 +265,20 @@ static void attach_again(struct console_link *l)
     }
 }
 
+/* Why a line has no answer yet: said once. */
+static void busy_look(struct console_link *l)
+{
+    const struct mu_member *m = mu_process_lookup(l->process, l->agent);
+    if (l->pending_count > 0 && l->busy_number != l->lines && m && answer_is_busy(m)) {
+        l->busy_number = l->lines;
+        show_note(l, 0, "[%s is %s]", l->agent, m->reason);
+    }
+}
+
 void console_link_round(struct console_link *l)
 {
     attach_again(l);
+    busy_look(l);
     trace_renew(l);
 }
 

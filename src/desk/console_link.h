@@ -40,10 +40,11 @@ struct console_link {
     /* Lines that wait, oldest first. */
     struct console_pending pending[CONSOLE_PENDING_MAX];
     size_t pending_count, pending_max;
-    uint64_t lines;    /* sent so far */
-    unsigned failures; /* lines that failed */
-    int code;          /* exit code of the last line that was not delivered, or MU_EXIT_DONE */
-    uint64_t heard_ns; /* when something came for a line last */
+    uint64_t lines;       /* sent so far */
+    unsigned failures;    /* lines that failed */
+    int code;             /* exit code of the last line that was not delivered, or MU_EXIT_DONE */
+    uint64_t busy_number; /* of lines sent when it was last said that the agent is busy */
+    uint64_t heard_ns;    /* when something came for a line last */
     bool attached;
     unsigned used;      /* pieces that came since room was given for more */
     uint64_t used_ns;   /* when the first of them came */

@@ -20,6 +20,7 @@ enum {
     EXPERIMENT_OVERRIDES_MAX = 64,
     EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
     EXPERIMENT_RESOLVERS_MAX = 16,
+    EXPERIMENT_HOSTS_MAX = 32,
     EXPERIMENT_BROKERS_MAX = 4,  /* as many as one host can have */
     EXPERIMENT_THREADS_MAX = 64, /* as many as the simulator takes */
     EXPERIMENT_CHAOS_MAX = 64,
@@ -28,6 +29,9 @@ enum {
     EXPERIMENT_DURATION_MAX_S = 1000000,
     EXPERIMENT_BYTES_MAX = 1 << 20 /* of the file */
 };
+
+/* When a process of the run dies: the run ends, or the process is started again. */
+enum experiment_on_crash { EXPERIMENT_STOP, EXPERIMENT_RESTART };
 
 struct experiment_pose {
     double x_m, y_m, heading_deg;
@@ -50,8 +54,11 @@ struct experiment_robot {
     char *place;                  /* "random": a free one, by the seed; NULL: none of that */
     unsigned count, processes;    /* as written; loaded, each robot stands for itself */
     char *rules;                  /* absolute path; in the file, relative to it */
+    char *host;                   /* one of hosts, in which it begins; NULL: a process of its own */
     char *broker;                 /* one of brokers, in free running; NULL: the first */
     struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */
+    enum experiment_on_crash on_crash; /* the experiment's unless it says otherwise, */
+    double checkpoint_s;               /* so with this */
     struct experiment_global *globals;
     unsigned globals_count;
     char **groups; /* that it is in from the start */
@@ -73,7 +80,8 @@ struct experiment_command {
     double at;      /* s of simulated time */
     char **targets; /* all, robots, special, group:NAME, or names of this experiment's robots */
     unsigned targets_count;
-    char *line; /* a CLIPS line */
+    char *line; /* a CLIPS line, */
+    char *move; /* or: the host that they are to move to */
 };
 
 /* What must be true, or the run fails (exit code 1). */
@@ -94,6 +102,11 @@ struct experiment_expectation {
     unsigned sequence_count;
     double within_s; /* the last so soon after the first; 0: whenever */
     char *never;     /* or: a condition that never comes true */
+};
+
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
 };
 
 enum experiment_chaos_kind {
@@ -129,12 +142,9 @@ struct experiment_chaos {
                                      simulated time, else that of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    int line, column; /* of it in the file */
-    char text[160];   /* what it does, for people */
+    struct experiment_mark mark; /* of it in the file */
+    char text[160];              /* what it does, for people */
 };
-
-/* A process of the run that dies ends the run. */
-enum experiment_on_crash { EXPERIMENT_STOP };
 
 /* What the run's broker is told. */
 struct experiment_broker {
@@ -156,8 +166,14 @@ struct experiment {
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
     enum experiment_on_crash on_crash;
-    char **brokers; /* their names; none: main */
+    double checkpoint_s;    /* robots that may be started again are written down so often: 1 unless
+                               it says otherwise; at most a step: after each; 0: never */
+    unsigned restarts;      /* of one process at most; 5 unless it says otherwise */
+    double return_within_s; /* wall time that a lock step waits for one; 20, likewise */
+    char **brokers;         /* their names; none: main */
     unsigned brokers_count;
+    char **hosts; /* processes that robots may move to */
+    unsigned hosts_count;
     char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
     unsigned resolvers_count;
     struct experiment_broker broker;
@@ -175,8 +191,9 @@ struct experiment {
     bool free;           /* it runs free unless somebody says otherwise */
     const char **events; /* conditions of all sequences and nevers, each once */
     unsigned events_count;
-    char *file;       /* its path, for faults */
-    char folder[256]; /* of the file: what relative paths start from */
+    struct experiment_mark *event_marks; /* where the file has each first */
+    char *file;                          /* its path, for faults */
+    char folder[256];                    /* of the file: what relative paths start from */
 };
 
 /** Lets absolute paths in experiment files start from a folder, for files that were recorded; the
@@ -236,9 +253,9 @@ int experiment_robot_find(const struct experiment *e, const char *name);
  * Loads and checks an experiment.  Lives as long as the process.
  *
  * @param set        overrides as "key=value", e.g. "duration=30" or "robots.red.rules=x.clp"; what
- *                   may be set: name world seed duration step_ms on-crash policy simulator.threads,
- *                   and of each robot robots.NAME.body, .color, .rules and .globals.G; paths as in
- *                   the file
+ *                   may be set: name world seed duration step_ms on-crash checkpoint restarts
+ *                   return-within policy simulator.threads, and of each robot robots.NAME.body,
+ *                   .color, .rules, .on-crash, .checkpoint and .globals.G; paths as in the file
  * @return MU_OK; MU_FAULT_FILE with file, line, column and what was expected; MU_FAULT_USAGE when
  *         an override is wrong (fault->file is "--set key=value")
  */

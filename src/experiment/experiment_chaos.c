@@ -53,8 +53,7 @@ mu_result experiment_fill_chaos(struct experiment_source *s, size_t index)
     int node = experiment_item(s, "chaos", index);
     struct mu_fault here;
     (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
-    c->line = here.line;
-    c->column = here.column;
+    c->mark = (struct experiment_mark){here.line, here.column};
     for (size_t i = 0; i < KINDS; i++) {
         int child = yaml_tree_child(s->tree, node, chaos_kinds[i].key);
         if (!child) {

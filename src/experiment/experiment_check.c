@@ -21,7 +21,10 @@ enum {
     CHECK_STEP_MAX_MS = 10000,
     CHECK_INTERVAL_MAX_MS = 60000,
     CHECK_SUBSTEP_MS = 20,
-    CHECK_NAME_MAX = 63
+    CHECK_NAME_MAX = 63,
+    CHECK_CHECKPOINT_MAX_S = 1000000,
+    CHECK_RESTARTS_MAX = 1000,
+    CHECK_RETURN_MAX_S = 3600
 };
 
 int experiment_section(struct experiment_source *s, const char *key)
@@ -111,6 +114,33 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
+/* @return the index of a host, or how many there are */
+static unsigned check_find_host(const struct experiment *e, const char *name)
+{
+    unsigned i = 0;
+    while (i < e->hosts_count && strcmp(e->hosts[i], name) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static mu_result check_hosts(struct experiment_source *s)
+{
+    const struct experiment *e = s->experiment;
+    for (unsigned i = 0; i < e->hosts_count; i++) {
+        const char *name = e->hosts[i];
+        if (!mu_name_valid(name) || mu_name_reserved(name)) {
+            return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
+                                    "'%.80s' cannot be a host's name", name);
+        }
+        if (check_find_host(e, name) != i || experiment_find_robot(e, name)) {
+            return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
+                                    "a second host, or a robot, has the name '%s'", name);
+        }
+    }
+    return MU_OK;
+}
+
 /* 0 stands for what nobody said. */
 static mu_result check_simulator(struct experiment_source *s)
 {
@@ -132,6 +162,32 @@ unsigned experiment_find_broker(const struct experiment *e, const char *name)
         i++;
     }
     return i;
+}
+
+static mu_result check_checkpoint(struct experiment_source *s, const double *checkpoint_s, int node)
+{
+    if (*checkpoint_s >= 0 && *checkpoint_s <= CHECK_CHECKPOINT_MAX_S) {
+        return MU_OK;
+    }
+    return experiment_fault(s, checkpoint_s, node, "expected a time of 0 to %d s, not %g",
+                            CHECK_CHECKPOINT_MAX_S, *checkpoint_s);
+}
+
+static mu_result check_restart(struct experiment_source *s)
+{
+    const struct experiment *e = s->experiment;
+    MU_TRY(check_checkpoint(s, &e->checkpoint_s, experiment_section(s, "checkpoint")));
+    if (e->restarts > CHECK_RESTARTS_MAX) {
+        return experiment_fault(s, &e->restarts, experiment_section(s, "restarts"),
+                                "expected 0 to %d restarts, not %u", CHECK_RESTARTS_MAX,
+                                e->restarts);
+    }
+    if (!(e->return_within_s > 0) || e->return_within_s > CHECK_RETURN_MAX_S) {
+        return experiment_fault(s, &e->return_within_s, experiment_section(s, "return-within"),
+                                "expected a time of more than 0 and at most %d s, not %g",
+                                CHECK_RETURN_MAX_S, e->return_within_s);
+    }
+    return MU_OK;
 }
 
 static mu_result check_top(struct experiment_source *s)
@@ -178,6 +234,7 @@ static mu_result check_top(struct experiment_source *s)
                                 "expected an interval of 0 to %d ms, not %g", CHECK_INTERVAL_MAX_MS,
                                 interval_ms);
     }
+    MU_TRY(check_restart(s));
     mu_result checked =
         e->policy ? check_file(s, &e->policy, experiment_section(s, "policy"), "policy") : MU_OK;
     return checked != MU_OK ? checked
@@ -277,6 +334,25 @@ static mu_result check_broker(struct experiment_source *s, struct experiment_rob
     return MU_OK;
 }
 
+/* Where a robot begins. */
+static mu_result check_host(struct experiment_source *s, const struct experiment_robot *robot,
+                            int node)
+{
+    int host = yaml_tree_child(s->tree, node, "host");
+    if (!robot->host) {
+        return MU_OK;
+    }
+    if (check_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
+        return experiment_fault(s, NULL, host, "no host '%.80s' in this experiment's hosts",
+                                robot->host);
+    }
+    if (robot->broker || yaml_tree_child(s->tree, node, "processes")) {
+        return experiment_fault(s, NULL, host,
+                                "expected a host, or processes and a broker, not both");
+    }
+    return MU_OK;
+}
+
 static mu_result check_place(struct experiment_source *s, const struct experiment_robot *robot,
                              int node)
 {
@@ -297,6 +373,20 @@ static mu_result check_place(struct experiment_source *s, const struct experimen
                                 "body");
     }
     return MU_OK;
+}
+
+/* What a robot does not say of its death is as the experiment has it. */
+static mu_result check_death(struct experiment_source *s, struct experiment_robot *robot, int node)
+{
+    int on_crash = yaml_tree_child(s->tree, node, "on-crash");
+    int checkpoint = yaml_tree_child(s->tree, node, "checkpoint");
+    if (!on_crash && !experiment_overridden(s, &robot->on_crash)) {
+        robot->on_crash = s->experiment->on_crash;
+    }
+    if (!checkpoint && !experiment_overridden(s, &robot->checkpoint_s)) {
+        robot->checkpoint_s = s->experiment->checkpoint_s;
+    }
+    return check_checkpoint(s, &robot->checkpoint_s, checkpoint);
 }
 
 static mu_result check_robot(struct experiment_source *s, size_t index)
@@ -321,6 +411,8 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     result = result == MU_OK ? check_groups(s, robot, node) : result;
     result = result == MU_OK ? check_services(s, robot, node) : result;
     result = result == MU_OK ? check_broker(s, robot, node) : result;
+    result = result == MU_OK ? check_death(s, robot, node) : result;
+    result = result == MU_OK ? check_host(s, robot, node) : result;
     return result == MU_OK
                ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
                : result;
@@ -338,6 +430,21 @@ static bool check_target(const struct experiment *e, const char *target)
         return mu_address_valid(target);
     }
     return experiment_find_robot(e, target) != NULL;
+}
+
+/* What is commanded: a line, or a move. */
+static mu_result check_deed(struct experiment_source *s, const struct experiment_command *command,
+                            int node)
+{
+    const struct experiment *e = s->experiment;
+    if (!command->line == !command->move) {
+        return experiment_fault(s, NULL, node, "expected a line, or move: HOST");
+    }
+    if (command->move && check_find_host(e, command->move) == e->hosts_count) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "move"),
+                                "no host '%.80s' in this experiment's hosts", command->move);
+    }
+    return MU_OK;
 }
 
 static mu_result check_command(struct experiment_source *s, size_t index)
@@ -364,7 +471,7 @@ static mu_result check_command(struct experiment_source *s, size_t index)
                                     command->targets[i]);
         }
     }
-    return MU_OK;
+    return check_deed(s, command, node);
 }
 
 mu_result experiment_check(struct experiment_source *source)
@@ -376,6 +483,7 @@ mu_result experiment_check(struct experiment_source *source)
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
         result = check_robot(source, i);
     }
+    result = result == MU_OK ? check_hosts(source) : result;
     result = result == MU_OK ? experiment_multiply(source) : result;
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = check_command(source, i);

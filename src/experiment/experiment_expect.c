@@ -113,6 +113,7 @@ static mu_result event_note(struct experiment_source *s, const char *text, int n
     MU_TRY(experiment_check_condition(s, text, node));
     if (!e->events) {
         e->events = mu_startup_array(EXPERIMENT_EVENTS_MAX, sizeof *e->events);
+        e->event_marks = mu_startup_array(EXPERIMENT_EVENTS_MAX, sizeof *e->event_marks);
     }
     if (experiment_event_find(e, text) < EXPERIMENT_EVENTS_MAX) {
         return MU_OK;
@@ -121,6 +122,9 @@ static mu_result event_note(struct experiment_source *s, const char *text, int n
         return experiment_fault(s, NULL, node, "expected at most %d different events",
                                 EXPERIMENT_EVENTS_MAX);
     }
+    struct mu_fault here;
+    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
+    e->event_marks[e->events_count] = (struct experiment_mark){here.line, here.column};
     e->events[e->events_count++] = text;
     return MU_OK;
 }

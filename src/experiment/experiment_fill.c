@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { FILL_CHECKPOINT_S = 1, FILL_RESTARTS = 5, FILL_RETURN_WITHIN_S = 20 };
+
 static int fill_section(struct experiment_source *s, const char *key, size_t index)
 {
     int list = yaml_tree_child(s->tree, yaml_tree_root(s->tree), key);
@@ -123,6 +125,15 @@ static void fill_absent(struct experiment_source *s)
     }
     if (!yaml_tree_child(s->tree, root, "step_ms")) {
         e->step_ms = (double)MU_STEP_NS / 1e6;
+    }
+    if (!yaml_tree_child(s->tree, root, "checkpoint")) {
+        e->checkpoint_s = FILL_CHECKPOINT_S;
+    }
+    if (!yaml_tree_child(s->tree, root, "restarts")) {
+        e->restarts = FILL_RESTARTS;
+    }
+    if (!yaml_tree_child(s->tree, root, "return-within")) {
+        e->return_within_s = FILL_RETURN_WITHIN_S;
     }
 }
 

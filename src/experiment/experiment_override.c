@@ -5,9 +5,16 @@
 #include "experiment/yaml_check.h"
 #include "muster/memory.h"
 
+#include <limits.h>
 #include <string.h>
 
-enum override_kind { OVERRIDE_TEXT, OVERRIDE_UINT, OVERRIDE_REAL, OVERRIDE_ON_CRASH };
+enum override_kind {
+    OVERRIDE_TEXT,
+    OVERRIDE_UINT,
+    OVERRIDE_COUNT,
+    OVERRIDE_REAL,
+    OVERRIDE_ON_CRASH
+};
 
 struct override_key {
     const char *key;
@@ -22,6 +29,9 @@ static const struct override_key override_keys[] = {
     {"duration", OVERRIDE_REAL, offsetof(struct experiment, duration)},
     {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},
     {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment, on_crash)},
+    {"checkpoint", OVERRIDE_REAL, offsetof(struct experiment, checkpoint_s)},
+    {"restarts", OVERRIDE_COUNT, offsetof(struct experiment, restarts)},
+    {"return-within", OVERRIDE_REAL, offsetof(struct experiment, return_within_s)},
     {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
     {"simulator.threads", OVERRIDE_UINT, offsetof(struct experiment, simulator.threads)},
 };
@@ -30,6 +40,8 @@ static const struct override_key override_robot_keys[] = {
     {"body", OVERRIDE_TEXT, offsetof(struct experiment_robot, body)},
     {"color", OVERRIDE_TEXT, offsetof(struct experiment_robot, color)},
     {"rules", OVERRIDE_TEXT, offsetof(struct experiment_robot, rules)},
+    {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment_robot, on_crash)},
+    {"checkpoint", OVERRIDE_REAL, offsetof(struct experiment_robot, checkpoint_s)},
 };
 
 #define COUNT(table) (sizeof(table) / sizeof(table)[0])
@@ -40,6 +52,16 @@ static void override_note(struct experiment_source *s, const void *field, const 
     s->overrides[s->overrides_count].field = field;
     s->overrides[s->overrides_count].text = set;
     s->overrides_count++;
+}
+
+static mu_result override_on_crash(struct experiment_source *s, enum experiment_on_crash *field,
+                                   const char *value)
+{
+    bool restart = strcmp(value, "restart") == 0;
+    *field = restart ? EXPERIMENT_RESTART : EXPERIMENT_STOP;
+    return restart || strcmp(value, "stop") == 0
+               ? MU_OK
+               : experiment_fault(s, field, 0, "expected stop or restart");
 }
 
 static mu_result override_put(struct experiment_source *s, enum override_kind kind, void *field,
@@ -56,12 +78,16 @@ static mu_result override_put(struct experiment_source *s, enum override_kind ki
         }
         *(uint64_t *)field = whole;
         return MU_OK;
+    case OVERRIDE_COUNT:
+        if (!yaml_check_uint(value, &whole) || whole > UINT_MAX) {
+            return experiment_fault(s, field, 0, "expected a whole number from 0");
+        }
+        *(unsigned *)field = (unsigned)whole;
+        return MU_OK;
     case OVERRIDE_REAL:
         return yaml_check_real(value, field) ? MU_OK
                                              : experiment_fault(s, field, 0, "expected a number");
-    case OVERRIDE_ON_CRASH:
-        *(enum experiment_on_crash *)field = EXPERIMENT_STOP;
-        return strcmp(value, "stop") == 0 ? MU_OK : experiment_fault(s, field, 0, "expected stop");
+    case OVERRIDE_ON_CRASH: return override_on_crash(s, field, value);
     }
     return MU_OK;
 }

@@ -13,6 +13,15 @@ static const cyaml_schema_value_t schema_real = {CYAML_VALUE_FLOAT(CYAML_FLAG_ST
 #define TEXT(key, flags, structure, member) \
     CYAML_FIELD_STRING_PTR(key, flags, structure, member, 1, EXPERIMENT_TEXT_MAX)
 
+static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP},
+                                                 {"restart", EXPERIMENT_RESTART}};
+
+#define ON_CRASH(structure)                                                                    \
+    CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, structure, on_crash, \
+                     schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),                       \
+        CYAML_FIELD_FLOAT("checkpoint", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, structure,    \
+                          checkpoint_s)
+
 static const cyaml_schema_field_t schema_robot_fields[] = {
     TEXT("name", NEEDED, struct experiment_robot, name),
     TEXT("body", MAY, struct experiment_robot, body),
@@ -27,7 +36,9 @@ static const cyaml_schema_field_t schema_robot_fields[] = {
     CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_robot, count),
     CYAML_FIELD_UINT("processes", CYAML_FLAG_OPTIONAL, struct experiment_robot, processes),
     TEXT("rules", NEEDED, struct experiment_robot, rules),
+    TEXT("host", MAY, struct experiment_robot, host),
     TEXT("broker", MAY, struct experiment_robot, broker),
+    ON_CRASH(struct experiment_robot),
     CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
     CYAML_FIELD_SEQUENCE("groups", MAY, struct experiment_robot, groups, &schema_name, 0,
                          EXPERIMENT_GROUPS_MAX),
@@ -43,7 +54,8 @@ static const cyaml_schema_value_t schema_robot = {
 static const cyaml_schema_field_t schema_command_fields[] = {
     CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
     CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
-    TEXT("line", NEEDED, struct experiment_command, line), CYAML_FIELD_END};
+    TEXT("line", MAY, struct experiment_command, line),
+    TEXT("move", MAY, struct experiment_command, move), CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_command = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_command, schema_command_fields)};
@@ -119,8 +131,6 @@ static const cyaml_schema_field_t schema_chaos_fields[] = {
 static const cyaml_schema_value_t schema_chaos = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_chaos, schema_chaos_fields)};
 
-static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP}};
-
 static const cyaml_schema_field_t schema_broker_fields[] = {
     CYAML_FIELD_FLOAT("delivery-interval", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL,
                       struct experiment_broker, delivery_interval_ms),
@@ -138,10 +148,14 @@ static const cyaml_schema_field_t schema_fields[] = {
     CYAML_FIELD_FLOAT("duration", CYAML_FLAG_STRICT, struct experiment, duration),
     CYAML_FIELD_FLOAT("step_ms", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
                       step_ms),
-    CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
-                     on_crash, schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),
+    ON_CRASH(struct experiment),
+    CYAML_FIELD_UINT("restarts", CYAML_FLAG_OPTIONAL, struct experiment, restarts),
+    CYAML_FIELD_FLOAT("return-within", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
+                      return_within_s),
     CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0,
                          EXPERIMENT_BROKERS_MAX),
+    CYAML_FIELD_SEQUENCE("hosts", MAY, struct experiment, hosts, &schema_name, 0,
+                         EXPERIMENT_HOSTS_MAX),
     CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
                          EXPERIMENT_RESOLVERS_MAX),
     CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,

@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "runtime/trips.h"
 
 #include <fnmatch.h>
 #include <stdio.h>
@@ -73,7 +74,7 @@ static struct robot *place_find(struct host *h)
 
 static const char *objection(struct host *h, const struct arrival *a, const struct passport *p)
 {
-    if (mu_process_in_lockstep(h->crew.process)) {
+    if (mu_process_in_lockstep(h->crew.process) && p->purpose != TRIP_MOVE) {
         return "lock-step";
     }
     if (a->src[0] && (p->purpose == TRIP_LAUNCH) != a->directive) {
@@ -96,12 +97,18 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct passpor
                                    .seed = p->seed,
                                    .rules_folder = launch ? h->folder : NULL,
                                    .firings_max = (uint32_t)h->set->robots.firings_max,
+                                   .failures_max = (uint32_t)h->set->robots.failures_max,
+                                   .router = h->crew.router,
+                                   .half_m = robot_map_half_m(r),
                                    .diary = h->set->robots.diary,
                                    .ports = robot_ports(r)};
     mind_close(r->mind); /* of who was here before */
     MU_TRY(mind_begin(r->mind, &options, fault));
-    return launch ? mind_load_text(r->mind, p->name, rest, fault)
-                  : mind_restore(r->mind, rest, strlen(rest), fault);
+    if (!launch) {
+        return mind_restore(r->mind, rest, strlen(rest), fault);
+    }
+    MU_TRY(mind_load_text(r->mind, p->name, launch_rules(rest), fault));
+    return launch_set_globals(r, rest, fault);
 }
 
 static mu_result join(struct robot *r, const struct passport *p)
@@ -120,16 +127,33 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
                        const struct arrival *a)
 {
     struct mind *mind = r->mind;
-    *r = (struct robot){
-        .crew = &h->crew, .mind = mind, .out = true, .mails = p->mails, .returns_as = p->state};
+    *r = (struct robot){.crew = &h->crew,
+                        .mind = mind,
+                        .out = true,
+                        .mails = p->mails,
+                        .returns_as = p->state,
+                        .step = -1};
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
+    r->rules_left = p->rules_left;
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;
     waiting->text = (struct mu_text){.at = NULL};
-    waiting->used = p->purpose != TRIP_MOVE;
+    waiting->used = p->purpose != TRIP_MOVE || p->asker[0];
+    if (p->asker[0]) {
+        waiting->directive = true;
+        (void)mu_text_copy(waiting->src, sizeof waiting->src, p->asker);
+        (void)mu_text_copy(waiting->reply_with, sizeof waiting->reply_with, p->reply_with);
+    }
 }
 
-bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
+/* @return NULL; and why is set */
+static struct robot *not_taken(char why[MU_FAULT_TEXT_MAX + 1], const char *reason)
+{
+    (void)mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, reason);
+    return NULL;
+}
+
+struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
 {
     struct passport p;
     struct mu_fault fault;
@@ -139,25 +163,107 @@ bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEX
     struct robot *r = wrong ? NULL : place_find(h);
     wrong = wrong || r ? wrong : "full";
     if (wrong) {
-        return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, wrong);
+        return not_taken(why, wrong);
     }
     place_take(h, r, &p, a);
     if (mind_make(h, r, &p, rest, &fault) != MU_OK) {
         snprintf(why, MU_FAULT_TEXT_MAX + 1, "%.63s:%d: %.400s", fault.file, fault.line,
                  fault.text);
-        return false;
+        return NULL;
     }
     mu_result joined = join(r, &p);
-    if (joined != MU_OK) {
-        return !mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, mu_result_text(joined));
+    if (joined == MU_OK && p.purpose == TRIP_LAUNCH) {
+        joined = launch_join_groups(r, rest);
+        if (joined != MU_OK) {
+            robot_drop(r);
+        }
     }
-    if (h->set->checkpoint_s > 0) {
-        (void)checkpoint_write(h, r, p.state); /* before the source lets go */
+    if (joined != MU_OK) {
+        return not_taken(why, mu_result_text(joined));
+    }
+    if (h->set->robots.checkpoints.every_s > 0) {
+        (void)checkpoint_write(r, p.state); /* before the source lets go */
     }
     if (p.purpose == TRIP_MOVE) {
         host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
     }
-    return true;
+    return r;
+}
+
+/* --- the broker's word ------------------------------------------------------------------------ */
+
+static void word_say(struct host *h, const muster_Trip *to, muster_TripWord word, uint32_t slot,
+                     const char *reason)
+{
+    char cut[MU_FIELD_MAX + 1];
+    (void)mu_text_copy(cut, sizeof cut, reason);
+    muster_Trip out = {
+        .word = word, .agent = to->agent, .epoch = to->epoch, .slot = slot, .reason = cut};
+    if (trips_say(h->crew.process, &out) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "name=%s", to->agent);
+    }
+}
+
+/* The broker has kept an agent, and hands it over. */
+static void arrival_hear(struct host *h, const muster_Trip *word)
+{
+    char why[MU_FAULT_TEXT_MAX + 1] = "too-large";
+    size_t len = strlen(word->text);
+    struct arrival a = {.text = {.at = word->text, .len = len, .size = len + 1}};
+    struct robot *r = len <= (size_t)h->set->bytes ? host_take_in(h, &a, why) : NULL;
+    if (r &&
+        (strcmp(r->name, word->agent) != 0 || mu_agent_passage(r->agent).epoch != word->epoch)) {
+        robot_drop(r);
+        r = not_taken(why, "another agent's passport");
+    }
+    if (!r) {
+        mu_log(MU_LOG_WARNING, "arrival-refused", "name=%s: %s", word->agent, why);
+    }
+    word_say(h, word, r ? muster_TRIP_READY : muster_TRIP_REFUSED, r ? trips_slot(r->agent) : 0,
+             r ? "" : why);
+}
+
+/* It was not given the name: somebody else is the agent. */
+static void copy_drop(struct host *h, const muster_Trip *word)
+{
+    for (uint32_t i = 0; i < h->crew.count; i++) {
+        struct robot *r = &h->crew.robots[i];
+        if (r->arrives && strcmp(r->name, word->agent) == 0 &&
+            mu_agent_passage(r->agent).epoch == word->epoch) {
+            robot_drop(r);
+        }
+    }
+}
+
+void host_hear(void *self, const muster_Trip *word)
+{
+    struct host *h = self;
+    if (word->word == muster_TRIP_ARRIVE) {
+        arrival_hear(h, word);
+        return;
+    }
+    if (word->word == muster_TRIP_REFUSED) {
+        copy_drop(h, word);
+    }
+    trip_hear(&h->crew, word);
+}
+
+/* @return whether an agent is on its way back */
+static bool agent_restore(struct crew *c, const char *name, const char *text)
+{
+    char why[MU_FAULT_TEXT_MAX + 1] = "cannot be read";
+    /* Nobody writes there. */
+    const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)}};
+    bool taken = text[0] && host_take_in((struct host *)c, &back, why);
+    if (!taken) {
+        fprintf(stderr, "muster host: the checkpoint of %s: %s\n", name, why);
+    }
+    return taken;
+}
+
+uint32_t host_restore(struct host *h)
+{
+    return checkpoint_each(&h->crew, agent_restore);
 }
 
 /* --- the host itself -------------------------------------------------------------------------- */
@@ -225,7 +331,6 @@ struct host *host_make(const struct host_settings *set)
         h->crew.robots[i].mind = mind_reserve();
     }
     arrivals_reserve(h);
-    checkpoints_reserve(h);
     return h;
 }
 

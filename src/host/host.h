@@ -3,7 +3,7 @@
  * @file host.h
  * A platform: a crew whose robots come and go.
  *
- * host.c has the agents in it, arrival.c what comes in pieces.
+ * host.c has the agents in it, arrival.c what comes in pieces, native.c who begins here.
  */
 #ifndef MUSTER_HOST_HOST_H
 #define MUSTER_HOST_HOST_H
@@ -26,22 +26,15 @@ struct arrival {
     struct mu_text text; /* TRIP_CAPSULE_MAX */
 };
 
-/* The file of an agent. */
-struct saved {
-    char name[MU_NAME_MAX + 1]; /* "": there is none */
-    uint64_t due_ns;            /* when it is to be written next */
-};
-
 struct host {
     struct crew crew; /* first: a robot's crew is the host */
     const struct host_settings *set;
     char folder[PATH_MAX]; /* of the shared rules */
     mu_agent *agent;
     struct arrival arrivals[HOST_ARRIVALS];
-    struct arrival *waiting;   /* of each robot, what it came by, until it has its name; agents of
-                                  them, used: somebody is to be told */
-    struct saved *saved;       /* of each robot */
-    struct mu_text checkpoint; /* TRIP_CAPSULE_MAX: what is being written */
+    struct arrival *waiting; /* of each robot, what it came by, until it has its name; agents of
+                                them, used: somebody is to be told */
+    uint64_t asked_ns;       /* for agents that nobody has */
 };
 
 /* host.c */
@@ -56,27 +49,40 @@ MU_MUST_USE mu_result host_join(struct host *h);
  * Makes an agent of what has come whole, and lets it ask for its name.
  *
  * @param why  out: why not, MU_FAULT_TEXT_MAX + 1 bytes
- * @return whether it is here; it has its name when on_registered says so
+ * @return it, when it is here; it has its name when on_registered says so.  NULL: it is not
  */
-bool host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
+struct robot *host_take_in(struct host *h, const struct arrival *a,
+                           char why[MU_FAULT_TEXT_MAX + 1]);
+
+/** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
+void host_hear(void *self, const muster_Trip *word);
+
+/** Takes in all agents that have a checkpoint.  @return how many */
+uint32_t host_restore(struct host *h);
 
 /** Answers who has sent an agent. */
 void host_answer(struct host *h, const struct arrival *a, const char *performative,
                  const char *text);
 
-/* checkpoint.c */
+/* launch.c */
 
-/** Takes the memory for checkpoints. */
-void checkpoints_reserve(struct host *h);
+/** @return the rules, behind the globals and groups of an agent that is launched */
+const char *launch_rules(const char *rest);
 
-/** Writes an agent's file.  @return false: that failed, and was logged */
-bool checkpoint_write(struct host *h, struct robot *r, enum mu_state state);
+/** Sets its globals.  @return MU_OK; MU_FAULT_FILE: fault says which cannot be set */
+MU_MUST_USE mu_result launch_set_globals(struct robot *r, const char *rest, struct mu_fault *fault);
 
-/** Writes what is due; forgets who is not here any more. */
-void checkpoints_round(struct host *h);
+/** Lets it join its groups.  @return as mu_agent_group_join */
+MU_MUST_USE mu_result launch_join_groups(struct robot *r, const char *rest);
 
-/** Takes in all agents that have a file.  @return how many */
-uint32_t checkpoints_restore(struct host *h);
+/* native.c */
+
+/**
+ * Makes the robots that begin here.
+ *
+ * @return MU_OK; MU_FAULT_USAGE, MU_FAULT_FILE: it has said what is wrong; or as mu_agent_join
+ */
+MU_MUST_USE mu_result natives_begin(struct host *h);
 
 /* arrival.c */
 

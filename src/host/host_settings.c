@@ -31,22 +31,25 @@ static struct mu_option table[] = {
      .target = &settings.bytes,
      .min = 1000,
      .max = 1000000},
-    {.name = "checkpoint",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "0",
-     .help = "write each agent to the folder every S seconds, and when it arrives; 0: never",
-     .target = &settings.checkpoint_s,
-     .max = 1e6},
-    {.name = "folder",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "where checkpoints are",
-     .target = &settings.folder},
-    {.name = "restore",
-     .kind = MU_OPTION_FLAG,
-     .help = "take in the agents that have a checkpoint there",
-     .target = &settings.restore},
+    CHECKPOINT_OPTIONS(settings.robots.checkpoints),
+    SETTINGS_MEND_OPTION(settings.robots),
+    {.name = "robot",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME=FILE",
+     .help = "a robot that begins here, and its rules; may stand several times",
+     .target = &settings.natives},
+    {.name = "global",
+     .kind = MU_OPTION_LIST,
+     .unit = "NAME.G=VALUE",
+     .help = "set a global of such a robot, for example red.mate=blue",
+     .target = &settings.robots.globals},
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .environment = "MUSTER_SEED",
+     .help = "seed of (random) in such robots, together with the name",
+     .target = &settings.robots.seed},
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
@@ -55,6 +58,19 @@ static struct mu_option table[] = {
      .target = &settings.robots.firings_max,
      .min = 1,
      .max = 1000000},
+    {.name = "failures",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "100",
+     .help = "a rule that fails so often suspends its agent; 0: none does",
+     .target = &settings.robots.failures_max,
+     .max = 1000000},
+    {.name = "world",
+     .letter = 'w',
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "the world's file: the map for (plan x y)",
+     .target = &settings.robots.world},
     {.name = "diary",
      .kind = MU_OPTION_FLAG,
      .help = "let recordings have what goes on in its agents' minds",
@@ -84,10 +100,6 @@ mu_result host_settings_parse(const struct host_settings **out, int argc, char *
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    if ((settings.checkpoint_s > 0 || settings.restore) && !settings.folder) {
-        fprintf(stderr, "muster host: --checkpoint and --restore need --folder DIR\n");
-        return MU_FAULT_USAGE;
-    }
     settings.robots.name = name;
-    return MU_OK;
+    return checkpoint_settings_check(&settings.robots.checkpoints, "muster host");
 }

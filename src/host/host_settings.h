@@ -9,13 +9,11 @@
 #include "agent/settings.h"
 
 struct host_settings {
-    struct settings robots;     /* what holds for each agent; its name is the host's */
-    int64_t agents;             /* that there is room for */
-    int64_t bytes;              /* of a capsule, at most */
-    struct mu_option_list take; /* patterns of names; none: every name */
-    double checkpoint_s;        /* agents are written to disk so often; 0: never */
-    const char *folder;         /* of their files */
-    bool restore;
+    struct settings robots;        /* what holds for each agent; its name is the host's */
+    int64_t agents;                /* that there is room for */
+    int64_t bytes;                 /* of a capsule, at most */
+    struct mu_option_list take;    /* patterns of names; none: every name */
+    struct mu_option_list natives; /* "NAME=FILE": agents that begin here, and their rules */
 };
 
 /**

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-host: a platform for agents that are launched, move and are cloned. */
+#include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "core/text.h"
 #include "host/host.h"
+#include "runtime/process.h"
+#include "runtime/trips.h"
 
 #include <stdio.h>
 
@@ -19,6 +23,7 @@ static mu_result host_connect(struct host *h)
                                          .with_body = true};
     MU_TRY(mu_process_open(&h->crew.process, &options));
     MU_TRY(host_join(h));
+    MU_TRY(natives_begin(h));
     mu_result found = mu_process_await_broker(h->crew.process, MU_NETWORK_BROKER_NS);
     if (found == MU_TIMEOUT) {
         fprintf(stderr,
@@ -29,11 +34,44 @@ static mu_result host_connect(struct host *h)
     return found;
 }
 
+static void host_save(void *self)
+{
+    struct host *h = self;
+    checkpoint_round(&h->crew);
+}
+
+/* Whom nobody has is asked for again and again: who has it dies when it likes. */
+static void orphans_ask(struct host *h)
+{
+    static const uint64_t ASK_NS = 1000000000;
+    char name[MU_NAME_MAX + 1];
+    muster_Trip wanted = {.word = muster_TRIP_WANTED, .host = name};
+    uint64_t now_ns = mu_clock_ns();
+    (void)mu_text_copy(name, sizeof name, h->crew.host);
+    if (h->set->robots.checkpoints.restore && now_ns - h->asked_ns > ASK_NS &&
+        trips_say(h->crew.process, &wanted) == MU_OK) {
+        h->asked_ns = now_ns;
+    }
+}
+
+static void step_end(void *self)
+{
+    struct host *h = self;
+    trip_step_end(&h->crew);
+}
+
+static void step_answered(void *self)
+{
+    struct host *h = self;
+    trip_step_answered(&h->crew);
+}
+
 static void host_round(void *self)
 {
     struct host *h = self;
     trip_round(&h->crew);
-    checkpoints_round(h);
+    checkpoint_round(&h->crew);
+    orphans_ask(h);
 }
 
 int main(int argc, char **argv)
@@ -50,14 +88,23 @@ int main(int argc, char **argv)
                         "folder that has muster.clp\n");
         return MU_EXIT_FILE;
     }
-    mu_result ready = host_connect(h);
+    h->crew.rules_folder = h->folder;
+    mu_result ready = robot_map_open(&h->crew);
+    ready = ready == MU_OK ? host_connect(h) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    if (set->restore) {
-        mu_log(MU_LOG_INFO, "restored", "agents=%u", checkpoints_restore(h));
+    struct trips listener = {.prompt = true,
+                             .self = h,
+                             .on_trip = host_hear,
+                             .on_step_end = step_end,
+                             .on_answered = step_answered};
+    trips_listen(h->crew.process, &listener);
+    if (set->robots.checkpoints.restore && set->robots.checkpoints.folder) {
+        mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }
     mu_process_each_round(h->crew.process, host_round, h);
+    process_before_up(h->crew.process, host_save, h);
     mu_memory_seal();
     mu_result ran = mu_process_run(h->crew.process);
     mu_process_close(h->crew.process);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/color.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -203,4 +205,20 @@ const char *color_of_track(const char *wanted, const char *name, size_t index)
         return choices[i];
     }
     return color_palette[index % (sizeof color_palette / sizeof color_palette[0])];
+}
+
+/* Hues a golden angle apart, in three depths in turn; hue, saturation and lightness as in CSS. */
+void color_spread(char color[COLOR_HEX], size_t index)
+{
+    static const double depths[] = {0.42, 0.58, 0.3};
+    static const double thirds[] = {0, 8, 4};
+    double hue = fmod((double)index * 137.508, 360) / 30;
+    double light = depths[index % 3], reach = 0.65 * fmin(light, 1 - light);
+    unsigned bytes[3];
+    for (size_t i = 0; i < 3; i++) {
+        double k = fmod(thirds[i] + hue, 12);
+        double part = light - reach * fmax(-1, fmin(fmin(k - 3, 9 - k), 1));
+        bytes[i] = (unsigned)lround(part * 255);
+    }
+    snprintf(color, COLOR_HEX, "#%02x%02x%02x", bytes[0] & 0xff, bytes[1] & 0xff, bytes[2] & 0xff);
 }

@@ -21,4 +21,9 @@ bool color_is_css(const char *color);
  */
 const char *color_of_track(const char *wanted, const char *name, size_t index);
 
+enum { COLOR_HEX = sizeof "#rrggbb" };
+
+/** Writes the index-th of ever so many colours that are as different as so many can be. */
+void color_spread(char color[COLOR_HEX], size_t index);
+
 #endif

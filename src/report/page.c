@@ -4,15 +4,17 @@
 #include "report/svg.h"
 
 static const char page_style[] =
-    ":root{color-scheme:light dark;--ink:#1d2329;--soft:#5d6873;--line:#d9dee3;--ground:#fff;"
+    ":root{color-scheme:light "
+    "dark;--ink:#1d2329;--soft:#5d6873;--line:#d9dee3;--ground:#fff;--paper:#fff;"
     "--code:#f3f5f7;--good:#1a7f37;--bad:#c0271d}\n"
     "@media(prefers-color-scheme:dark){:root{--ink:#e4e8ec;--soft:#9aa5b0;--line:#363d45;"
-    "--ground:#15191d;--code:#20262c;--good:#4cc26a;--bad:#ff7b72}}\n"
+    "--ground:#15191d;--paper:#1a1a1a;--code:#20262c;--good:#4cc26a;--bad:#ff7b72}"
+    "figure svg{filter:invert(.9) hue-rotate(180deg)}}\n" /* drawn for paper */
     "body{margin:0 auto;max-width:70rem;padding:1.5rem 1rem 4rem;color:var(--ink);"
     "background:var(--ground);font:16px/1.5 system-ui,Helvetica,Arial,sans-serif}\n"
     "h1{margin:.2em 0 0;font-size:1.8rem}h2{margin:2.2em 0 .5em;font-size:1.2rem}\n"
     ".soft{color:var(--soft)}\n"
-    "figure{margin:1em 0;background:#fff;border:1px solid var(--line);border-radius:6px;"
+    "figure{margin:1em 0;background:var(--paper);border:1px solid var(--line);border-radius:6px;"
     "padding:.5rem;text-align:center}figure svg{max-width:100%;height:auto}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%;"
     "font-variant-numeric:tabular-nums}\n"

@@ -61,15 +61,38 @@ static mu_result report_write_file(const struct report_file *what, const char *f
     return MU_OK;
 }
 
+static bool color_is_taken(const struct report_data *data, size_t robots, const char *color)
+{
+    for (size_t i = 0; i < robots; i++) {
+        if (strcmp(data->colors[i], color) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Robots of one body bear one colour: then each but the first gets another, to be told apart. */
+static void colors_choose(struct report_data *data)
+{
+    const struct report_input *input = data->input;
+    data->colors = mu_startup_array(input->robots_count, sizeof *data->colors);
+    for (size_t i = 0; i < input->robots_count; i++) {
+        const char *color = color_of_track(input->robots[i].color, input->robots[i].name, i);
+        if (color_is_taken(data, i, color)) {
+            char *other = mu_startup_alloc(COLOR_HEX);
+            color_spread(other, i);
+            color = other;
+        }
+        data->colors[i] = color;
+    }
+}
+
 mu_result report_write(const char *folder, const struct report_input *input,
                        struct report_result *result, struct mu_fault *fault)
 {
     MU_ASSERT(input->robots_count <= MU_ROBOTS_MAX);
     struct report_data data = {.input = input, .result = result};
-    data.colors = mu_startup_array(input->robots_count, sizeof *data.colors);
-    for (size_t i = 0; i < input->robots_count; i++) {
-        data.colors[i] = color_of_track(input->robots[i].color, input->robots[i].name, i);
-    }
+    colors_choose(&data);
     mu_result done = report_stats(&data, folder, fault);
     for (size_t i = 0; done == MU_OK && i < sizeof report_files / sizeof report_files[0]; i++) {
         done = report_write_file(&report_files[i], folder, &data, fault);

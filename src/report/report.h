@@ -28,6 +28,12 @@ struct report_object {
     struct world_pose pose; /* at the end */
 };
 
+/* A process that died and was started again. */
+struct report_restarts {
+    const char *name;
+    uint32_t count;
+};
+
 struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
@@ -53,6 +59,8 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
+    const struct report_restarts *restarts;
+    size_t restarts_count;
     const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
     uint64_t packets_struck;          /* lost or late by it */
     const char *versions;             /* of what the run is made of */

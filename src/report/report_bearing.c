@@ -51,7 +51,7 @@ static bool bearing_next_label(struct bearing *b, unsigned *at, struct bearing_l
         for (unsigned i = 0; i < c->targets_count; i++) {
             mu_text_format(&text, "%s%s", i ? ", " : "", c->targets[i]);
         }
-        mu_text_format(&text, ": %s", c->line);
+        mu_text_format(&text, ": %s%s", c->move ? "move to " : "", c->move ? c->move : c->line);
     }
     if (text.cut) {
         memcpy(label->text + BEARING_LABEL_MAX - 4, "...", 4);

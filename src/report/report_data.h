@@ -67,23 +67,11 @@ MU_MUST_USE mu_result report_reader_next(struct report_reader *r, struct report_
 
 void report_reader_close(struct report_reader *r);
 
-/* --- report_stats.c, report_explored.c: what the rows amount to ------------------------------- */
+/* --- report_stats.c: what the rows amount to -------------------------------------------------- */
 
 /** Reads run.csv and fills data and result.  @return as report_write */
 MU_MUST_USE mu_result report_stats(struct report_data *data, const char *folder,
                                    struct mu_fault *fault);
-
-struct report_explored;
-
-/** @return start-up memory; NULL when the world is empty or too large to be divided into cells */
-struct report_explored *report_explored_open(const struct world *world);
-
-/** Notes that a robot's centre moved along a line.  Nothing happens when e is NULL. */
-void report_explored_cross(struct report_explored *e, double x0_m, double y0_m, double x1_m,
-                           double y1_m);
-
-/** @return the explored fraction, 0 to 1; 0 when e is NULL */
-double report_explored_fraction(struct report_explored *e);
 
 /* --- report_expect.c: what was expected of the run -------------------------------------------- */
 
@@ -98,14 +86,15 @@ void report_expect_row(struct report_expect *x, const struct report_row *row);
 void report_expect_close(struct report_expect *x, struct report_data *data);
 
 /* What came true when: times of the experiment's events, from events.csv. */
-enum { REPORT_EVENTS_MAX = 1 << 16 };
+enum { REPORT_EVENTS_MAX = 1 << 18 };
 
 struct report_events {
     struct report_event {
         float time_s;
         uint16_t event;      /* its number in the experiment */
-    } at[REPORT_EVENTS_MAX]; /* by time; more are left out */
+    } at[REPORT_EVENTS_MAX]; /* by time */
     size_t count;
+    size_t left_out; /* that came later */
 };
 
 /** Reads folder/events.csv, if the experiment has events.  @return as report_write */

@@ -35,6 +35,8 @@ static mu_result row_take(struct report_data *data, const char *path, int number
     if (events->count < REPORT_EVENTS_MAX) {
         events->at[events->count++] =
             (struct report_event){.time_s = (float)time_s, .event = (uint16_t)event};
+    } else {
+        events->left_out++;
     }
     return MU_OK;
 }

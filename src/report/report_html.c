@@ -99,9 +99,14 @@ static void html_facts(FILE *file, const struct report_data *data)
              mail->sent, mail->delivered, mail->waiting, mail->expired, mail->refused, mail->lost,
              mail->duplicated);
     html_fact(file, "mail", text);
+    if (data->events->left_out > 0) {
+        snprintf(text, sizeof text, "%zu; %zu that came later are not judged", data->events->count,
+                 data->events->left_out);
+        html_fact(file, "events", text);
+    }
     html_fact(file, "world", input->world->file);
     html_fact(file, "experiment", input->experiment->file ? input->experiment->file : "");
-    html_fact(file, "made with", input->versions ? input->versions : "muster " MU_VERSION);
+    html_fact(file, "made with", input->versions ? input->versions : "");
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
     fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);

@@ -60,6 +60,21 @@ static void json_write_mail(struct mu_json *j, const struct report_mail *mail)
     mu_json_end(j);
 }
 
+static void json_write_restarts(struct mu_json *j, const struct report_input *input)
+{
+    if (input->restarts_count == 0) {
+        return;
+    }
+    mu_json_list(j, "restarts");
+    for (size_t i = 0; i < input->restarts_count; i++) {
+        mu_json_object(j, NULL);
+        mu_json_string(j, "process", input->restarts[i].name);
+        mu_json_uint(j, "count", input->restarts[i].count);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
 static void json_write_expectations(struct mu_json *j, const struct report_data *data)
 {
     mu_json_list(j, "expectations");
@@ -106,6 +121,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_uint(&j, "seed", input->seed);
     mu_json_string(&j, "hash", input->hash);
     mu_json_string(&j, "command", input->command);
+    mu_json_string(&j, "made_with", input->versions);
     mu_json_list(&j, "overrides");
     for (size_t i = 0; i < input->overrides_count; i++) {
         mu_json_string(&j, NULL, input->overrides[i]);
@@ -120,6 +136,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
     json_write_mail(&j, &input->mail);
+    json_write_restarts(&j, input);
     json_write_chaos(&j, input);
     json_write_expectations(&j, data);
     mu_json_end(&j);

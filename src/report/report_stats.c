@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "muster/memory.h"
+#include "muster/stats.h"
 #include "report/report_data.h"
+#include "stats/explored.h"
+#include "world/outline.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,7 +18,7 @@ struct stats_robot {
 
 struct stats {
     struct report_data *data;
-    struct report_explored *explored;
+    struct explored *explored;
     struct report_expect *expect;
     struct stats_robot *robots;
     double step_s;
@@ -74,10 +77,10 @@ static void stats_take_row(struct stats *s, const struct report_row *row)
     if (robot->seen) {
         spent_s = row->time_s - robot->time_s;
         result->distance_m += hypot(row->x_m - robot->x_m, row->y_m - robot->y_m);
-        report_explored_cross(s->explored, robot->x_m, robot->y_m, row->x_m, row->y_m);
+        explored_cross(s->explored, row->robot, robot->x_m, robot->y_m, row->x_m, row->y_m);
     } else {
         robot->first_s = row->time_s;
-        report_explored_cross(s->explored, row->x_m, row->y_m, row->x_m, row->y_m);
+        explored_cross(s->explored, row->robot, row->x_m, row->y_m, row->x_m, row->y_m);
     }
     stats_take_stall(robot, result, row->stalled, spent_s);
     robot->seen = true;
@@ -100,14 +103,41 @@ static void stats_finish(struct stats *s)
         struct report_robot_result *robot = &result->robots[i];
         double time_s = s->robots[i].time_s - s->robots[i].first_s;
         robot->mean_speed_m_s = time_s > 0 ? robot->distance_m / time_s : 0;
-        double free_s = fmax(time_s - robot->stalled_s, s->step_s);
-        if (robot->distance_m / free_s > best_m_s) {
-            best_m_s = robot->distance_m / free_s;
+        double efficiency_m_s =
+            mu_stats_efficiency(robot->distance_m, time_s, robot->stalled_s, s->step_s);
+        if (efficiency_m_s > best_m_s) {
+            best_m_s = efficiency_m_s;
             result->most_efficient = input->robots[i].name;
         }
     }
-    result->explored_fraction = report_explored_fraction(s->explored);
+    result->explored_fraction = fmax(explored_share(s->explored), 0);
     report_expect_close(s->expect, s->data);
+}
+
+/* The same outlines as observers are told, so that they find the same floor. */
+static struct explored *floor_open(const struct world *world, size_t robots)
+{
+    float *corners_m = mu_startup_array(world->shape_count, OUTLINE_NUMBERS_MAX * sizeof(float));
+    struct mu_outline *walls = mu_startup_array(world->shape_count, sizeof *walls);
+    for (size_t i = 0; i < world->shape_count; i++) {
+        const struct world_shape *shape = &world->shapes[i];
+        float *corners = corners_m + i * OUTLINE_NUMBERS_MAX;
+        size_t numbers = outline_write(shape, &shape->pose, corners);
+        walls[i] = (struct mu_outline){.flat = outline_is_flat(shape),
+                                       .radius_m = shape->kind == WORLD_DISC ? shape->radius_m : 0,
+                                       .corner_count = numbers / 2,
+                                       .corners_m = corners};
+    }
+    const struct mu_scene scene = {.min_x_m = world->min_x_m,
+                                   .min_y_m = world->min_y_m,
+                                   .max_x_m = world->max_x_m,
+                                   .max_y_m = world->max_y_m,
+                                   .robot_count = robots,
+                                   .wall_count = world->shape_count,
+                                   .walls = walls};
+    struct explored *e = explored_reserve(robots);
+    (void)explored_begin(e, &scene); /* of a world without a size nothing is explored */
+    return e;
 }
 
 static void stats_init(struct stats *s, size_t rows_max)
@@ -123,7 +153,7 @@ static void stats_init(struct stats *s, size_t rows_max)
     }
     s->robots = mu_startup_array(input->robots_count, sizeof *s->robots);
     s->step_s = input->experiment->step_ms / 1e3;
-    s->explored = report_explored_open(input->world);
+    s->explored = floor_open(input->world, input->robots_count);
     s->expect = report_expect_open(input);
 }
 

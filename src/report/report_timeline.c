@@ -90,15 +90,16 @@ static void chaos_draw(struct timeline *t, unsigned index)
     t->y_px += TIME_ROW;
 }
 
-static void events_draw(const struct timeline *t, const char *event, double y)
+static void events_draw(const struct timeline *t, const char *event, double from_s, double y)
 {
     const struct report_events *events = t->data->events;
     unsigned number = experiment_event_find(t->data->input->experiment, event);
     double before_px = -10;
     for (size_t i = 0; (i = report_events_next(events, number, i)) < events->count; i++) {
         double px = svg_scale_px(&t->x, (double)events->at[i].time_s);
-        double from[2] = {px, y - 9}, to[2] = {px, y + 9};
-        if (px - before_px >= 1) { /* what nobody could tell apart is drawn once */
+        double from[2] = {px, y + 5}, to[2] = {px, y + 10};
+        bool counts = (double)events->at[i].time_s >= from_s - 1e-6;
+        if (counts && px - before_px >= 1) { /* what nobody could tell apart is drawn once */
             svg_line(t->file, from, to, "stroke=\"#333\" stroke-width=\"1.2\"");
             before_px = px;
         }
@@ -113,7 +114,9 @@ static void expectation_draw(struct timeline *t, unsigned index)
         return;
     }
     double to_s = e->near_robot ? fmin(e->to_s, t->x.to) : t->x.to;
-    double from_px = svg_scale_px(&t->x, fmin(fmax(e->from_s, t->x.from), t->x.to));
+    /* A number is of the whole run; what it has from a time on is only whether it is judged. */
+    double from_s = e->statistic || e->objects ? 0 : e->from_s;
+    double from_px = svg_scale_px(&t->x, fmin(fmax(from_s, t->x.from), t->x.to));
     double to_px = fmax(svg_scale_px(&t->x, to_s), from_px + 2), y = t->y_px + TIME_ROW / 2.0;
     double middle[2] = {(from_px + to_px) / 2, y};
     double half[2] = {(to_px - from_px) / 2, TIME_ROW / 2.0 - 2};
@@ -122,10 +125,10 @@ static void expectation_draw(struct timeline *t, unsigned index)
             : result->met[index]   ? "fill=\"#cdebd4\""
                                    : "fill=\"#f6c9c4\"");
     for (unsigned i = 0; i < e->sequence_count; i++) {
-        events_draw(t, e->sequence[i], y);
+        events_draw(t, e->sequence[i], e->from_s, y);
     }
     if (e->never) {
-        events_draw(t, e->never, y);
+        events_draw(t, e->never, e->from_s, y);
     }
     char text[sizeof result->texts[0] + 8];
     snprintf(text, sizeof text, "%s%s",

@@ -109,9 +109,13 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
                           const struct mu_handlers *handlers)
 {
     uint64_t last = from ? from->last_number : 0;
-    MU_TRY(mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers));
+    mu_result joined = mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers);
+    if (joined != MU_OK) {
+        return joined;
+    }
     (*out)->broker_incarnation = from ? from->broker : 0; /* another one numbers its box anew */
     (*out)->epoch = from ? from->epoch : 0;
+    (*out)->handed = from ? from->handed : 0;
     (*out)->state = MU_MOVING;
     (*out)->part.beginning = event;
     (*out)->part.begun = true; /* it ran before, or will be started */
@@ -120,8 +124,10 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
 
 struct mu_passage mu_agent_passage(const mu_agent *a)
 {
-    return (struct mu_passage){
-        .last_number = a->last_number, .broker = a->broker_incarnation, .epoch = a->epoch};
+    return (struct mu_passage){.last_number = a->last_number,
+                               .handed = a->handed,
+                               .broker = a->broker_incarnation,
+                               .epoch = a->epoch};
 }
 
 void mu_agent_set_out(mu_agent *a)
@@ -139,6 +145,10 @@ bool mu_agent_is_settled(const mu_agent *a)
 void mu_agent_leave(mu_agent *a)
 {
     a->part.ended = true; /* it lives on: nothing is disposed of */
+    a->departed = true;
+    for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
+        queue_remove(&a->process->queues[kind], kind, a); /* nor is anything more to be said */
+    }
     mu_agent_set_state(a, MU_GONE);
 }
 
@@ -388,6 +398,16 @@ void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules)
     a->firings = firings;
     if (a->rules) {
         mu_text_copy(a->rules, PROCESS_RULES_MAX + 1, rules);
+    }
+}
+
+void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules)
+{
+    struct mu_text t;
+    a->firings += firings;
+    if (a->rules && rules[0]) {
+        mu_text_init(&t, a->rules + strlen(a->rules), PROCESS_RULES_MAX + 1 - strlen(a->rules));
+        mu_text_format(&t, "%s%s", a->rules[0] ? " " : "", rules);
     }
 }
 

@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 /* A registration is said again this often, by the wall: after a stop, only new data tells the
@@ -22,10 +23,13 @@ static const int64_t IMPATIENT_NS = 2000000;
 static const int64_t EXPECTANT_NS = 20000000;
 
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
-static const uint64_t STEP_PATIENCE_NS = 300000000;
+const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
+
+/* Handlers that run for longer are worth a word in the white pages. */
+static const uint64_t BUSY_NS = 500000000;
 
 bool process_takes_steps(const mu_process *p)
 {
@@ -116,6 +120,7 @@ void mu_process_close(mu_process *p)
     if (!p) {
         return;
     }
+    p->before_up = NULL; /* how they end is not what they come back as */
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
@@ -234,8 +239,8 @@ static void next_step(mu_process *p)
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
 static bool mail_is_held(const mu_process *p)
 {
-    return p->with_body && !p->in_lockstep && p->step_wall_ns &&
-           mu_clock_ns() - p->step_wall_ns < STEP_PATIENCE_NS;
+    return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
+           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
 /* How many samples are worth waking up for. */
@@ -245,7 +250,7 @@ static uint64_t samples_wanted(const mu_process *p)
         return 0; /* more mail lies in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
-    return p->in_lockstep && !p->mail && !p->step ? 2 : 1;
+    return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
 /* @return whether something was handled */
@@ -283,6 +288,43 @@ static bool handle_one(mu_process *p)
     return false;
 }
 
+static void busy_say(mu_process *p, uint64_t busy_ns)
+{
+    struct tm utc;
+    time_t since = (time_t)((mu_clock_wall_ns() - busy_ns) / 1000000000u);
+    gmtime_r(&since, &utc);
+    (void)strftime(p->busy, sizeof p->busy, "busy since %Y-%m-%dT%H:%M:%SZ", &utc);
+    roll_mark_all(p);
+}
+
+void process_work(mu_process *p)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (p->works_ns == 0 || now_ns - p->works_ns < BUSY_NS) {
+        return;
+    }
+    if (!p->busy[0]) {
+        busy_say(p, now_ns - p->works_ns);
+    }
+    if (now_ns - p->heartbeat_ns >= HEARTBEAT_NS) {
+        p->heartbeat_ns = now_ns;
+        roll_beat(p);
+    }
+    roll_write(p);
+}
+
+static bool handle_next(mu_process *p)
+{
+    p->works_ns = mu_clock_ns();
+    bool handled = handle_one(p);
+    p->works_ns = 0;
+    if (p->busy[0]) {
+        p->busy[0] = '\0';
+        roll_mark_all(p);
+    }
+    return handled;
+}
+
 /* How long a process that waits need not look by itself: being ready for lock step brings no
  * sample, and has to be looked for; the broker's answer wakes us.  A crowd of processes that looked
  * before that would keep the broker from answering. */
@@ -310,9 +352,11 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
         most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
     bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
-    while (!p->done && step_retry(p) && handle_one(p)) {
+    while (!p->done && step_retry(p) && handle_next(p)) {
     }
-    if (!p->in_lockstep) {
+    if (p->in_lockstep) {
+        step_say_trips(p);
+    } else {
         step_flush(p);
     }
     agents_leave(p);
@@ -367,6 +411,12 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 {
     p->round = round;
     p->round_self = self;
+}
+
+void process_before_up(mu_process *p, void (*before)(void *self), void *self)
+{
+    p->before_up = before;
+    p->before_up_self = self;
 }
 
 bool mu_process_in_lockstep(const mu_process *p)

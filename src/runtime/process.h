@@ -20,6 +20,7 @@
 #include "runtime/resolver.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
+#include "runtime/trips.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -53,6 +54,7 @@ struct mu_agent {
     struct queue_link links[QUEUES];
     bool replays;             /* its mails are a recording's, from now on */
     bool gone;                /* takes no part any more */
+    bool departed;            /* it lives in another process now */
     bool leaving;             /* its registration is still there, until its last mails are out, */
     enum mu_state last_state; /* in the state that it had */
     struct outbox outbox;
@@ -95,6 +97,7 @@ struct mu_process {
     struct taken *taken; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
+    struct trips trips;
     struct members members;
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
@@ -108,10 +111,16 @@ struct mu_process {
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
     bool leaving;                /* one of the agents is, or all are */
-    bool done;                   /* the simulator has ended the run */
+    uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
+    char
+        busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
+    bool done;                  /* the simulator has ended the run */
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;
+    void (*before_up)(void *self); /* what the agents did is about to go out; NULL: nobody */
+    void *before_up_self;
+    bool answering; /* it is the answer to a step, which is put together already */
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
     bool out_pending;
@@ -127,11 +136,26 @@ struct mu_process {
 
 /* process.c */
 
+/** A process that has had a step expects the next one within this time. */
+extern const uint64_t PROCESS_STEP_PATIENCE_NS;
+
 /** @return whether the simulator's steps are for it */
 bool process_takes_steps(const mu_process *p);
 
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
+
+/**
+ * Has before called whenever what the agents have done, or that they have taken mail, is about to
+ * go out: what is on disk by then is never behind what others have heard.
+ */
+void process_before_up(mu_process *p, void (*before)(void *self), void *self);
+
+/**
+ * For handlers that may take long: called now and then, it says in the white pages since when the
+ * process has been busy, once that is half a second.  Sends nothing else, and waits for nothing.
+ */
+void process_work(mu_process *p);
 
 /** Says every agent to the broker anew; none may send before it has answered. */
 void process_register(mu_process *p);
@@ -185,6 +209,9 @@ void step_hello(mu_process *p);
 
 /** Sends the mails that wait and the acknowledgements that are due, outside of lock step. */
 void step_flush(mu_process *p);
+
+/** Sends words about agents on their way, between the steps of a lock step. */
+void step_say_trips(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */
 bool step_retry(mu_process *p);

@@ -62,7 +62,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .host = nothing,
                           .since_wall_ns = a->since_wall_ns,
                           .epoch = a->epoch,
-                          .reason = a->reason};
+                          .reason = a->reason[0] ? a->reason : a->process->busy};
 }
 
 static muster_Registration part_of(mu_process *p, uint32_t part)

@@ -229,6 +229,7 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
+    trips_take(p, d);
     verdicts_take(p, d);
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
@@ -331,14 +332,16 @@ static void load_begin(const mu_process *p, struct up_load *load)
 }
 
 /* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
- * have mail.  @return whether there is any mail or acknowledgement in it */
+ * have mail.  @return whether there is any mail, acknowledgement or word about a trip in it */
 static bool up_fill(mu_process *p, int64_t step)
 {
     struct up_load load = {.answer = step != muster_STEP_NOW};
     load_begin(p, &load);
     for (uint32_t i = 0; step != muster_STEP_NOW && i < p->agent_count; i++) {
         load_begin(p, &load);
-        act_add(p, &p->agents[i], &load);
+        if (!p->agents[i].departed) { /* another process answers for it */
+            act_add(p, &p->agents[i], &load);
+        }
     }
     for (struct mu_agent *a = step == muster_STEP_NOW ? p->queues[QUEUE_SEND].first : NULL;
          a && load.left > 0 && load.room > 0; a = a->links[QUEUE_SEND].next) {
@@ -350,7 +353,8 @@ static bool up_fill(mu_process *p, int64_t step)
     p->out.acts._length = p->out.acts._maximum = load.acts;
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
-    return load.mails > 0 || acks > 0;
+    bool trips = trips_fill(p, &p->out);
+    return load.mails > 0 || acks > 0 || trips;
 }
 
 /* The act of an agent has gone out; answer: to a step. */
@@ -393,17 +397,39 @@ bool step_retry(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
         }
     }
+    trips_sent(p, p->out.trips._length);
     if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
         owed_clear(&p->owed, mu_clock_ns());
     }
     return true;
 }
 
+static void up_announce(mu_process *p)
+{
+    if (p->before_up) {
+        p->before_up(p->before_up_self);
+    }
+}
+
 static void step_answer(mu_process *p, const muster_Sense *sense)
 {
     (void)up_fill(p, sense->step);
+    p->answering = true;
+    up_announce(p);
+    p->answering = false;
     p->out_pending = true;
     (void)step_retry(p);
+}
+
+static void step_end(mu_process *p, const muster_Sense *sense)
+{
+    if (p->trips.on_step_end) {
+        p->trips.on_step_end(p->trips.self);
+    }
+    step_answer(p, sense);
+    if (p->trips.on_answered) {
+        p->trips.on_answered(p->trips.self);
+    }
 }
 
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
@@ -415,7 +441,7 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
     }
     step_take_delivery(p, d, sense);
     agents_act(p, sense);
-    step_answer(p, sense);
+    step_end(p, sense);
 }
 
 void step_live_freely(mu_process *p, const muster_Sense *sense)
@@ -426,7 +452,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense)
         process_next_delivery(p);
     }
     agents_act(p, sense);
-    step_answer(p, sense);
+    step_end(p, sense);
 }
 
 void step_hello(mu_process *p)
@@ -465,7 +491,17 @@ static bool acks_are_due(const mu_process *p)
 
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || acks_are_due(p);
+    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0;
+}
+
+void step_say_trips(mu_process *p)
+{
+    if (p->trips.count > 0 && step_retry(p)) {
+        p->out = (muster_Up){.process = p->name, .step = muster_STEP_NOW};
+        (void)trips_fill(p, &p->out);
+        p->out_pending = true;
+        (void)step_retry(p);
+    }
 }
 
 void step_flush(mu_process *p)
@@ -475,6 +511,9 @@ void step_flush(mu_process *p)
         return; /* what is pending is marked as sent when it has gone, so it must not move before */
     }
     unanswered_again(p);
+    if (is_anything_to_say(p)) {
+        up_announce(p);
+    }
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {
         p->out_pending = true;

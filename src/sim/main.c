@@ -25,8 +25,8 @@ static void signal_note(int number)
 struct settings {
     struct mu_network network;
     int64_t seed;
-    double duration_s, rate, step_ms, silence_s;
-    int64_t watchers, threads;
+    double duration_s, rate, step_ms, silence_s, return_s;
+    int64_t watchers, hosts, threads;
     bool free, waits_for_go, verbose;
     const char *csv, *restore, *events, *record;
     bool without_percepts;
@@ -78,6 +78,14 @@ static struct mu_option option_table[] = {
      .target = &set.silence_s,
      .min = 0.1,
      .max = 3600},
+    {.name = "return",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "wall time that a lock step waits for a controller that died to be started again; 0: "
+             "its death ends the run",
+     .target = &set.return_s,
+     .max = 3600},
     {.name = "free",
      .kind = MU_OPTION_FLAG,
      .help = "real time without lock step",
@@ -92,6 +100,13 @@ static struct mu_option option_table[] = {
      .fallback = "0",
      .help = "processes that see all bodies, such as resolvers, for which the first step waits",
      .target = &set.watchers,
+     .max = MU_PROCESSES_MAX},
+    {.name = "hosts",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "hosts that robots may move to, for which the first step waits",
+     .target = &set.hosts,
      .max = MU_PROCESSES_MAX},
     {.name = "threads",
      .kind = MU_OPTION_INTEGER,
@@ -346,7 +361,9 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .free = set.free,
                                       .waits_for_go = set.waits_for_go,
                                       .watchers = (uint32_t)set.watchers,
-                                      .silence_ns = (uint64_t)(set.silence_s * 1e9)};
+                                      .hosts = (uint32_t)set.hosts,
+                                      .silence_ns = (uint64_t)(set.silence_s * 1e9),
+                                      .return_ns = (uint64_t)(set.return_s * 1e9)};
     if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {
         return MU_EXIT_DDS;
     }

@@ -36,12 +36,6 @@ mu_result recorder_open(struct recorder **out, const char *path)
     return MU_OK;
 }
 
-/* Both parts are exact, so that the quotient is what a reader makes of the digits. */
-double recorder_rounded(double value)
-{
-    return (double)llround(value * 1e6) / 1e6;
-}
-
 /* Writes a number with six decimals; printf would take a tenth of a whole step for a row of them.
  */
 static char *number_write(char *to, double value)

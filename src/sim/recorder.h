@@ -14,9 +14,6 @@ struct recorder; /* one in a process */
 /** Creates the file and writes its head.  @return MU_OK or MU_FAULT_OS, said on standard error */
 MU_MUST_USE mu_result recorder_open(struct recorder **out, const char *path);
 
-/** @return a number as whoever reads run.csv has it */
-double recorder_rounded(double value);
-
 /** Adds a row.  A full disk shows at the close. */
 void recorder_add(struct recorder *r, uint64_t time_ns, const char *robot,
                   const struct engine_percept *percept);

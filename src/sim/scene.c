@@ -2,12 +2,12 @@
 #include "sim/scene.h"
 
 #include "muster/memory.h"
-#include "sim/frame.h"
+#include "world/outline.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { BOX_CORNERS = 4, COLOR_TEXT = 8 };
+enum { COLOR_TEXT = 8 };
 
 /* Nobody writes through what a sample points to. */
 static char *scene_text(const char *text)
@@ -15,51 +15,28 @@ static char *scene_text(const char *text)
     return (char *)(uintptr_t)text;
 }
 
-/* Counter-clockwise from the front left one, of a box with its centre in a frame. */
-static void outline_box(muster_Outline *o, const struct world_pose *pose, double half_x_m,
-                        double half_y_m)
-{
-    static const double signs[BOX_CORNERS][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-    struct frame f = frame_of(*pose);
-    for (size_t i = 0; i < BOX_CORNERS; i++) {
-        double x_m = signs[i][0] * half_x_m;
-        double y_m = signs[i][1] * half_y_m;
-        o->corners_m._buffer[2 * i] = (float)(f.x + f.c * x_m - f.s * y_m);
-        o->corners_m._buffer[2 * i + 1] = (float)(f.y + f.s * x_m + f.c * y_m);
-    }
-    o->corners_m._length = o->corners_m._maximum = 2 * BOX_CORNERS;
-}
-
-static void outline_disc(muster_Outline *o, const struct world_pose *pose, double radius_m)
-{
-    o->radius_m = radius_m;
-    o->corners_m._buffer[0] = (float)pose->x_m;
-    o->corners_m._buffer[1] = (float)pose->y_m;
-    o->corners_m._length = o->corners_m._maximum = 2;
-}
-
 /* @param corners_m  room for the corners of a box */
 static muster_Outline outline_of(const struct world_shape *shape, const struct world_pose *pose,
                                  float *corners_m)
 {
-    muster_Outline o = {.rgb = shape->look.rgb};
+    bool disc = shape->kind == WORLD_DISC;
+    muster_Outline o = {.rgb = shape->look.rgb,
+                        .flat = outline_is_flat(shape),
+                        .radius_m = disc ? shape->radius_m : 0};
     o.corners_m._buffer = corners_m;
-    if (shape->kind == WORLD_DISC) {
-        outline_disc(&o, pose, shape->radius_m);
-    } else {
-        outline_box(&o, pose, shape->half_x_m, shape->half_y_m);
-    }
+    o.corners_m._length = o.corners_m._maximum = (uint32_t)outline_write(shape, pose, corners_m);
     return o;
 }
 
 static void scene_walls(muster_Scene *scene, const struct world *world)
 {
-    float *corners_m = mu_startup_array(world->shape_count, 2 * BOX_CORNERS * sizeof(float));
+    float *corners_m = mu_startup_array(world->shape_count, OUTLINE_NUMBERS_MAX * sizeof(float));
     scene->walls._buffer = mu_startup_array(world->shape_count, sizeof(muster_Outline));
     scene->walls._length = scene->walls._maximum = (uint32_t)world->shape_count;
     for (size_t i = 0; i < world->shape_count; i++) {
         const struct world_shape *shape = &world->shapes[i];
-        scene->walls._buffer[i] = outline_of(shape, &shape->pose, corners_m + i * 2 * BOX_CORNERS);
+        scene->walls._buffer[i] =
+            outline_of(shape, &shape->pose, corners_m + i * OUTLINE_NUMBERS_MAX);
     }
 }
 
@@ -95,15 +72,18 @@ static void figure_sensors(muster_Figure *figure, const struct world_robot *robo
 static muster_Figure figure_of_robot(const struct world_robot *robot)
 {
     const struct world_pose middle = {robot->origin_x_m, robot->origin_y_m, 0};
+    const struct world_shape box = {.kind = WORLD_BOX,
+                                    .half_x_m = robot->length_m / 2,
+                                    .half_y_m = robot->width_m / 2,
+                                    .look = robot->look};
+    float *corners_m = mu_startup_array(OUTLINE_NUMBERS_MAX, sizeof *corners_m);
     muster_Figure figure = {.name = scene_text(robot->name),
                             .color = scene_text(robot->color),
-                            .shape = {.rgb = robot->look.rgb},
+                            .shape = outline_of(&box, &middle, corners_m),
                             .x_m = robot->pose.x_m,
                             .y_m = robot->pose.y_m,
                             .heading_rad = robot->pose.heading_rad,
                             .controlled = true};
-    figure.shape.corners_m._buffer = mu_startup_array(2 * BOX_CORNERS, sizeof(float));
-    outline_box(&figure.shape, &middle, robot->length_m / 2, robot->width_m / 2);
     figure_sensors(&figure, robot);
     return figure;
 }
@@ -112,7 +92,7 @@ static muster_Figure figure_of_object(const struct world_object *object)
 {
     const struct world_pose middle = {0};
     const struct world_shape *shape = &object->shape;
-    float *corners_m = mu_startup_array(2 * BOX_CORNERS, sizeof *corners_m);
+    float *corners_m = mu_startup_array(OUTLINE_NUMBERS_MAX, sizeof *corners_m);
     char *color = mu_startup_alloc(COLOR_TEXT);
     snprintf(color, COLOR_TEXT, "#%06x", (unsigned)(shape->look.rgb & 0xffffff));
     return (muster_Figure){.name = scene_text(object->name),

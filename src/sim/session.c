@@ -36,7 +36,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     s->engine = engine;
     s->recorder = recorder;
     s->hash = runhash_open();
-    s->step = -1;
+    s->step = s->sent_step = -1;
     s->mail_step = muster_STEP_NOW;
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
@@ -47,7 +47,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
         s->robots[i].name = world->robots[i].name;
         (void)mu_table_put(&s->robot_names, s->robots[i].name, (uint32_t)i);
         s->robots[i].controlled = true;
-        s->robots[i].process = -1;
+        s->robots[i].process = s->robots[i].next_process = -1;
     }
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
@@ -93,7 +93,7 @@ static int32_t process_add(struct session *s, const char *name)
 }
 
 /* Lays the percepts out so that each process's robots stand together. */
-static void samples_lay_out(struct session *s)
+void session_lay_out(struct session *s)
 {
     uint32_t next = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -178,9 +178,28 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
     return true;
 }
 
-static void registration_take(struct session *s, const muster_Registration *r, enum bus_life life)
+/* Where robots may go. */
+static void host_take(struct session *s, const muster_Registration *r, enum bus_life life)
+{
+    int32_t process = process_find(s, r->process);
+    for (uint32_t i = 0; life == BUS_DATA && i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        if (e->kind == muster_KIND_HOST && e->state != muster_STATE_ABSENT) {
+            process = process < 0 ? process_add(s, r->process) : process;
+            if (process >= 0) {
+                s->processes[process].hosts = true;
+            }
+        }
+    }
+    if (life != BUS_DATA && process >= 0) {
+        s->processes[process].hosts = false;
+    }
+}
+
+void session_register(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     bool changed = watcher_take(s, r, life == BUS_DATA && r->watches);
+    host_take(s, r, life);
     if (life == BUS_DATA) {
         for (uint32_t i = 0; i < r->agents._length; i++) {
             changed = entry_take(s, r, i) || changed;
@@ -195,20 +214,37 @@ static void registration_take(struct session *s, const muster_Registration *r, e
     } else {
         changed = process_leave(s, r, life == BUS_LOST) || changed;
     }
-    if (s->step >= 0 && changed) {
-        samples_lay_out(s); /* free running: the others keep their own robots' percepts */
+    if (s->step >= 0 && s->options.free && changed) {
+        session_lay_out(s); /* the others keep their own robots' percepts */
     }
 }
 
-/* While steps run, the roster is fixed: whoever does not answer is found by its silence. */
+/* Nobody comes to a lock step that goes on; who goes is noted, and may have been slow only. */
+static void loss_take(struct session *s, const muster_Registration *r, enum bus_life life)
+{
+    int32_t process = process_find(s, r->process);
+    if (process >= 0 && (life != BUS_DISPOSED || r->part == 0)) {
+        s->processes[process].lost = life != BUS_DATA;
+    }
+}
+
+/* While steps run, the roster is fixed but for those that die and are started again: whoever else
+ * does not answer is found by its silence. */
 static void registrations_take(struct session *s)
 {
     enum bus_life life;
     const muster_Registration *r;
     while ((r = bus_next(&s->registrations, &life))) {
         bool is_broker = life == BUS_DATA && r->is_broker;
-        if (!is_broker && (s->step < 0 || s->options.free)) {
-            registration_take(s, r, life);
+        if (is_broker) {
+            continue;
+        }
+        if (s->step < 0 || s->options.free) {
+            session_register(s, r, life);
+        } else if (s->options.return_ns > 0) {
+            session_return_hear(s, r, life);
+        } else {
+            loss_take(s, r, life == BUS_DATA ? bus_fate(&s->registrations) : life);
         }
     }
 }
@@ -260,32 +296,45 @@ static const char *broker_of(const struct session *s)
     return broker ? broker : "";
 }
 
-/* Who watches belongs to the run, unless it lives with a broker that does not. */
-static bool process_watches(const struct session *s, const struct session_process *p)
+/* Who watches, or takes in robots, belongs to the run, unless it lives with a broker that does not.
+ */
+static bool process_attends(const struct session *s, const struct session_process *p)
 {
     const char *broker = broker_of(s);
-    return p->watches && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+    return (p->watches || p->hosts) && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
 }
 
-/* Those who watch are waited for when they have said so; how many are to come is known to whoever
- * has started them. */
-static void watchers_await(const struct session *s, struct mu_text *missing)
+static void missing_add(struct mu_text *missing, uint32_t count, uint32_t wanted, const char *what)
 {
-    uint32_t count = 0;
+    if (count < wanted) {
+        mu_text_format(missing, "%s%u %s", missing->len ? " " : "", (unsigned)(wanted - count),
+                       what);
+    }
+}
+
+/* They are waited for when they have said so; how many are to come is known to whoever has started
+ * them. */
+static void attendants_await(const struct session *s, struct mu_text *missing)
+{
+    uint32_t watchers = 0, hosts = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        count += process_watches(s, p);
-        if (process_watches(s, p) && !process_is_ready(s, (int32_t)i)) {
+        if (!process_attends(s, p)) {
+            continue;
+        }
+        watchers += p->watches;
+        hosts += p->hosts;
+        if (!process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
         }
     }
-    if (count < s->options.watchers) {
-        mu_text_format(missing, "%s%u resolvers", missing->len ? " " : "",
-                       (unsigned)(s->options.watchers - count));
+    missing_add(missing, watchers, s->options.watchers, "resolvers");
+    if (s->step < 0) { /* afterwards the run goes on without one that has died */
+        missing_add(missing, hosts, s->options.hosts, "hosts");
     }
 }
 
-static bool everybody_is_ready(struct session *s)
+bool session_is_complete(struct session *s)
 {
     const char *broker = broker_of(s);
     struct mu_text missing;
@@ -305,7 +354,7 @@ static bool everybody_is_ready(struct session *s)
                            s->robots[i].name, s->processes[process].broker, broker);
         }
     }
-    watchers_await(s, &missing);
+    attendants_await(s, &missing);
     return missing.len == 0;
 }
 
@@ -372,31 +421,60 @@ bool session_tell(struct session *s, muster_RunState state, bool always)
 mu_result session_tell_roster(struct session *s, bool lockstep)
 {
     static char *names[MU_PROCESSES_MAX];
+    uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        names[i] = s->processes[i].name;
+        const struct session_process *p = &s->processes[i];
+        if (!p->let_go && !p->left_out && !(s->held && p->comes)) {
+            names[count++] = s->processes[i].name;
+        }
     }
     muster_Roster roster = {.simulator = s->name,
                             .broker = (char *)(uintptr_t)broker_of(s), /* nobody writes there */
                             .lockstep = lockstep,
-                            .step = s->step,
-                            .step_ns = s->options.step_ns};
+                            .step = s->step + (s->mail_step >= s->step && s->step > 0),
+                            .step_ns = s->options.step_ns,
+                            .held = s->held};
     roster.processes._buffer = names;
-    roster.processes._length = roster.processes._maximum = s->process_count;
+    roster.processes._length = roster.processes._maximum = count;
     return bus_write(&s->roster, &roster);
+}
+
+static bool process_has_robots(const struct session *s, uint32_t process)
+{
+    bool has = false;
+    for (size_t r = 0; r < s->robot_count; r++) {
+        has = has || s->robots[r].process == (int32_t)process;
+    }
+    return has;
 }
 
 static bool process_is_used(const struct session *s, uint32_t process)
 {
-    bool used = process_watches(s, &s->processes[process]);
-    for (size_t r = 0; r < s->robot_count; r++) {
-        used = used || s->robots[r].process == (int32_t)process;
+    return process_attends(s, &s->processes[process]) || process_has_robots(s, process);
+}
+
+void session_leave_out(struct session *s)
+{
+    bool changed = false;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        bool answers = !p->lost || p->answered >= s->step;
+        if (answers || p->left_out || p->watches || process_has_robots(s, i)) {
+            continue;
+        }
+        mu_log(MU_LOG_WARNING, "left-out", "process=%s step=%lld", p->name, (long long)s->step);
+        p->left_out = changed = true;
+        p->sample_pending = false;
+        s->answers_missing -= s->answers_missing > 0;
     }
-    return used;
+    if (changed && session_tell_roster(s, true) != MU_OK) {
+        s->roster_due = true;
+    }
 }
 
 /* Drops processes that neither control nor watch anything: they came and went before the first
  * step. */
-static void processes_prune(struct session *s)
+void session_prune(struct session *s)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -438,12 +516,12 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
             return MU_TIMEOUT;
         }
         bool was_ready = ready;
-        ready = everybody_is_ready(s);
+        ready = session_is_complete(s);
         (void)session_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
         bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
-    processes_prune(s);
-    samples_lay_out(s);
+    session_prune(s);
+    session_lay_out(s);
     s->step = 0;
     s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
     mu_log(MU_LOG_INFO, "run-begins", "robots=%zu processes=%u lockstep=%d", s->robot_count,
@@ -517,6 +595,7 @@ static void up_take(struct session *s, const muster_Up *up)
     if (s->answers_missing > 0 && up->step == s->step) {
         s->answers_missing--;
     }
+    s->moves = s->moves || (up->trips._length > 0 && !s->options.free);
     for (uint32_t i = 0; i < up->acts._length; i++) {
         act_take(s, &up->acts._buffer[i], process);
     }
@@ -524,14 +603,37 @@ static void up_take(struct session *s, const muster_Up *up)
         struct session_robot *r = robot_find(s, up->acks._buffer[i].box);
         if (r) {
             const muster_Ack *ack = &up->acks._buffer[i];
-            r->mails_received = ack->handed;
+            r->mails_received = r->returned ? ack->number : ack->handed;
             r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
         }
     }
 }
 
+/* The broker has given a robot's name to another process; answers of the one that it has may be on
+ * their way yet. */
+static void trip_take(struct session *s, const muster_Trip *t)
+{
+    struct session_robot *r = robot_find(s, t->agent);
+    if (r && t->word == muster_TRIP_TAKEN && !s->options.free) {
+        r->next_process = process_find(s, t->process);
+    }
+}
+
+void session_change_processes(struct session *s)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *r = &s->robots[i];
+        r->process = r->next_process >= 0 ? r->next_process : r->process;
+        r->next_process = -1;
+    }
+    session_lay_out(s);
+}
+
 static void delivery_take(struct session *s, const muster_Delivery *d)
 {
+    for (uint32_t i = 0; i < d->trips._length; i++) {
+        trip_take(s, &d->trips._buffer[i]);
+    }
     if (d->step == muster_STEP_NOW || d->step <= s->mail_step) {
         return;
     }

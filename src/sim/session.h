@@ -26,11 +26,12 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled;    /* the run waits for its controller; else it is an obstacle */
-    int32_t process;    /* index of the process that controls it; -1: none */
-    uint32_t slot;      /* of its controller in that process */
-    muster_State state; /* of its controller, by its last word */
-    bool drives;        /* of the last answer: a speed was set */
+    bool controlled;      /* the run waits for its controller; else it is an obstacle */
+    int32_t process;      /* index of the process that controls it; -1: none */
+    int32_t next_process; /* from the next step on; -1: the same */
+    uint32_t slot;        /* of its controller in that process */
+    muster_State state;   /* of its controller, by its last word */
+    bool drives;          /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
@@ -39,6 +40,7 @@ struct session_robot {
     uint32_t quiet_steps;  /* since a speed was set */
     unsigned char digest[RUNHASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
+    bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
     struct engine_percept percept;
 };
 
@@ -47,6 +49,12 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool watches;     /* it sees all bodies, and has none */
+    bool hosts;       /* it takes in robots: it belongs to the run, whether it has any or not */
+    bool left_out;    /* nobody waits for it */
+    bool lost;        /* it is dead, or was stopped, in the middle of a lock step */
+    bool followed;    /* another one wants to take its place, */
+    bool let_go;      /* which it may: this one has no part in the run any more */
+    bool comes;       /* instead of one that died; it has no step yet */
     bool ready;       /* it has matched all that it needs */
     bool heard;       /* a sample of it has come */
     bool greeted;     /* a Sense with nothing in it has gone to it */
@@ -79,8 +87,11 @@ struct session_options {
     bool free;            /* no lock step */
     const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
     bool waits_for_go;    /* the first step waits for a RunCommand, */
-    uint32_t watchers;    /* and for so many processes that watch */
+    uint32_t watchers;    /* and for so many processes that watch, */
+    uint32_t hosts;       /* and for so many that take in robots */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
+    uint64_t return_ns;   /* wall time that a lock step waits for one that died to be started again;
+                             0: that is a fault at once */
 };
 
 struct session {
@@ -110,6 +121,8 @@ struct session {
      */
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
+    int64_t sent_step;       /* the last step that went out */
+    bool held;               /* the lock step waits for a process that is being started again */
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */
     struct script *script;   /* those that wait for later, and events */
@@ -119,6 +132,8 @@ struct session {
     bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
+    bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
+    bool roster_due; /* the network has refused it */
     struct session_listener listener;
     muster_Scene *scene;
     struct view *view;
@@ -156,7 +171,7 @@ MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomi
  */
 MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came);
 
-/* session_steps.c shares with session.c: */
+/* session_steps.c and session_return.c share with session.c: */
 
 /** Takes what has come on every topic. */
 void session_take(struct session *s);
@@ -192,6 +207,50 @@ void session_orders_apply(struct session *s);
 
 /** Tells the broker which processes make the lock step, or that there is none any more. */
 MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
+
+/** Takes who controls or watches what, and who has gone. */
+void session_register(struct session *s, const muster_Registration *r, enum bus_life life);
+
+/** Greets the processes that have come.  @return whether everybody is there; waits_for says who is
+ * not */
+bool session_is_complete(struct session *s);
+
+/** Drops the processes that neither control nor watch anything. */
+void session_prune(struct session *s);
+
+/** Lays the percepts out so that each process's robots stand together. */
+void session_lay_out(struct session *s);
+
+/** Puts the samples of a step together. */
+void session_fill_senses(struct session *s, bool last);
+
+/** Writes a process's sample.  @return false: the network is busy, and it is tried again */
+bool session_write_sense(struct session_process *p);
+
+/* session_return.c: */
+
+/** While steps of a lock step run: notes who dies and, while it is held, who comes. */
+void session_return_hear(struct session *s, const muster_Registration *r, enum bus_life life);
+
+/** @return how long a step may wait for whoever is silent, by the wall */
+uint64_t session_return_patience_ns(const struct session *s);
+
+/** @return whether this step waits for a process that has died and was started again */
+bool session_return_due(const struct session *s);
+
+/**
+ * Holds the lock step until all that died are there again, and gives them this step.
+ *
+ * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for says who; MU_DONE:
+ *         the run was ended
+ */
+MU_MUST_USE mu_result session_return_await(struct session *s,
+                                           const volatile sig_atomic_t *signal_came);
+/** Between two steps: those who have moved are with their new processes. */
+void session_change_processes(struct session *s);
+
+/** Goes on without those who are gone, have no robot and have not answered. */
+void session_leave_out(struct session *s);
 
 /** Fills in what a controller is sent of a body.  The lists stay the engine's. */
 void session_percept_fill(muster_Percept *to, const struct engine_percept *from);

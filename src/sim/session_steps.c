@@ -15,6 +15,9 @@ static const int64_t RETRY_NS = 1000000;
  * longer, has let go of its robot. */
 static const uint64_t DEADMAN_NS = 300000000;
 
+/* Who is gone by the network's word, and has no robot, is waited for so long: it may be slow. */
+static const uint64_t LOSS_NS = 1000000000;
+
 /* No step is due later than in thirty years, however slow the pace is. */
 static const double PACE_MAX_NS = 1e18;
 
@@ -104,13 +107,13 @@ static void bodies_fill(struct session *s)
     }
 }
 
-static bool sense_write(struct session_process *p)
+bool session_write_sense(struct session_process *p)
 {
     p->sample_pending = bus_write(&p->sense, &p->sample) != MU_OK;
     return !p->sample_pending;
 }
 
-static void senses_send(struct session *s, bool last)
+void session_fill_senses(struct session *s, bool last)
 {
     uint32_t next = 0;
     bodies_fill(s);
@@ -125,9 +128,21 @@ static void senses_send(struct session *s, bool last)
         p->sample.step = s->step;
         p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
         p->sample.last = last;
-        (void)sense_write(p);
     }
-    s->answers_missing = s->process_count;
+}
+
+static void senses_send(struct session *s, bool last)
+{
+    session_fill_senses(s, last);
+    s->answers_missing = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        struct session_process *p = &s->processes[i];
+        if (!p->left_out) {
+            (void)session_write_sense(p);
+            s->answers_missing++;
+        }
+    }
+    s->sent_step = s->step;
 }
 
 /* @return whether every process has its step */
@@ -136,9 +151,12 @@ static bool senses_retry(struct session *s)
     bool all = true;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        all = (!p->sample_pending || sense_write(p)) && all;
+        all = (!p->sample_pending || session_write_sense(p)) && all;
     }
-    return all;
+    if (s->roster_due) {
+        s->roster_due = session_tell_roster(s, true) != MU_OK;
+    }
+    return all && !s->roster_due;
 }
 
 /* --- one step --------------------------------------------------------------------------------- */
@@ -235,7 +253,8 @@ static mu_result silence_report(struct session *s)
     struct mu_text who;
     mu_text_init(&who, s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
-                   (unsigned long long)(s->options.silence_ns / 1000000000u), (long long)s->step);
+                   (unsigned long long)(session_return_patience_ns(s) / 1000000000u),
+                   (long long)s->step);
     /* Without the mail of the last step no robot can answer. */
     bool broker_is_late = s->mail_step < s->step - 1;
     if (broker_is_late) {
@@ -248,7 +267,8 @@ static mu_result silence_report(struct session *s)
         }
     }
     for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
-        if (s->processes[i].watches && s->processes[i].answered < s->step) {
+        bool attends = s->processes[i].watches || s->processes[i].hosts;
+        if (attends && !s->processes[i].left_out && s->processes[i].answered < s->step) {
             mu_text_format(&who, " %s", s->processes[i].name);
         }
     }
@@ -274,8 +294,20 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         if (s->end || *signal_came) {
             return MU_DONE;
         }
-        if (mu_clock_ns() - began_ns > s->options.silence_ns) {
+        if (session_return_due(s)) {
+            mu_result back = session_return_await(s, signal_came);
+            if (back != MU_OK) {
+                return back;
+            }
+            began_ns = s->last_step_wall_ns;
+            continue;
+        }
+        uint64_t waited_ns = mu_clock_ns() - began_ns;
+        if (waited_ns > session_return_patience_ns(s)) {
             return silence_report(s);
+        }
+        if (waited_ns > LOSS_NS && s->answers_missing > 0) {
+            session_leave_out(s);
         }
         bus_wait(&s->bus, samples_missing(s), senses_retry(s) ? WAIT_NS : RETRY_NS);
         (void)session_tell(s, muster_RUN_RUNNING, false);
@@ -316,6 +348,20 @@ static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
+/* A robot has set out: the next step begins when the broker has said where it is. */
+static mu_result moves_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    if (!s->moves) {
+        return MU_OK;
+    }
+    s->answers_missing = 0;
+    mu_result waited = answers_wait(s, signal_came);
+    s->moves = false;
+    session_change_processes(s);
+    s->last_step_wall_ns = mu_clock_ns();
+    return waited;
+}
+
 static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     mu_result waited = MU_OK;
@@ -337,6 +383,7 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
         waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
         if (waited == MU_OK) {
             step_finish(s);
+            waited = moves_wait(s, signal_came);
             (void)session_tell(s, muster_RUN_RUNNING, false);
         }
     }

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/tally.h"
 
-#include "sim/recorder.h"
+#include "core/rounded.h"
 
 #include <math.h>
 
 void tally_take(struct tally *t, uint64_t time_ns, uint64_t step_ns,
                 const struct engine_percept *percept)
 {
-    double time_s = recorder_rounded((double)time_ns * 1e-9);
-    double x_m = recorder_rounded(percept->pose.x_m);
-    double y_m = recorder_rounded(percept->pose.y_m);
+    double time_s = mu_rounded((double)time_ns * 1e-9);
+    double x_m = mu_rounded(percept->pose.x_m);
+    double y_m = mu_rounded(percept->pose.y_m);
     double spent_s = (double)step_ns * 1e-9;
     if (t->seen) {
         spent_s = time_s - t->time_s;

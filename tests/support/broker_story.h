@@ -14,6 +14,7 @@
  *     NAME: REASON                 a refused one
  *     outside SRC/SEQ              to the simulator
  *     roll call
+ *     PROCESS: NAME WORD EPOCH [REASON] [TEXT]   to a process, of an agent on its way
  */
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
@@ -202,6 +203,13 @@ static inline void story_note(const muster_Delivery *d)
     if (d->roll_call) {
         story_line("roll call");
     }
+    for (uint32_t i = 0; i < d->trips._length; i++) {
+        const muster_Trip *t = &d->trips._buffer[i];
+        snprintf(line, sizeof line, "%s: %s %s %llu%s%s%s%s", d->process, t->agent,
+                 trip_word(t->word), (unsigned long long)t->epoch, t->reason[0] ? " " : "",
+                 t->reason, t->text[0] ? " " : "", t->text);
+        story_line(line);
+    }
     CU_ASSERT_STRING_EQUAL(d->broker, "alpha");
     story.members += d->members._length;
 }
@@ -261,6 +269,16 @@ static inline const char *story_member(const char *name)
 /* --- what agents say -------------------------------------------------------------------------- */
 
 /* The Up of a process with one agent in it. */
+/* An agent with nothing to say answers a step. */
+static inline void story_up_from(const char *process, const char *name, int64_t step)
+{
+    struct one_up u;
+    one_up(&u, name, process, NULL, 0, 0);
+    u.act.state = muster_STATE_RUNNING;
+    u.up.step = step;
+    broker_up(story.b, &u.up, story.now_ns);
+}
+
 static inline void story_up(const char *name, int64_t step, muster_State state, muster_Mail *mails,
                             uint32_t count, uint64_t ack)
 {

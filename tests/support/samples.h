@@ -74,4 +74,11 @@ static inline const char *state_word(muster_State s)
     return all[s];
 }
 
+static inline const char *trip_word(muster_TripWord w)
+{
+    static const char *const all[] = {"deposit", "arrive", "ready", "refused",
+                                      "taken",   "stored", "wanted"};
+    return all[w];
+}
+
 #endif

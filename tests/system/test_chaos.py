@@ -2,7 +2,7 @@
 """What goes wrong on purpose, and what is expected of a run in spite of it."""
 import re
 
-from support import ROOT, check, check_equal, experiment_run, folder
+from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 TEAM = f"""
 name: chaos
@@ -47,6 +47,8 @@ chaos:
         check("push red with 0, 80 N for 0.5 s" in page, "the report tells of it")
         final = {r["name"]: r["final"] for r in first["robots"]}
         check(final["blue"]["y_m"] > 0, f"blue was put elsewhere: {final}")
+        done = muster("verify", out / "a/run.mcap")
+        check_equal(done.returncode, 0, f"the recording, done again: {done.stdout} {done.stderr}")
 
 
 def test_lost_and_late_packets_change_nothing():
@@ -104,6 +106,20 @@ expect:
         check((out / "a/broker.db").exists(), "its store")
 
 
+def test_a_killed_robot_comes_back_in_free_running():
+    with folder() as out:
+        done, summary = run(out, "a", """  - {at: 6, do: blue, line: "(wander)"}
+free: true
+chaos:
+  - {at: 2, kill: blue, for: 1}
+expect:
+  - {sequence: ["time > 6", "blue told mate-pos"]}
+  - {statistic: blue.distance_m, at_least: 1.2}
+""")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal([c["done"] for c in summary["chaos"]], [True], "it was killed")
+
+
 def test_expectations_on_statistics_and_events():
     with folder() as out:
         done, summary = run(out, "a", """
@@ -137,7 +153,7 @@ def test_wrong_chaos_is_refused_with_its_place():
         for text, expected in (
                 ("chaos:\n  - {at: 1, push: rad, force: [1, 1]}\n", r"\.yaml:12:5: no robot or thing 'rad'"),
                 ("chaos:\n  - {when: red likes blue, kill: red}\n", r"\.yaml:12:12: expected near"),
-                ("expect:\n  - {never: red near puck 1}\n", r"no robot or thing 'puck'"),
+                ("expect:\n  - {never: red near puck 1}\n", r"\.yaml:12:13: no robot or thing 'puck'"),
                 ("expect:\n  - {statistic: red.speed, at_least: 1}\n",
                  r"\.yaml:12:17: no statistic 'red.speed'")):
             done, _ = run(out, "wrong", text)

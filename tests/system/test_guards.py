@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that would end or hold up their robot, on the real programs."""
 import pathlib
+import re
+import subprocess
 
 from support import (MUSTER, ROOT, Processes, alive, broker_start, check, check_equal, folder,
                      members, muster, new_domain, wait_for)
@@ -116,6 +118,26 @@ def test_what_cannot_be_undone_ends_the_rules_and_not_the_process():
         check(alive(arena.red.pid), "the process lives")
 
 
+def test_a_broken_mind_is_made_anew():
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--mend", "2", "--checkpoint", "0.2", "--folder", out)
+        saved = out / "red.capsule"
+        arena.do("(bind ?*big* 17)")
+        wait_for(lambda: 'y"big" one i17' in saved.read_text(), 10, "a checkpoint")
+        check("the rules are gone" in arena.do("(assert (m 1) (m 2))", 8), "2^28 matches")
+        arena.says("mind-mended name=red of=checkpoint time=1")
+        check("17" in arena.do("?*big*"), "a global is lost")
+        check("(event on-arrive)" in arena.do("(facts)"), "its rules do not hear of it")
+        wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
+    with folder() as out, Processes() as processes:
+        arena = Arena(processes, out, "--mend", "1")
+        arena.do("(assert (m 1) (m 2))", 8)
+        arena.says("mind-mended name=red of=rules time=1")
+        wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
+        arena.do("(assert (m 1) (m 2))", 8)
+        wait_for(lambda: arena.line().get("reason") == "its rules are gone: memory", 10, "the end of it")
+
+
 def test_a_file_with_a_deep_expression_is_refused_with_its_line():
     with folder() as out:
         deep = out / "deep.clp"
@@ -125,3 +147,32 @@ def test_a_file_with_a_deep_expression_is_refused_with_its_line():
         check_equal(done.returncode, 3, done.stderr)
         check("deep.clp:2" in done.stderr and "nested" in done.stderr, done.stderr)
         check(pathlib.Path(deep).exists(), "the file")
+
+
+SLOW = """
+(defglobal ?*text* = "0123456789abcdef")
+(deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))) TRUE)
+(defrule slow ?f <- (work ?n) => (retract ?f) (loop-for-count ?n (str-length (str-cat ?*text* "x"))))
+"""
+
+
+def test_who_is_busy_says_since_when():
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        (out / "red.clp").write_text(SLOW)
+        broker_start(processes, domain)
+        processes.start(MUSTER, "robot", "red", "--rules", out / "red.clp", "--domain", domain)
+        wait_for(lambda: "red" in members(domain), 10, "red")
+        muster("do", "red", "(grow)", "--domain", domain)
+        console = processes.start(MUSTER, "console", "red", "--wait", 20, "-c",
+                                  "(loop-for-count 20000 (str-length (str-cat ?*text* x)))", "--domain", domain,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        busy = wait_for(lambda: members(domain)["red"].get("reason"), 10, "a word in the white pages")
+        check(re.fullmatch(r"busy since \d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", busy), busy)
+        check(busy in muster("lookup", "red", "--domain", domain).stdout, "lookup")
+        asked = muster("do", "red", "(+ 1 1)", "--wait", 0.2, "--domain", domain)
+        check_equal(asked.returncode, 124, asked.stderr)
+        check(f"red is {busy}" in asked.stderr, asked.stderr)
+        check_equal(members(domain)["red"]["state"], "standby", "its state meanwhile")
+        check(f"[red is {busy}]" in console.communicate(timeout=60)[0], "the console says nothing")
+        wait_for(lambda: "reason" not in members(domain)["red"], 30, "that it is not busy any more")

@@ -66,7 +66,8 @@ def team(**kwargs):
 
 def test_a_robot_moves_with_all_that_it_knows():
     with team() as t:
-        robot = t.robot_start("red")
+        robot = t.robot_start("red", '(extends "follower.clp")'
+                                     "(defrule come (event on-arrive) (never) =>)")
         t.done("start", "red")
         t.done("do", "red", "(wander)")
         t.done("do", "red", "(bind ?*mate* green)")
@@ -151,7 +152,7 @@ def test_launch():
         path = t.out / "big.clp"
         path.write_text('(extends "follower.clp")\n' + "".join(
             f"(defrule r{i} (never {i} \u00e4) => (printout t \"{'x' * 100}\" crlf))\n"
-            for i in range(400)) + '(deffacts f (launched well))\n')
+            for i in range(400)) + '(deffacts f (launched well)) (defglobal ?*place* = 0)\n')
         for name in ("red", "blue"):
             check_equal(t.done("launch", name, "north", "--rules", path, "--quiet"),
                         f"north: {name} at north\n", "the answer")
@@ -160,6 +161,19 @@ def test_launch():
         again = t.muster("launch", "red", "south", "--rules", path)
         check_equal((again.returncode, "name-taken" in again.stdout + again.stderr), (8, True),
                     f"a second red: {again.stdout} {again.stderr}")
+        t.done("launch", "green", "north", "--rules", path, "--global", "mate=red", "--global",
+               'place="a b"', "--group", "scouts", "--group", "all_green", "--quiet")
+        check_equal(t.ask("green", "?*mate*"), "red", "a global")
+        check_equal(t.ask("green", "?*place*"), '"a b"', "a text")
+        for group in ("scouts", "all_green"):
+            wait_for(lambda g=group: "green" in t.muster("group", "members", g).stdout.split(), 5,
+                     f"green in {group}")
+        t.done("dispose", "green")
+        for words, why in ((("--global", "nothing=1"), "no such global"),
+                           (("--global", "mate"), "NAME=VALUE"), (("--group", "a b"), "a group")):
+            wrong = t.muster("launch", "pink", "south", "--rules", path, *words)
+            check(wrong.returncode in (2, 8) and why in wrong.stdout + wrong.stderr,
+                  f"{words}: {wrong.stdout} {wrong.stderr}")
         path.write_text("(defrule broken (a) => (nonsense))")
         wrong = t.muster("launch", "green", "south", "--rules", path)
         check(wrong.returncode == 8 and "nonsense" in wrong.stdout + wrong.stderr,
@@ -216,19 +230,114 @@ def test_a_host_refuses():
         check_equal(done.returncode, 6, f"who may not direct red: {done.stderr}")
 
 
-def test_nobody_moves_in_lock_step():
-    """It is refused with a word, from the command line and to rules, and the run goes on."""
+def test_moves_in_lock_step():
+    """By rules and from the command line; the clock waits, and no step is lost."""
     with team(bodies=()) as t:
-        t.robot_start("red", "(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))")
+        t.robot_start("red", STEPS + """
+(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))""")
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--rate", "2", "--duration", "8", "--domain", t.domain)
+                                "--hosts", "2", "--rate", "4", "--duration", "8", "--domain", t.domain)
         t.done("start", "red")
-        refused = "(event refused moveTo north lock-step)"
-        wait_for(lambda: refused in t.ask("red", "(facts)"), 15, "the refusal to the rules")
-        done = t.muster("move", "red", "north")
-        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "the answer")
-        check_equal(t.place_of("red"), "elsewhere", "where it is")
+        wait_for(lambda: t.place_of("red") == "north", 15, "red at north")
+        check_equal(t.done("move", "red", "south"), "red at south\n", "the answer")
+        check_equal(t.place_of("red"), "south", "its platform")
+        check_equal(members(t.domain)["red"]["state"], "running", "its state")
+        done = t.muster("clone", "red", "rosa", "north")
+        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "a clone")
+        check_equal(steps_missed(t, "red"), "0", "steps that its rules have not had")
         check_equal(sim.wait(20), 0, "the run")
+
+
+FOLLOWERS = """name: %s
+world: {root}/worlds/arena.world
+duration: 15
+hosts: [north, south]
+robots:
+  - {{name: red, host: north, rules: {root}/rules/follower.clp, globals: {{mate: blue}}}}
+  - {{name: blue, rules: {root}/rules/follower.clp}}
+  - {{name: green, rules: {root}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red, line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+  - {{at: 0, do: green, line: "(follow blue)"}}
+  - {{at: 9, do: red, line: "(follow green)"}}
+""".format(root=ROOT)
+
+
+def test_no_hash_tells_who_lives_where():
+    """Two robots move, one from a host and one from a process of its own, twice in the same step."""
+    with folder() as out:
+        hashes = {}
+        for name, moves in (("still", ""), ("moves", """
+  - {at: 3.1, do: red, move: south}
+  - {at: 5, do: [red, blue], move: north}
+  - {at: 8.9, do: [green, blue], move: south}
+  - {at: 12, do: blue, move: north}
+""")):
+            file = out / f"{name}.yaml"
+            file.write_text(FOLLOWERS % name + moves)
+            done, summary = experiment_run(out / name, "--domain", new_domain(), file=file)
+            check_equal((done.returncode, done.stderr), (0, ""), f"the run {name}")
+            hashes[name] = summary["hash"]
+            check_equal(summary["mail"]["duplicated"] + summary["mail"]["lost"], 0, "lost or twice")
+        check_equal(hashes["moves"], hashes["still"], "the hash")
+
+
+STEPS = """
+(defglobal ?*steps* = 0 ?*first* = -1)
+(defrule count (position ?t $?) => (bind ?*steps* (+ ?*steps* 1))
+  (if (< ?*first* 0) then (bind ?*first* ?t)))
+"""
+
+
+def steps_missed(t, name):
+    return t.ask(name, "(- (integer (+ 1.5 (* 10 (- (now) ?*first*)))) ?*steps*)")
+
+
+def test_the_target_dies_in_lock_step():
+    """The clock waits for it, and the source goes on in the next step; then the other host dies, with
+    the robot that came to it gone on, and the run ends well all the same."""
+    with team(bodies=()) as t:
+        t.robot_start("red", STEPS)
+        sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
+                                "--hosts", "2", "--rate", "4", "--duration", "12", "--domain", t.domain)
+        t.done("start", "red")
+        wait_for(lambda: int(t.ask("red", "?*steps*")) > 3, 15, "a run")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        time.sleep(0.5)
+        t.hosts["north"].kill()
+        out, err = move.communicate(timeout=20)
+        check_equal((move.returncode, "host-" in err), (8, True), f"{out} {err}")
+        check_equal(t.place_of("red"), "elsewhere", "where it stays")
+        check_equal(steps_missed(t, "red"), "0", "steps that were lost")
+        t.done("move", "red", "south")
+        check_equal(t.place_of("red"), "south", "its platform")
+        check_equal(steps_missed(t, "red"), "0", "steps that were lost")
+        check_equal(sim.wait(20), 0, "the run")
+
+
+def test_who_lost_both_comes_back_from_the_broker():
+    """Source and target die in the middle; a host that restores is handed the capsule."""
+    with team(bodies=()) as t:
+        robot = t.robot_start("red", '(defglobal ?*n* = 0)(deffacts f (kept "a b"))')
+        t.ask("red", "(bind ?*n* 17)")
+        t.hosts["north"].send_signal(signal.SIGSTOP)
+        move = t.begin("move", "red", "north")
+        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        time.sleep(0.3)
+        robot.kill()
+        t.hosts["north"].kill()
+        move.kill()
+        wait_for(lambda: members(t.domain)["red"]["state"] == "absent", 10, "the end of red")
+        t.done("send", "red", "waits", "--quiet", "--wait", 0)
+        t.hosts["east"] = t.host_start("east", "--restore")
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check_equal(t.ask("red", "?*n*"), "17", "a global")
+        facts = t.ask("red", "(facts)")
+        check('(kept "a b")' in facts, "a fact")
+        wait_for(lambda: "(message waits)" in t.ask("red", "(facts)"), 5, "mail that it was sent")
+        check_equal(living(t, "red"), "east", "where it lives")
 
 
 def test_a_run_goes_on_without_who_is_disposed_of():
@@ -365,6 +474,24 @@ def settled(t, may_return):
     while seen == "absent" and time.monotonic() < until:
         seen = still() or "absent"
         time.sleep(0.1)
+
+
+# --- several brokers ----------------------------------------------------------------------------
+
+
+def test_a_robot_moves_to_a_host_at_another_broker():
+    """And back; mail that others send it at either broker waits for it, and comes once."""
+    with team(bodies=()) as t:
+        t.processes.start(MUSTER, "broker", "other", "--domain", t.domain)
+        t.hosts["far"] = t.host_start("far", "--broker", "other")
+        t.robot_start("red", '(defglobal ?*n* = 0)(deffacts f (kept "a b"))')
+        t.ask("red", "(bind ?*n* 17)")
+        for host in ("far", "north", "far"):
+            check_equal(t.done("move", "red", host), f"red at {host}\n", "the answer")
+            check_equal(living(t, "red"), host, "where it lives")
+            check_equal(t.ask("red", "?*n*"), "17", "a global")
+            t.done("send", "red", f"at {host}", "--quiet", "--wait", 0)
+            wait_for(lambda h=host: f"(message at {h})" in t.ask("red", "(facts)"), 10, "mail")
 
 
 # --- checkpoints --------------------------------------------------------------------------------

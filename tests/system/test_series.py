@@ -18,7 +18,8 @@ def descendants(pid):
 
 def test_a_series_leaves_whole_reports_and_a_table():
     with folder() as out:
-        done = muster("run", FOLLOW, "--seeds", "3,1..2", "--duration", "15", "--out", out)
+        done = muster("run", FOLLOW, "--seeds", "3,1..2", "--duration", "15", "--record", "none",
+                      "--out", out)
         check_equal(done.returncode, 0, f"the series: {done.stdout} {done.stderr}")
         hashes = set()
         for seed in (1, 2, 3):
@@ -26,6 +27,7 @@ def test_a_series_leaves_whole_reports_and_a_table():
             summary = json.loads((report / "summary.json").read_text())
             check_equal(summary["seed"], seed, "the seed of a report")
             check((report / "report.html").exists() and (report / "run.csv").exists(), report)
+            check(not (report / "run.mcap").exists(), "an option goes to every run")
             hashes.add(summary["hash"])
         check_equal(len(hashes), 3, "different runs")
         _, alone = experiment_run(out / "alone", "--seed", "2", "--duration", "15")

@@ -9,8 +9,8 @@ import subprocess
 import time
 
 from browser import Browser
-from support import (FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder,
-                     members, new_domain, program, wait_for)
+from support import (FOLLOW, MUSTER, Processes, broker_start, check, check_equal, experiment_run,
+                     folder, members, new_domain, program, wait_for)
 
 SCRIPT = "<img src=x onerror=alert()>"
 
@@ -301,6 +301,19 @@ def try_viewer(page):
         return viewer
     viewer.close()
     return None
+
+
+def test_the_broker_goes_and_comes_back():
+    with page_open() as (page, processes, domain):
+        viewer = Viewer(page)
+        check_equal(viewer.until("run", lambda run: True)["broker"], "", "before")
+        for _ in range(2):
+            broker = broker_start(processes, domain)
+            viewer.until("run", lambda run: run["broker"] == "main")
+            broker.kill()
+            broker.wait()
+            viewer.until("run", lambda run: run["broker"] == "")
+        viewer.close()
 
 
 # --- consoles ------------------------------------------------------------------------------------

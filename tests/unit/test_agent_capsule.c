@@ -323,6 +323,52 @@ static void test_mail_and_events_come_along(void)
     CU_ASSERT(same_capsules());
 }
 
+/* The same line, and the same answer, from both. */
+static void same_answer(const char *line)
+{
+    char first[16384];
+    (void)mu_text_copy(first, sizeof first, say(&stays, line));
+    READS(say(&goes, line), first);
+}
+
+static void test_breakpoints_and_watches_come_along(void)
+{
+    static const char rules[] = "(deftemplate point (slot x)) (defrule one (a ?) (or (b) (c)) =>)"
+                                "(defrule two (a ?) =>) (defrule three (b) =>)";
+    soul_begin(&stays, "blue", "rules");
+    soul_load(&stays, rules);
+    (void)say(&stays, "(set-break one)");
+    (void)say(&stays, "(set-break two)");
+    (void)say(&stays, "(watch facts)");
+    (void)say(&stays, "(unwatch facts point)");
+    (void)say(&stays, "(watch rules)");
+    (void)say(&stays, "(watch globals)");
+    (void)say(&stays, "(assert (a 1) (b))");
+    struct mind_act act;
+    mind_fire(stays.mind, &act);
+    CU_ASSERT_EQUAL(act.end, MIND_BREAK);
+    move_as("blue");
+    CU_ASSERT(same_capsules());
+    same_answer("(show-breaks)");
+    CU_ASSERT_PTR_NOT_NULL(strstr(say(&goes, "(show-breaks)"), "one"));
+    for (struct soul *soul = &stays; soul; soul = soul == &stays ? &goes : NULL) {
+        const char *facts = say(soul, "(list-watch-items facts)");
+        CU_ASSERT_PTR_NOT_NULL(strstr(facts, "point = off"));
+        CU_ASSERT_PTR_NOT_NULL(strstr(facts, "a = on"));
+    }
+    same_answer("(list-watch-items rules)");
+    same_answer("(list-watch-items globals)");
+    CU_ASSERT_PTR_NOT_NULL(strstr(say(&goes, "(list-watch-items rules)"), "rules = on"));
+    mind_go_on(stays.mind);
+    mind_go_on(goes.mind);
+    for (uint64_t n = 1; n < 6; n++) {
+        step(&stays, n, UINT32_MAX);
+        step(&goes, n, UINT32_MAX);
+    }
+    READS(goes.log.at, stays.log.at);
+    CU_ASSERT(same_capsules());
+}
+
 static void test_a_clone_has_its_own_name(void)
 {
     soul_begin(&stays, "blue", NULL);
@@ -394,7 +440,7 @@ static void test_what_is_not_whole(void)
         CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
         capsule_bytes[at] = was;
     }
-    memcpy(capsule_bytes, "muster-capsule 2", 16);
+    memcpy(capsule_bytes, "muster-capsule 3", 16);
     CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
 }
 
@@ -406,7 +452,7 @@ static void seal(char *bytes, size_t len)
         sum = (sum ^ (unsigned char)bytes[i]) * 1099511628211ull;
     }
     char head[97];
-    int used = snprintf(head, sizeof head, "muster-capsule 1 %zu %016llx", len - 96,
+    int used = snprintf(head, sizeof head, "muster-capsule 2 %zu %016llx", len - 96,
                         (unsigned long long)sum);
     memset(bytes, ' ', 95);
     memcpy(bytes, head, (size_t)used);
@@ -468,6 +514,7 @@ int main(void)
         {"what has fired does not fire again", test_after_every_firing},
         {"values to the last bit", test_values_to_the_last_bit},
         {"mail and events come along", test_mail_and_events_come_along},
+        {"breakpoints and watches come along", test_breakpoints_and_watches_come_along},
         {"a clone has its own name", test_a_clone_has_its_own_name},
         {"what cannot be written down", test_what_cannot_be_written_down},
         {"a capsule that is too large", test_too_large},

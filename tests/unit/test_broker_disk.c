@@ -105,6 +105,79 @@ static void test_everything_of_a_mail_comes_back(void)
     disk_close(disk);
 }
 
+/* A process hands in an agent, which it has said to be on its way. */
+static void capsule_deposit(const char *name, uint64_t epoch, const char *text)
+{
+    char process[MU_PROCESS_MAX + 1];
+    struct one_up u;
+    muster_Trip t = {.word = muster_TRIP_DEPOSIT,
+                     .agent = words(name),
+                     .epoch = epoch,
+                     .host = words("north"),
+                     .process = words(""),
+                     .reason = words(""),
+                     .text = words(text)};
+    snprintf(process, sizeof process, "p-%s", name);
+    one_up(&u, name, process, NULL, 0, 0);
+    u.up.trips = (dds_sequence_muster_Trip){._length = 1, ._buffer = &t};
+    broker_up(story.b, &u.up, story.now_ns);
+}
+
+static void epoch_say(const char *name, uint64_t epoch)
+{
+    char process[MU_PROCESS_MAX + 1];
+    snprintf(process, sizeof process, "p-%s", name);
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->epoch = epoch;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+static const struct depot_capsule *capsule_kept(const char *name)
+{
+    uint32_t agent = registry_find(&story.b->registry, name);
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        const struct depot_capsule *c = &story.b->depot.capsules[i];
+        if (c->phase != DEPOT_FREE && c->agent == agent) {
+            return c;
+        }
+    }
+    return NULL;
+}
+
+static void test_capsules_come_back(void)
+{
+    CU_ASSERT_EQUAL(life_begin("capsules.db", WALL), 0);
+    story_join("red");
+    story_join("blue");
+    muster_Registration r = registration("north", "p-north");
+    entry_of(&r)->kind = muster_KIND_HOST;
+    broker_registration(story.b, &r, story.now_ns);
+    capsule_deposit("red", 3, "it's \"red\" \xc3\xa4\n");
+    capsule_deposit("blue", 1, "blue");
+    CU_ASSERT_TRUE(commit());
+    capsule_deposit("red", 4, "it's \"red\" \xc3\xa4\nonce more");
+    epoch_say("blue", 2); /* it has stayed */
+    CU_ASSERT_TRUE(commit());
+    CU_ASSERT_FALSE(commit());
+    disk_close(disk);
+
+    CU_ASSERT_EQUAL(life_begin("capsules.db", WALL + 1), 0);
+    const struct depot_capsule *c = capsule_kept("red");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(c);
+    CU_ASSERT_EQUAL(c->epoch, 4);
+    CU_ASSERT_STRING_EQUAL(c->text, "it's \"red\" \xc3\xa4\nonce more");
+    CU_ASSERT_PTR_NULL(capsule_kept("blue"));
+    story_join("red");
+    epoch_say("red", 5);
+    CU_ASSERT_PTR_NULL(capsule_kept("red"));
+    CU_ASSERT_TRUE(commit());
+    disk_close(disk);
+
+    CU_ASSERT_EQUAL(life_begin("capsules.db", WALL + 2), 0);
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    disk_close(disk);
+}
+
 static void test_what_is_settled_stays_away(void)
 {
     CU_ASSERT_EQUAL(life_begin("settled.db", WALL), 0);
@@ -302,6 +375,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"everything of a mail comes back", test_everything_of_a_mail_comes_back},
+        {"capsules come back", test_capsules_come_back},
         {"what is settled stays away", test_what_is_settled_stays_away},
         {"a commit that fails leaves nothing", test_a_commit_that_fails_leaves_nothing},
         {"a mail that is never due comes back", test_a_mail_that_is_never_due_comes_back},

@@ -4,12 +4,17 @@
 #include "core/hash.h"
 #include "core/random.h"
 
+static bool is_held; /* what the next rosters say */
+
 static void roster_say(bool lockstep, int64_t step, const char *names)
 {
     static char text[256];
     char *processes[8], *save = NULL;
-    muster_Roster roster = {
-        .simulator = words("sim"), .lockstep = lockstep, .step = step, .step_ns = 100 * MS};
+    muster_Roster roster = {.simulator = words("sim"),
+                            .lockstep = lockstep,
+                            .step = step,
+                            .step_ns = 100 * MS,
+                            .held = is_held};
     snprintf(text, sizeof text, "%s", names);
     for (char *word = strtok_r(text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
         processes[roster.processes._length++] = word;
@@ -226,6 +231,86 @@ static void test_the_missing_one_is_dropped(void)
     EXPECT("operator #1 green/1 where is red; p-green@0; green 1-1 stored; sim@0");
     answer("green", 1);
     EXPECT("p-green@1; sim@1");
+}
+
+/* red's process dies, and p-red2 is started in its place. */
+static void red_dies(int64_t step)
+{
+    story_gone("p-red");
+    is_held = true;
+    roster_say(true, step, "p-green");
+    is_held = false;
+}
+
+static void red_returns(int64_t step)
+{
+    story_register("red", "p-red2");
+    story_match("p-red2");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red2");
+    roster_say(true, step, "p-green p-red2");
+}
+
+static void test_a_step_is_held_until_who_died_is_back(void)
+{
+    run_begin();
+    red_dies(0);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    answer_with(letter("green", 1, "red", "hello"), 0);
+    EXPECT(""); /* all that are left have answered, and the step does not end */
+    red_returns(0);
+    EXPECT("p-red2@-1");
+    story_up_from("p-red2", "red", 0);
+    EXPECT("p-red2@0; red #1 green/1 hello; p-green@0; sim@0");
+}
+
+/* What red had said in the step that did not end was never said: its next life has those numbers.
+ */
+static void test_numbers_of_who_died(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "green", "one"), 0);
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 one; p-red@0; sim@0");
+    answer_with(letter("red", 2, "green", "two"), 1);
+    red_dies(1);
+    story_register("red", "p-red2");
+    story_match("p-red2");
+    EXPECT("red 2-2 dropped; red welcome 1");
+}
+
+/* The simulator has all answers to step 0, and the broker has not had red's. */
+static void test_who_died_after_its_answer(void)
+{
+    run_begin();
+    answer_with(letter("green", 1, "red", "hello"), 0);
+    red_dies(1);
+    EXPECT("p-green@0; green 1-1 stored; sim@0");
+    answer("green", 1);
+    EXPECT("");
+    story_register("red", "p-red2");
+    story_match("p-red2");
+    EXPECT("red welcome 0"); /* what waits for it is its first step's */
+    roster_say(true, 1, "p-green p-red2");
+    EXPECT("p-red2@0; red #1 green/1 hello");
+    story_up_from("p-red2", "red", 1);
+    EXPECT("p-green@1; p-red2@1; sim@1");
+}
+
+/* The broker has ended step 0, and the simulator does not know that yet. */
+static void test_who_died_when_the_step_had_ended(void)
+{
+    run_begin();
+    answer_with(letter("green", 1, "red", "hello"), 0);
+    answer("red", 0);
+    EXPECT("p-red@0; red #1 green/1 hello; p-green@0; sim@0");
+    red_dies(0);
+    answer("green", 1);
+    EXPECT("");
+    red_returns(1);
+    EXPECT("p-red2@0; red #1 green/1 hello"); /* once more, to its next life */
+    story_up_from("p-red2", "red", 1);
+    EXPECT("p-green@1; p-red2@1; sim@1");
 }
 
 static void test_a_process_joins_a_run(void)
@@ -647,6 +732,10 @@ int main(void)
         {"onlookers are not shown", test_white_pages_of_a_step_do_not_show_onlookers},
         {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
         {"the missing one is dropped", test_the_missing_one_is_dropped},
+        {"a step is held until who died is back", test_a_step_is_held_until_who_died_is_back},
+        {"numbers of who died", test_numbers_of_who_died},
+        {"who died after its answer", test_who_died_after_its_answer},
+        {"who died when the step had ended", test_who_died_when_the_step_had_ended},
         {"a process joins a run", test_a_process_joins_a_run},
         {"the end of lock step", test_the_end_of_lock_step},
         {"another run", test_another_run},

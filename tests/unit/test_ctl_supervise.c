@@ -83,6 +83,24 @@ static void test_a_child_ends_by_itself(void)
                            "muster: red ended with exit code 3\nits last words:\none\ntwo\n");
 }
 
+static void test_a_child_is_started_again(void)
+{
+    struct child *red = start("red", "echo first; kill -KILL $$");
+    await_end(red);
+    CU_ASSERT_TRUE(supervise_has_died(red));
+    pid_t first = red->pid;
+    const char *const argv[] = {"sh", "-c", "echo second; sleep 60", NULL};
+    CU_ASSERT_EQUAL_FATAL(supervise_start_again(&all, red, "/bin/sh", argv), MU_OK);
+    CU_ASSERT_FALSE(supervise_has_died(red));
+    await_words(red, "second");
+    CU_ASSERT_STRING_EQUAL(red->words, "second\n");
+    CU_ASSERT_NOT_EQUAL(red->pid, first);
+    CU_ASSERT_PTR_EQUAL(supervise_find(&all, "red"), red);
+    CU_ASSERT_EQUAL(all.count, 1);
+    supervise_stop(&all, red, PATIENCE_MS);
+    CU_ASSERT(WIFSIGNALED(red->status) && WTERMSIG(red->status) == SIGTERM);
+}
+
 static void test_a_killed_child_is_explained(void)
 {
     struct child *red = start("red", "printf 'no end of line'; kill -SEGV $$");
@@ -311,6 +329,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"a child ends by itself", test_a_child_ends_by_itself},
+        {"a child is started again", test_a_child_is_started_again},
         {"a killed child is explained", test_a_killed_child_is_explained},
         {"output is passed on unless quiet", test_output_is_passed_on_unless_quiet},
         {"limit: last words", test_limit_last_words},

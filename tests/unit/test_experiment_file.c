@@ -49,6 +49,9 @@ static void test_defaults(void)
     CU_ASSERT_DOUBLE_EQUAL(e->duration, 120, 0);
     CU_ASSERT_DOUBLE_EQUAL(e->step_ms, 100, 0);
     CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_DOUBLE_EQUAL(e->checkpoint_s, 1, 0);
+    CU_ASSERT_EQUAL(e->restarts, 5);
+    CU_ASSERT_DOUBLE_EQUAL(e->return_within_s, 20, 0);
     CU_ASSERT_EQUAL(e->simulator.threads, 0);
     CU_ASSERT_EQUAL(e->observer_count, 0);
     CU_ASSERT_STRING_EQUAL(e->folder, folder);
@@ -62,6 +65,34 @@ static void test_defaults(void)
     CU_ASSERT_DOUBLE_EQUAL(e->robots[1].pose->y_m, -2.5, 0);
     CU_ASSERT_DOUBLE_EQUAL(e->robots[1].pose->heading_deg, 90, 0);
     CU_ASSERT_STRING_EQUAL(e->robots[1].color, "#00f");
+}
+
+static void test_what_is_started_again(void)
+{
+    CU_ASSERT_EQUAL_FATAL(
+        load("world: a.world\nduration: 1\non-crash: restart\ncheckpoint: 0.5\nrestarts: 3\n"
+             "return-within: 7.5\n"
+             "robots:\n  - {name: red, rules: a.clp}\n"
+             "  - {name: blue, rules: a.clp, on-crash: stop, checkpoint: 0}\n"
+             "  - {name: w, rules: a.clp, count: 2, checkpoint: 2}\n",
+             NULL),
+        MU_OK);
+    CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_RESTART);
+    CU_ASSERT_EQUAL(e->restarts, 3);
+    CU_ASSERT_DOUBLE_EQUAL(e->return_within_s, 7.5, 0);
+    CU_ASSERT_EQUAL(e->robots[0].on_crash, EXPERIMENT_RESTART);
+    CU_ASSERT_DOUBLE_EQUAL(e->robots[0].checkpoint_s, 0.5, 0);
+    CU_ASSERT_EQUAL(e->robots[1].on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_DOUBLE_EQUAL(e->robots[1].checkpoint_s, 0, 0);
+    CU_ASSERT_EQUAL(e->robots[3].on_crash, EXPERIMENT_RESTART);
+    CU_ASSERT_DOUBLE_EQUAL(e->robots[3].checkpoint_s, 2, 0);
+    CU_ASSERT_EQUAL_FATAL(load(BASE, "robots.red.on-crash=restart"), MU_OK);
+    CU_ASSERT_EQUAL(e->robots[0].on_crash, EXPERIMENT_RESTART);
+    CU_ASSERT_EQUAL(e->robots[1].on_crash, EXPERIMENT_STOP);
+    CU_ASSERT_EQUAL_FATAL(load(BASE, "on-crash=restart"), MU_OK);
+    CU_ASSERT_EQUAL(e->robots[1].on_crash, EXPERIMENT_RESTART);
+    CU_ASSERT_EQUAL_FATAL(load(BASE, "restarts=9"), MU_OK);
+    CU_ASSERT_EQUAL(e->restarts, 9);
 }
 
 static void test_everything(void)
@@ -149,7 +180,10 @@ static void test_schema_faults(void)
         {BASE "seed: -1\n", 6, 7, "expected a whole number from 0, not '-1'"},
         {BASE "seed: 010\n", 6, 7, "expected a whole number from 0"},
         {BASE "seed: 18446744073709551616\n", 6, 7, "expected a whole number"},
-        {BASE "on-crash: explode\n", 6, 11, "expected stop, not 'explode'"},
+        {BASE "on-crash: explode\n", 6, 11, "expected stop or restart, not 'explode'"},
+        {BASE "checkpoint: -1\n", 6, 13, "expected a time of 0 to 1000000 s, not -1"},
+        {BASE "restarts: 1001\n", 6, 11, "expected 0 to 1000 restarts, not 1001"},
+        {BASE "return-within: 0\n", 6, 16, "expected a time of more than 0"},
         {BASE "on-crash: 1\n", 6, 11, "expected stop"},
         {BASE "name:\n", 6, 6, "expected a text, not 'nothing'"},
         {BASE "name: [a]\n", 6, 7, "expected a text, not 'a list'"},
@@ -327,6 +361,39 @@ static void test_other_faults(void)
     CHECK_BAD(cases);
 }
 
+#define HOSTS "world: a.world\nduration: 9\nhosts: [north, south]\n"
+
+static void test_hosts(void)
+{
+    CU_ASSERT_EQUAL_FATAL(load(HOSTS "robots: [{name: a, rules: a.clp, host: south}]\n"
+                                     "observer: [{at: 2, do: a, move: north}]\n",
+                               NULL),
+                          MU_OK);
+    CU_ASSERT_EQUAL_FATAL(e->hosts_count, 2);
+    CU_ASSERT_STRING_EQUAL(e->hosts[1], "south");
+    CU_ASSERT_STRING_EQUAL(e->robots[0].host, "south");
+    CU_ASSERT_STRING_EQUAL(e->observer[0].move, "north");
+    CU_ASSERT_PTR_NULL(e->observer[0].line);
+    static const struct bad_case cases[] = {
+        {BASE "hosts: [b c]\n", 6, 9, "cannot be a host's name"},
+        {BASE "hosts: [n, m, n]\n", 6, 15, "a second host, or a robot, has the name 'n'"},
+        {BASE "hosts: [n, red]\n", 6, 12, "or a robot, has the name 'red'"},
+        {HOSTS "robots: [{name: a, rules: a.clp, host: east}]\n", 4, 40, "no host 'east'"},
+        {HOSTS "brokers: [b]\nrobots: [{name: a, rules: a.clp, host: north, broker: b}]\n", 5, 40,
+         "not both"},
+        {HOSTS "robots: [{name: a, rules: a.clp, host: north, count: 2, processes: 2}]\n", 4, 40,
+         "not both"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, do: a}]\n", 5, 12,
+         "expected a line, or move"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\n"
+               "observer: [{at: 1, do: a, line: (a), move: north}]\n",
+         5, 12, "expected a line, or move"},
+        {HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, do: a, move: east}]\n", 5, 33,
+         "no host 'east'"},
+    };
+    CHECK_BAD(cases);
+}
+
 static void test_expectations(void)
 {
     CU_ASSERT_EQUAL_FATAL(load(BASE "expect:\n"
@@ -434,7 +501,7 @@ static void test_chaos(void)
     CU_ASSERT_EQUAL_FATAL(e->chaos_count, sizeof texts / sizeof texts[0]);
     for (unsigned i = 0; i < e->chaos_count; i++) {
         CU_ASSERT_STRING_EQUAL(e->chaos[i].text, texts[i]);
-        CU_ASSERT_EQUAL(e->chaos[i].line, (int)i + 9);
+        CU_ASSERT_EQUAL(e->chaos[i].mark.line, (int)i + 9);
     }
     CU_ASSERT_EQUAL(e->chaos[1].kind, CHAOS_PLACE);
     CU_ASSERT_STRING_EQUAL(e->chaos[9].whom, "red");
@@ -509,9 +576,12 @@ static void test_override_faults(void)
         {"duration=soon", "expected a number"},
         {"duration=-1", "expected a duration of more than 0"},
         {"seed=1.5", "expected a whole number"},
+        {"on-crash=", "expected stop or restart"},
+        {"checkpoint=-1", "expected a time of 0"},
+        {"robots.red.checkpoint=-1", "expected a time of 0"},
+        {"restarts=x", "expected a whole number from 0"},
         {"simulator.threads=0", "expected 1 to 64 threads"},
         {"simulator.threads=-1", "expected a whole number"},
-        {"on-crash=", "expected stop"},
         {"world=", "expected a text"},
         {"world=no.world", "no.world': No such file"},
         {"policy=no.policy", "cannot read the policy '"},
@@ -646,11 +716,14 @@ int main(void)
     CU_TestInfo tests[] = {
         {"defaults", test_defaults},
         {"everything", test_everything},
+        {"what is started again", test_what_is_started_again},
+        {"what is started again", test_what_is_started_again},
         {"faults of the schema", test_schema_faults},
         {"faults of robots", test_robot_faults},
         {"many robots", test_many_robots},
         {"faults of many robots", test_faults_of_many_robots},
         {"faults of the rest", test_other_faults},
+        {"hosts", test_hosts},
         {"expectations", test_expectations},
         {"expectation faults", test_expectation_faults},
         {"limit: events", test_limit_events},

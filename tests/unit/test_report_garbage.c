@@ -3,6 +3,7 @@
 #include "../support/garble.h"
 #include "../support/suite.h"
 #include "experiment/experiment.h"
+#include "report/compare.h"
 #include "report/report_data.h"
 
 #include <CUnit/Basic.h>
@@ -12,7 +13,7 @@
 #include <unistd.h>
 
 static char folder[] = "/tmp/muster-garbage-XXXXXX";
-static char yaml[64], csv[64];
+static char yaml[64], csv[64], json[64];
 
 static bool file_written(const char *path, const char *text, size_t len)
 {
@@ -34,7 +35,14 @@ static const char experiment_sample[] =
     "observer:\n  - {at: 0, do: red, line: \"(wander)\"}\n"
     "  - {at: 60.5, do: [red, blue], line: \"(follow \\\"green\\\")\"}\n"
     "expect:\n  - {near: [blue, red], within: 2.5, from: 30, to: 60, share: 0.8}\n"
-    "  - {inside: arena}\n  - {stall-max: 10}\n";
+    "  - {inside: arena}\n  - {stall-max: 10}\n"
+    "  - {statistic: red.distance_m, at_least: 5}\n"
+    "  - {sequence: [red told x to all, red near blue 0.5], within_s: 3}\n"
+    "  - {never: blue.stalled_s > 2}\n"
+    "chaos:\n  - {at: 1, push: red, force: [1, -2], torque: 3, for: 0.5}\n"
+    "  - {when: red at 1 2 3, place: blue, pose: [1, 2, 3]}\n"
+    "  - {at: 2, block: red, sensor: sonar}\n  - {at: 2, kill: broker, for: 2}\n"
+    "  - {at: 3, lose: [red, all], share: 0.1}\n  - {at: 4, delay: [red, blue], by_ms: 3}\n";
 
 static bool experiment_whole(const struct experiment *e)
 {
@@ -42,6 +50,14 @@ static bool experiment_whole(const struct experiment *e)
                  isfinite(e->step_ms) && e->step_ms > 0 && e->robots_count > 0;
     for (unsigned i = 0; i < e->robots_count; i++) {
         whole = whole && e->robots[i].name && e->robots[i].rules;
+    }
+    for (unsigned i = 0; i < e->chaos_count; i++) {
+        whole = whole && e->chaos[i].kind != CHAOS_NONE && e->chaos[i].who && e->chaos[i].text[0];
+    }
+    for (unsigned i = 0; i < e->expect_count; i++) {
+        for (unsigned k = 0; k < e->expect[i].sequence_count; k++) {
+            whole = whole && experiment_event_find(e, e->expect[i].sequence[k]) < e->events_count;
+        }
     }
     return whole;
 }
@@ -72,7 +88,7 @@ static void test_experiments(void)
         counts[loaded == MU_OK]++;
     }
     CU_ASSERT_EQUAL(wrong, 0);
-    CU_ASSERT(counts[0] > ROUNDS / 10 && counts[1] > ROUNDS / 100);
+    CU_ASSERT(counts[0] > ROUNDS / 10 && counts[1] > ROUNDS / 500);
 }
 
 static void test_overrides(void)
@@ -153,6 +169,32 @@ static void test_records(void)
     CU_ASSERT(counts[0] > ROUNDS / 10 && counts[1] > ROUNDS / 100);
 }
 
+static void test_summaries(void)
+{
+    enum { SEED = 44, ROUNDS = 2000 };
+    static const char sample[] =
+        "{\"experiment\": \"follow\", \"seed\": 1, \"hash\": \"6f\", \"overrides\": [\"a=b\"],\n"
+        "\"robots\": [{\"name\": \"red\", \"distance_m\": 2.5e1, \"final\": {\"x_m\": -1}}],\n"
+        "\"mail\": {\"sent\": 7}, \"expectations\": [{\"text\": \"\\u00e9\\n\", \"met\": true}]}";
+    static struct mu_fault fault;
+    struct mu_random r;
+    struct compare *c;
+    unsigned counts[2] = {0}, wrong = 0;
+    mu_random_seed(&r, SEED, "summaries");
+    printf("seed %d ", SEED);
+    CU_ASSERT_EQUAL_FATAL(compare_open(&c, 1, "a", NULL, 0), MU_OK);
+    for (int round = 0; round < ROUNDS; round++) {
+        char text[2 * sizeof sample];
+        file_write(json, text, garble(&r, text, sizeof text, sample, sizeof sample - 1));
+        c->runs_count = 0;
+        mu_result added = compare_add(c, folder, &fault);
+        wrong += added != MU_OK && (added != MU_FAULT_FILE || fault.text[0] == '\0');
+        counts[added == MU_OK]++;
+    }
+    CU_ASSERT_EQUAL(wrong, 0);
+    CU_ASSERT(counts[0] > ROUNDS / 10 && counts[1] > ROUNDS / 100);
+}
+
 static int begin(void)
 {
     char file[64];
@@ -161,6 +203,7 @@ static int begin(void)
     }
     snprintf(yaml, sizeof yaml, "%s/test.yaml", folder);
     snprintf(csv, sizeof csv, "%s/run.csv", folder);
+    snprintf(json, sizeof json, "%s/summary.json", folder);
     const char *const others[] = {"a.world", "a.clp"};
     for (size_t i = 0; i < 2; i++) {
         snprintf(file, sizeof file, "%s/%s", folder, others[i]);
@@ -174,8 +217,8 @@ static int begin(void)
 static int end(void)
 {
     char file[64];
-    const char *const files[] = {"a.world", "a.clp", "test.yaml", "run.csv"};
-    for (size_t i = 0; i < 4; i++) {
+    const char *const files[] = {"a.world", "a.clp", "test.yaml", "run.csv", "summary.json"};
+    for (size_t i = 0; i < 5; i++) {
         snprintf(file, sizeof file, "%s/%s", folder, files[i]);
         (void)unlink(file);
     }
@@ -188,8 +231,10 @@ int main(void)
         {"experiments", test_experiments},
         {"overrides", test_overrides},
         {"records", test_records},
+        {"summaries", test_summaries},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"ctl: garbage", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"report: garbage", begin, end, NULL, NULL, tests},
+                             CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -173,6 +173,112 @@ static void test_expectations(void)
     expectations[2].stall_max_s = 0.5;
 }
 
+static void events_write(const char *rows)
+{
+    FILE *file = fopen(file_path("events.csv"), "w");
+    CU_ASSERT_FATAL(file && fputs(rows, file) >= 0 && fclose(file) == 0);
+}
+
+static char distance[] = "red.distance_m", mean[] = "robots.distance_m", sent[] = "mail.sent";
+static char begins[] = "red stalled", says[] = "red told </svg>", ends[] = "red not stalled";
+
+static void test_statistics_and_events(void)
+{
+    static char *ordered[] = {begins, says, ends}, *again[] = {begins, begins};
+    static const char *events[] = {begins, says, ends};
+    static struct experiment_robot team[] = {{.name = red}, {.name = blue}};
+    static struct experiment_expectation wanted[] = {
+        {.statistic = distance, .at_least = 3, .at_most = INFINITY},
+        {.statistic = mean, .at_least = -INFINITY, .at_most = 1.4},
+        {.statistic = sent, .at_least = 1, .at_most = 1},
+        {.sequence = ordered, .sequence_count = 3, .within_s = 1},
+        {.sequence = ordered, .sequence_count = 3, .within_s = 0.9},
+        {.sequence = again, .sequence_count = 2},
+        {.sequence = again, .sequence_count = 2, .from_s = 1.5},
+        {.never = says},
+        {.never = says, .from_s = 1.6},
+        {.never = says, .from_s = 9},
+    };
+    static const bool met[] = {true, false, true, true, false, true, false, false, true, true};
+    static const char *const measured[] = {"3",
+                                           "1.5",
+                                           "1",
+                                           "at 1.0, 1.5, 2.0 s",
+                                           "never so soon",
+                                           "at 1.0, 2.5 s",
+                                           "no: red stalled",
+                                           "1 times, first at 1.5 s",
+                                           "it never was",
+                                           "not reached: the run was cut short"};
+    struct experiment before = experiment;
+    experiment.expect = wanted;
+    experiment.expect_count = sizeof wanted / sizeof wanted[0];
+    experiment.robots = team;
+    experiment.robots_count = 2;
+    experiment.events = events;
+    experiment.events_count = 3;
+    events_write("time_s,event\n0.500,red not stalled\n1.000,red stalled\n1.500,red told </svg>\n"
+                 "2.000,red not stalled\n2.500,red stalled\n");
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    for (unsigned i = 0; i < experiment.expect_count; i++) {
+        CU_ASSERT_EQUAL(result.met[i], met[i]);
+        READS(result.measured[i], measured[i]);
+        CU_ASSERT_EQUAL(result.judged[i], i < 9);
+    }
+    READS(result.texts[0], "red.distance_m at least 3");
+    READS(result.texts[2], "mail.sent at least 1 and at most 1");
+    READS(result.texts[3], "red stalled, then red told </svg>, then red not stalled, within 1 s");
+    CU_ASSERT(file_has("report.html", "red told &lt;/svg&gt;"));
+    CU_ASSERT_FALSE(file_has("report.html", "told </svg>"));
+    FILE *many = fopen(file_path("events.csv"), "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(many);
+    fputs("time_s,event\n", many);
+    for (size_t i = 0; i < REPORT_EVENTS_MAX + 3; i++) {
+        fputs("1,red stalled\n", many);
+    }
+    CU_ASSERT_EQUAL(fclose(many), 0);
+    CU_ASSERT_EQUAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "262144; 3 that came later are not judged"));
+    events_write("time_s,event\n1,blue sings\n");
+    CU_ASSERT_EQUAL(write_report(two_robots), MU_FAULT_FILE);
+    CU_ASSERT_EQUAL(fault.line, 2);
+    unlink(file_path("events.csv"));
+    CU_ASSERT_EQUAL(write_report(two_robots), MU_FAULT_OS);
+    experiment = before;
+}
+
+static void test_chaos(void)
+{
+    static struct experiment_chaos chaos[] = {
+        {.at = 1, .kind = CHAOS_PUSH, .who = red, .for_s = 1, .text = "push red <hard>"},
+        {.kind = CHAOS_KILL, .when = begins, .who = red, .text = "kill red"}};
+    static const struct report_chaos fates[] = {{true, 1.5, ""}, {false, 0, "it is <gone>"}};
+    experiment.chaos = chaos;
+    experiment.chaos_count = 2;
+    input.chaos = fates;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"at_s\": 1.5,\n      \"text\": \"push red <hard>\","));
+    CU_ASSERT(file_has("summary.json", "\"at_s\": null,\n      \"text\": \"kill red\",\n      "
+                                       "\"done\": false,\n      \"reason\": \"it is <gone>\""));
+    CU_ASSERT(file_has("report.html", "push red &lt;hard&gt;"));
+    CU_ASSERT_FALSE(file_has("report.html", "<hard>"));
+    CU_ASSERT_FALSE(file_has("report.html", "<gone>"));
+    experiment.chaos_count = 0;
+    input.chaos = NULL;
+}
+
+static void test_spread_colors(void)
+{
+    char colors[24][COLOR_HEX];
+    for (size_t i = 0; i < 24; i++) {
+        color_spread(colors[i], i);
+        CU_ASSERT(color_is_css(colors[i]) && strlen(colors[i]) == 7);
+        for (size_t k = 0; k < i; k++) {
+            CU_ASSERT_STRING_NOT_EQUAL(colors[i], colors[k]);
+        }
+    }
+}
+
 static void test_things_at_the_end(void)
 {
     static char some[] = "puck*", one[] = "puck_b", none[] = "crate*";
@@ -204,6 +310,18 @@ static void test_things_at_the_end(void)
     experiment.expect = expectations;
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
     CU_ASSERT_FALSE(file_has("summary.json", "objects"));
+}
+
+static void test_restarts(void)
+{
+    static const struct report_restarts restarts[] = {{"red", 2}};
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "restarts"));
+    input.restarts = restarts;
+    input.restarts_count = 1;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"process\": \"red\",\n      \"count\": 2\n"));
+    input.restarts_count = 0;
 }
 
 static void test_files(void)
@@ -607,7 +725,11 @@ int main(void)
         {"statistics", test_statistics},
         {"the most efficient", test_the_most_efficient},
         {"expectations", test_expectations},
+        {"statistics and events", test_statistics_and_events},
+        {"chaos", test_chaos},
+        {"colours of many", test_spread_colors},
         {"things at the end", test_things_at_the_end},
+        {"restarts", test_restarts},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},

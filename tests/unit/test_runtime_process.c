@@ -41,11 +41,15 @@ static struct {
     char content[64];
     bool drives;
     double forward_m_s;
+    char reason[MU_FIELD_MAX + 1];
 } seen;
 
 static char heard_buffer[1024];
 static struct mu_text heard;
 static bool idle; /* who acts sets no speed */
+static bool slow; /* who acts takes long, and says so */
+
+static void look(struct peer *p);
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
@@ -60,9 +64,23 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
                    mail->src, mail->content);
 }
 
+/* Looks at the network in the middle of a handler: the word must be out by then. */
+static void work_long(void)
+{
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (strncmp(seen.reason, "busy since ", 11) != 0 && mu_clock_ns() < until_ns) {
+        process_work(body.process);
+        look(&body);
+    }
+    mu_text_format(&heard, "%.10s; ", seen.reason);
+}
+
 static void on_act(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)self;
+    if (slow) {
+        work_long();
+    }
     mu_text_format(&heard, "%s acts in %lld; ", mu_agent_name(a), (long long)percept->step);
     if (!idle) {
         CU_ASSERT_EQUAL(mu_agent_drive(a, 0.25, 0.0), MU_OK);
@@ -118,6 +136,7 @@ static void look(struct peer *p)
             mu_text_copy(seen.broker, sizeof seen.broker, r->broker);
             seen.incarnation = r->incarnation;
             seen.state = e->state;
+            mu_text_copy(seen.reason, sizeof seen.reason, e->reason);
             seen.no_broadcasts = e->no_broadcasts;
             seen.full = e->full;
             seen.box_mails = e->box_mails;
@@ -500,6 +519,19 @@ static void test_a_speed_is_said_once(void)
     idle = false;
 }
 
+static void test_who_is_busy_says_so_meanwhile(void)
+{
+    forget();
+    slow = true;
+    sense(&body, 13, false, false);
+    SPIN_UNTIL(&body, seen.step == 13);
+    slow = false;
+    CU_ASSERT_STRING_EQUAL(heard.at, "busy since; robot acts in 13; ");
+    SPIN_UNTIL(&body, seen.reason[0] == '\0');
+    process_work(body.process); /* no handler runs */
+    CU_ASSERT_STRING_EQUAL(body.process->busy, "");
+}
+
 static void test_lock_step_waits_for_its_mail(void)
 {
     forget();
@@ -587,6 +619,7 @@ int main(void)
         {"a body is ready when all have matched", test_a_body_is_ready_when_all_have_matched},
         {"free running", test_free_running},
         {"a speed is said once", test_a_speed_is_said_once},
+        {"who is busy says so meanwhile", test_who_is_busy_says_so_meanwhile},
         {"lock step waits for its mail", test_lock_step_waits_for_its_mail},
         {"mail of an earlier lock step", test_mail_of_an_earlier_lock_step_is_dropped},
         {"who watches serves the next run", test_who_watches_serves_the_next_run},

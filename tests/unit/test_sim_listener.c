@@ -96,7 +96,7 @@ static void test_a_listener_is_told_everything(void)
 {
     static const unsigned char head[] = {0,   1,   0,   0,   12,  0,   0,   0,   's', 'i',
                                          'm', 'u', 'l', 'a', 't', 'o', 'r', '.', '1', 0};
-    const struct session_listener listener = {&heard, on_scene, on_frame};
+    const struct session_listener listener = {.self = &heard, .scene = on_scene, .frame = on_frame};
     session_listen(&s, &listener);
     session_view_scene(&s);
     CU_ASSERT_EQUAL(heard.scenes, 1);

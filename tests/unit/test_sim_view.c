@@ -4,8 +4,8 @@
 #include "../support/samples.h"
 #include "../support/suite.h"
 #include "bus/bus.h"
+#include "core/rounded.h"
 #include "muster/memory.h"
-#include "sim/recorder.h"
 #include "sim/runhash.h"
 #include "sim/scene.h"
 #include "sim/tally.h"
@@ -38,8 +38,8 @@ static void test_distance_is_what_the_rows_add_up_to(void)
     /* What has less than six decimals is not in run.csv, and so it is no way. */
     const struct engine_percept still[] = {{.pose = {1, 1, 0}}, {.pose = {1 + 4e-7, 1, 0}}};
     CU_ASSERT_DOUBLE_EQUAL(tally_of(still, 2).distance_m, 0, 0);
-    CU_ASSERT_DOUBLE_EQUAL(recorder_rounded(1.2345678), 1.234568, 0);
-    CU_ASSERT_DOUBLE_EQUAL(recorder_rounded(-0.1234565), strtod("-0.123457", NULL), 0);
+    CU_ASSERT_DOUBLE_EQUAL(mu_rounded(1.2345678), 1.234568, 0);
+    CU_ASSERT_DOUBLE_EQUAL(mu_rounded(-0.1234565), strtod("-0.123457", NULL), 0);
 }
 
 static void test_a_stall_counts_once_and_lasts(void)

@@ -13,6 +13,8 @@ const OBSERVER_BUTTONS = [['Start all', '(start robots)'], ['Suspend all', '(sus
 const VIEWS = [['Log', null], ['Facts', '(facts)'], ['Agenda', '(agenda)'], ['Rules', '(rules)']];
 const WATCHES = ['facts', 'rules', 'activations'];
 
+const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus zero */
+
 /** One pane of text; what comes is put at its end. */
 function createPane() {
   const pane = element('pre', {class: 'output', tabindex: '0'});
@@ -177,9 +179,8 @@ export function createConsole(name, actor, {onFacts}) {
       input.disabled = Boolean(actor.denied);
       say(rule, fired ? `last fired: ${fired.rules} (step ${fired.step})` : '');
       if (!robot) return;
-      const degrees = (robot.heading * 180 / Math.PI).toFixed(0);
-      say(pose, `x ${robot.x.toFixed(2)} m   y ${robot.y.toFixed(2)} m   heading ${degrees}°   ` +
-        `${robot.forward.toFixed(2)} m/s   ${(robot.turn * 180 / Math.PI).toFixed(0)}°/s`);
+      say(pose, `x ${robot.x.toFixed(2)} m   y ${robot.y.toFixed(2)} m   heading ${degrees(robot.heading)}°   ` +
+        `${robot.forward.toFixed(2)} m/s   ${degrees(robot.turn)}°/s`);
     },
   };
 }

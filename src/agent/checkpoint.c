@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "agent/checkpoint.h"
+
+#include "agent/robot.h"
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/name.h"
+#include "muster/memory.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { CHECKPOINT_VERSION = 1 };
+
+static const char SUFFIX[] = ".capsule";
+
+mu_result checkpoint_settings_check(const struct checkpoint_settings *set, const char *program)
+{
+    if (set->every_s > 0 && !set->folder) {
+        fprintf(stderr, "%s: --checkpoint needs --folder DIR\n", program);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+void checkpoint_reserve(struct crew *c)
+{
+    struct checkpoints *k = &c->checkpoints;
+    k->set = &c->set->checkpoints;
+    if (k->set->every_s > 0 || k->set->restore) {
+        mu_text_init(&k->text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
+        k->saved = mu_startup_array(c->count, sizeof *k->saved);
+    }
+}
+
+/* --- writing ---------------------------------------------------------------------------------- */
+
+/* In lock step the clock is the run's. */
+static uint64_t clock_ns(const struct robot *r)
+{
+    return mu_process_in_lockstep(r->crew->process) ? r->time_ns : mu_clock_ns();
+}
+
+static void file_name(const struct checkpoints *k, char path[PATH_MAX], const char *prefix,
+                      const char *name)
+{
+    snprintf(path, PATH_MAX, "%s/%s%s%s", k->set->folder, prefix, name, SUFFIX);
+}
+
+static bool bytes_write(int file, const char *at, size_t len)
+{
+    while (len > 0) {
+        ssize_t written = write(file, at, len);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            return false;
+        }
+        at += written;
+        len -= (size_t)written;
+    }
+    return true;
+}
+
+static bool file_write(const struct checkpoints *k, const char *name)
+{
+    char path[PATH_MAX], beside[PATH_MAX];
+    file_name(k, path, "", name);
+    file_name(k, beside, ".", name);
+    int file = open(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (file < 0) {
+        return false;
+    }
+    bool written = bytes_write(file, k->text.at, k->text.len);
+    written = close(file) == 0 && written;
+    return written && rename(beside, path) == 0;
+}
+
+static void head_add(struct mu_text *out, const struct robot *r)
+{
+    mu_text_format(out, "checkpoint %d %" PRId64 "\n", CHECKPOINT_VERSION, r->step);
+    answer_add(out, r->agent);
+}
+
+bool checkpoint_write(struct robot *r, enum mu_state state)
+{
+    struct checkpoints *k = &r->crew->checkpoints;
+    struct saved *s = &k->saved[r - r->crew->robots];
+    struct mu_fault fault;
+    struct passport p = {.purpose = TRIP_MOVE,
+                         .state = state,
+                         .mails = r->mails,
+                         .passage = mu_agent_passage(r->agent)};
+    s->written_ns = clock_ns(r);
+    s->state = state;
+    s->tried = true;
+    (void)mu_text_copy(p.name, sizeof p.name, r->name);
+    mu_text_clear(&k->text);
+    head_add(&k->text, r);
+    struct mu_text rest;
+    mu_text_init(&rest, k->text.at + k->text.len, k->text.size - k->text.len);
+    const char *why = trip_write(r, &p, &rest, &fault);
+    k->text.len += rest.len;
+    if (!why && !file_write(k, r->name)) {
+        why = strerror(errno);
+    }
+    if (why && !s->failing) {
+        mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", r->name, why);
+    }
+    s->failing = why;
+    if (why) {
+        return false;
+    }
+    (void)mu_text_copy(s->name, sizeof s->name, r->name);
+    return true;
+}
+
+/* It is not here any more, and is not to come back here. */
+static void file_forget(const struct checkpoints *k, struct saved *s)
+{
+    char path[PATH_MAX];
+    file_name(k, path, "", s->name);
+    (void)unlink(path);
+    s->name[0] = '\0';
+}
+
+/* Whoever has no name from a broker yet may be somebody else's second copy. */
+static bool lives_here(const struct robot *r)
+{
+    return !r->out && !r->arrives && !trip_holds(r) && mu_agent_passage(r->agent).broker != 0;
+}
+
+static bool is_due(const struct robot *r, const struct saved *s)
+{
+    uint64_t every_ns = (uint64_t)llround(r->crew->checkpoints.set->every_s * 1e9);
+    uint64_t now_ns = clock_ns(r);
+    bool late = now_ns < s->written_ns || now_ns - s->written_ns >= every_ns;
+    return !s->tried || late || mu_agent_state(r->agent) != s->state;
+}
+
+void checkpoint_round(struct crew *c)
+{
+    const struct checkpoints *k = &c->checkpoints;
+    for (uint32_t i = 0; i < c->count && k->set->every_s > 0; i++) {
+        struct robot *r = &c->robots[i];
+        struct saved *s = &k->saved[i];
+        s->tried = s->tried && !r->out;
+        if (s->name[0] && r->out) {
+            file_forget(k, s);
+        } else if (lives_here(r) && is_due(r, s)) {
+            (void)checkpoint_write(r, mu_agent_state(r->agent));
+        }
+    }
+}
+
+/* --- coming back ------------------------------------------------------------------------------ */
+
+static bool file_read(const char *path, struct mu_text *out)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) {
+        return false;
+    }
+    out->len = fread(out->at, 1, out->size - 1, f);
+    out->at[out->len] = '\0';
+    bool good = !ferror(f) && feof(f);
+    fclose(f);
+    return good;
+}
+
+bool checkpoint_head_read(const char **text, struct checkpoint_head *out)
+{
+    int version = 0, len = 0;
+    int read = sscanf(*text, "checkpoint %d %" SCNd64 "%n", &version, &out->step, &len);
+    if (read != 2 || version != CHECKPOINT_VERSION || (*text)[len] != '\n') {
+        return false;
+    }
+    *text += len + 1;
+    return answer_read(text, &out->answer);
+}
+
+const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_head *head,
+                            struct passport *p)
+{
+    char path[PATH_MAX];
+    struct checkpoints *k = &c->checkpoints;
+    file_name(k, path, "", name);
+    const char *rest = k->text.at;
+    bool read = file_read(path, &k->text) && checkpoint_head_read(&rest, head) &&
+                passport_read(&rest, p) && strcmp(p->name, name) == 0;
+    return read ? rest : NULL;
+}
+
+/* @return whether the file of that name is an agent's; and whose */
+static bool file_is_one(const char *file, char name[MU_NAME_MAX + 1])
+{
+    size_t len = strlen(file);
+    size_t suffix = sizeof SUFFIX - 1;
+    if (len <= suffix || len - suffix > MU_NAME_MAX || strcmp(file + len - suffix, SUFFIX) != 0) {
+        return false;
+    }
+    memcpy(name, file, len - suffix);
+    name[len - suffix] = '\0';
+    return mu_name_valid(name);
+}
+
+uint32_t checkpoint_each(struct crew *c,
+                         bool (*take)(struct crew *c, const char *name, const char *text))
+{
+    struct checkpoints *k = &c->checkpoints;
+    char name[MU_NAME_MAX + 1], path[PATH_MAX];
+    uint32_t count = 0;
+    DIR *folder = opendir(k->set->folder);
+    struct dirent *entry;
+    while (folder && (entry = readdir(folder))) {
+        if (file_is_one(entry->d_name, name)) {
+            file_name(k, path, "", name);
+            const char *text = k->text.at;
+            struct checkpoint_head head;
+            bool read = file_read(path, &k->text) && checkpoint_head_read(&text, &head);
+            count += take(c, name, read ? text : "");
+        }
+    }
+    if (folder) {
+        closedir(folder);
+    }
+    return count;
+}

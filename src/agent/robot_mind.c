@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How a robot gets its mind: of its rules, of its checkpoint, and anew when it is broken. */
+#include "agent/robot.h"
+#include "core/fault.h"
+#include "core/log.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+mu_result robot_set_global(struct mind *mind, const char *word)
+{
+    char name[MU_FIELD_MAX + 1];
+    const char *equals = strchr(word, '=');
+    size_t len = equals ? (size_t)(equals - word) : 0;
+    if (len == 0 || len >= sizeof name) {
+        fprintf(stderr, "--global %s: expected NAME=VALUE\n", word);
+        return MU_FAULT_USAGE;
+    }
+    memcpy(name, word, len);
+    name[len] = '\0';
+    if (mind_set_global(mind, name, equals + 1) != MU_OK) {
+        fprintf(stderr, "--global %s: no such global, or not a CLIPS field\n", word);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
+{
+    for (size_t i = 0; i < globals->count; i++) {
+        MU_TRY(robot_set_global(mind, globals->items[i]));
+    }
+    return MU_OK;
+}
+
+/* @param folder  of the shared rules; NULL: a capsule has them */
+static struct mind_options options_of(struct robot *r, const char *folder)
+{
+    const struct settings *set = r->crew->set;
+    return (struct mind_options){.name = r->name,
+                                 .seed = (uint64_t)set->seed,
+                                 .rules_folder = folder,
+                                 .rules_file = set->rules,
+                                 .firings_max = (uint32_t)set->firings_max,
+                                 .failures_max = (uint32_t)set->failures_max,
+                                 .diary = set->diary,
+                                 .router = r->crew->router,
+                                 .half_m = robot_map_half_m(r),
+                                 .ports = robot_ports(r)};
+}
+
+/* @return whether it has a mind, made of its checkpoint */
+static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct passport *p)
+{
+    struct mu_fault fault;
+    struct mind_options options = options_of(r, NULL);
+    const char *capsule = checkpoint_read(r->crew, r->name, head, p);
+    if (!capsule) {
+        return false;
+    }
+    mu_result made = mind_begin(r->mind, &options, &fault);
+    made = made == MU_OK ? mind_restore(r->mind, capsule, strlen(capsule), &fault) : made;
+    if (made != MU_OK) {
+        mu_log(MU_LOG_WARNING, "checkpoint-refused", "name=%s line=%d %s", r->name, fault.line,
+               fault.text);
+        mind_close(r->mind);
+    }
+    return made == MU_OK;
+}
+
+/* @return whether it goes on where its checkpoint ends */
+static bool mind_return(struct robot *r)
+{
+    struct checkpoint_head head;
+    struct passport p;
+    if (!mind_restored(r, &head, &p)) {
+        return false;
+    }
+    r->returns = true;
+    r->saved_step = head.step;
+    r->answer = head.answer;
+    if (head.answer.text) { /* other files are read where this one was */
+        r->answer.text =
+            memcpy(mu_startup_alloc(head.answer.len + 1), head.answer.text, head.answer.len);
+    }
+    r->returns_as = p.state;
+    r->passage = p.passage;
+    r->mails = p.mails;
+    return true;
+}
+
+static mu_result mind_make(struct robot *r, const char *folder)
+{
+    const struct settings *set = r->crew->set;
+    struct mind_options options = options_of(r, folder);
+    struct mu_fault fault;
+    mu_result made = mind_begin(r->mind, &options, &fault);
+    made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
+    if (made != MU_OK) {
+        mu_fault_print(&fault);
+        return made;
+    }
+    return globals_set(r->mind, &set->globals);
+}
+
+mu_result robot_think(struct robot *r)
+{
+    r->mind = mind_reserve();
+    bool returns = r->crew->set->checkpoints.restore && mind_return(r);
+    return returns ? MU_OK : mind_make(r, r->crew->rules_folder);
+}
+
+/* @return whether it has a mind again */
+static bool mind_again(struct robot *r, const char **made_of)
+{
+    const struct settings *set = r->crew->set;
+    struct checkpoint_head head;
+    struct passport p;
+    mind_close(r->mind);
+    *made_of = "checkpoint";
+    if (set->checkpoints.every_s > 0 && mind_restored(r, &head, &p)) {
+        return true;
+    }
+    *made_of = "rules";
+    return set->rules && mind_make(r, r->crew->rules_folder) == MU_OK;
+}
+
+bool robot_mend(struct robot *r)
+{
+    const char *made_of;
+    if (!mind_is_broken(r->mind) || r->mends >= r->crew->set->mends_max) {
+        return false;
+    }
+    r->mends++;
+    if (!mind_again(r, &made_of)) {
+        mu_log(MU_LOG_ERROR, "mind-gone", "name=%s", r->name);
+        return false;
+    }
+    mu_log(MU_LOG_WARNING, "mind-mended", "name=%s of=%s time=%" PRId64, r->name, made_of,
+           r->mends);
+    mind_event(r->mind, MU_ON_ARRIVE);
+    return true;
+}

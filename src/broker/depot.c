@@ -1,0 +1,497 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/depot.h"
+
+#include "broker/parts.h"
+#include "broker/presence.h"
+#include "broker/sample.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* So long a lock step waits for a host: less than its simulator waits for anybody. */
+static const uint64_t HOST_NS = 3000000000;
+
+/* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
+static const uint64_t LOSS_NS = 1000000000;
+
+/* Who is absent for so long has no source that would take it back, or host that has only not said
+ * yet that it has it. */
+static const uint64_t ORPHAN_NS = 2000000000;
+
+void depot_init(struct depot *d)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        d->capsules[i].text = mu_startup_alloc(MU_CAPSULE_MAX);
+    }
+}
+
+static uint32_t capsule_find(const struct broker *b, uint32_t agent)
+{
+    const struct depot *d = &b->depot;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
+        if (d->capsules[i].phase != DEPOT_FREE && d->capsules[i].agent == agent) {
+            return i;
+        }
+    }
+    return MU_NONE;
+}
+
+static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE ? &b->depot.capsules[i] : NULL;
+}
+
+/* --- words ------------------------------------------------------------------------------------ */
+
+/* A word to nobody, or one too many, is lost; whoever waits for it has a time limit. */
+static void word_say(struct broker *b, const struct depot_word *word)
+{
+    struct depot *d = &b->depot;
+    if (word->place == MU_NONE) {
+        return;
+    }
+    if (d->words_count == DEPOT_WORDS) {
+        d->lost++;
+        return;
+    }
+    d->words[d->words_count++] = *word;
+    places_wake(&b->places, word->place);
+}
+
+static void word_of(struct broker *b, const struct depot_capsule *c, uint32_t place,
+                    muster_TripWord say, const char *reason)
+{
+    struct depot_word word = {.place = place,
+                              .word = say,
+                              .agent = c->agent,
+                              .host = c->host,
+                              .at = c->target,
+                              .epoch = c->epoch,
+                              .capsule = (uint32_t)(c - b->depot.capsules)};
+    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
+    word_say(b, &word);
+}
+
+/* An arrival whose capsule has gone since is none. */
+static bool word_is_void(const struct broker *b, const struct depot_word *w)
+{
+    const struct depot_capsule *c = &b->depot.capsules[w->capsule];
+    return w->word == muster_TRIP_ARRIVE &&
+           (c->phase != DEPOT_SENT || c->agent != w->agent || c->epoch != w->epoch);
+}
+
+static void word_remove(struct depot *d, uint32_t i)
+{
+    d->words_count--;
+    memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
+}
+
+bool depot_next(struct broker *b, uint32_t place, muster_Trip *out)
+{
+    struct depot *d = &b->depot;
+    uint32_t i = 0;
+    while (i < d->words_count && (d->words[i].place != place || word_is_void(b, &d->words[i]))) {
+        if (d->words[i].place == place) {
+            word_remove(d, i);
+        } else {
+            i++;
+        }
+    }
+    if (i == d->words_count) {
+        return false;
+    }
+    const struct depot_word *w = &d->words[i];
+    bool arrives = w->word == muster_TRIP_ARRIVE;
+    d->open = i;
+    *out = (muster_Trip){.word = w->word, .epoch = w->epoch};
+    out->agent = sample_text(b->registry.agents[w->agent].name);
+    out->host = sample_text(w->host != MU_NONE ? b->registry.agents[w->host].name : "");
+    out->process = sample_text(w->at != MU_NONE ? b->places.at[w->at].name : "");
+    out->reason = sample_text(w->reason);
+    out->text = sample_text(arrives ? d->capsules[w->capsule].text : "");
+    return true;
+}
+
+void depot_sent(struct broker *b)
+{
+    word_remove(&b->depot, b->depot.open);
+}
+
+/* --- keeping ---------------------------------------------------------------------------------- */
+
+static void capsule_drop(struct broker *b, struct depot_capsule *c)
+{
+    b->depot.holding -= c->holds;
+    b->depot.count--;
+    c->holds = false;
+    c->phase = DEPOT_FREE;
+    c->unsaved = b->journal.on; /* its line on disk goes */
+}
+
+/* @return a place for a capsule of that agent, first that of an older one whose line on disk is to
+ *         go; NULL: there is none */
+static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
+{
+    struct depot *d = &b->depot;
+    struct depot_capsule *free = NULL, *c = capsule_of(b, agent);
+    if (c) {
+        capsule_drop(b, c);
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        struct depot_capsule *at = &d->capsules[i];
+        if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
+            return at;
+        }
+        free = at->phase == DEPOT_FREE && !at->unsaved && !free ? at : free;
+    }
+    return free;
+}
+
+static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, uint64_t epoch,
+                                          const char *text)
+{
+    struct depot_capsule *c = capsule_take(b, agent);
+    if (!c) {
+        return NULL;
+    }
+    *c = (struct depot_capsule){.phase = DEPOT_KEPT,
+                                .agent = agent,
+                                .epoch = epoch,
+                                .source = MU_NONE,
+                                .target = MU_NONE,
+                                .host = MU_NONE,
+                                .unsaved = b->journal.on,
+                                .len = strlen(text),
+                                .text = c->text};
+    memcpy(c->text, text, c->len + 1);
+    b->depot.count++;
+    b->depot.kept++;
+    return c;
+}
+
+bool depot_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text)
+{
+    size_t len = strnlen(text, MU_CAPSULE_MAX);
+    struct depot_capsule *c =
+        len > 0 && len < MU_CAPSULE_MAX ? capsule_keep(b, agent, epoch, text) : NULL;
+    if (c) {
+        c->unsaved = false;
+    }
+    return c != NULL;
+}
+
+/* --- the way ---------------------------------------------------------------------------------- */
+
+static void step_release(struct broker *b)
+{
+    if (b->depot.holding == 0) {
+        lockstep_release(b);
+    }
+}
+
+/* It stays where it is, which the source hears; the capsule is kept until the source has said that
+ * it goes on. */
+static void capsule_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
+{
+    bool held = c->holds;
+    b->depot.refused++;
+    b->depot.holding -= held;
+    c->holds = false;
+    c->phase = DEPOT_KEPT;
+    word_of(b, c, c->source, muster_TRIP_REFUSED, reason);
+    if (held) {
+        step_release(b);
+    }
+}
+
+/* @return why an agent cannot be handed to the host that it names, or NULL */
+static const char *objection(const struct broker *b, uint32_t host, bool in_step)
+{
+    const struct agent *a = host != MU_NONE ? &b->registry.agents[host] : NULL;
+    if (!a || a->is.kind != muster_KIND_HOST) {
+        return "unknown-host";
+    }
+    if (a->process == MU_NONE || (a->gone && !in_step)) { /* in lock step it may be slow only */
+        return "host-absent";
+    }
+    return in_step && !b->places.at[a->process].rostered ? "lock-step" : NULL;
+}
+
+static void capsule_send(struct broker *b, struct depot_capsule *c)
+{
+    c->target = b->registry.agents[c->host].process;
+    c->phase = DEPOT_SENT;
+    c->until_ns = b->clock.now_ns + HOST_NS;
+    word_of(b, c, c->target, muster_TRIP_ARRIVE, "");
+}
+
+static void deposit_refuse(struct broker *b, uint32_t place, uint32_t agent, uint64_t epoch,
+                           const char *reason)
+{
+    struct depot_capsule none = {
+        .agent = agent, .epoch = epoch, .host = MU_NONE, .target = MU_NONE};
+    struct depot_word word = {.place = place,
+                              .word = muster_TRIP_REFUSED,
+                              .agent = none.agent,
+                              .host = MU_NONE,
+                              .at = MU_NONE,
+                              .epoch = none.epoch};
+    b->depot.refused++;
+    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
+    word_say(b, &word);
+}
+
+static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
+{
+    uint32_t agent = registry_find(&b->registry, trip->agent);
+    uint32_t host = registry_find(&b->registry, trip->host);
+    if (agent == MU_NONE || b->registry.agents[agent].process != place) {
+        b->counters.malformed++;
+        return;
+    }
+    bool late = b->places.at[place].rostered && !in_step;
+    const char *wrong = late ? "lock-step" : objection(b, host, in_step);
+    struct depot_capsule *c = wrong ? NULL : capsule_keep(b, agent, trip->epoch, trip->text);
+    if (!c) {
+        deposit_refuse(b, place, agent, trip->epoch, wrong ? wrong : "depot-full");
+        return;
+    }
+    c->source = place;
+    c->host = host;
+    if (in_step) {
+        c->phase = DEPOT_STEP;
+    } else if (b->places.at[b->registry.agents[host].process].is_broker) {
+        word_of(b, c, place, muster_TRIP_STORED, "");
+    } else {
+        capsule_send(b, c);
+    }
+}
+
+/* The name goes from one process of a lock step to another, at once. */
+static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
+{
+    struct agent *a = &b->registry.agents[c->agent];
+    struct presence is = a->is;
+    const struct presence *host = &b->registry.agents[c->host].is;
+    is.epoch = c->epoch;
+    is.pid = host->pid;
+    (void)mu_text_copy(is.host, sizeof is.host, host->host);
+    presence_move(b, c->agent, c->target, slot, &is);
+    b->depot.taken++;
+    b->depot.holding--;
+    c->holds = false;
+    c->seated = true;
+    c->phase = DEPOT_KEPT;
+    word_of(b, c, c->source, muster_TRIP_TAKEN, "");
+    word_of(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
+    step_release(b);
+}
+
+/* A host has said something of a capsule that it was handed. */
+static struct depot_capsule *capsule_answered(struct broker *b, uint32_t place,
+                                              const muster_Trip *trip)
+{
+    uint32_t agent = registry_find(&b->registry, trip->agent);
+    struct depot_capsule *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
+    bool ours = c && c->phase == DEPOT_SENT && c->target == place && c->epoch == trip->epoch;
+    return ours ? c : NULL;
+}
+
+static void ready_take(struct broker *b, uint32_t place, const muster_Trip *trip)
+{
+    struct depot_capsule *c = capsule_answered(b, place, trip);
+    uint32_t agent = registry_find(&b->registry, trip->agent);
+    if (!c) {
+        if (agent != MU_NONE) {
+            deposit_refuse(b, place, agent, trip->epoch, "too-late");
+        }
+    } else if (c->holds) {
+        seat(b, c, trip->slot);
+    } else {
+        c->phase = DEPOT_KEPT;
+        word_of(b, c, c->source, muster_TRIP_READY, "");
+    }
+}
+
+static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *trip)
+{
+    struct depot_capsule *c = capsule_answered(b, place, trip);
+    if (c) {
+        capsule_refuse(b, c, trip->reason);
+    }
+}
+
+/* Nobody bears its name, and nobody is about to. */
+static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
+{
+    const struct agent *a = &b->registry.agents[c->agent];
+    uint64_t absent_ns = presence_wall_ns(b) - a->since_wall_ns;
+    return c->phase == DEPOT_KEPT && a->process == MU_NONE && b->clock.now_ns >= ORPHAN_NS &&
+           absent_ns >= ORPHAN_NS;
+}
+
+static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
+{
+    uint32_t host = registry_find(&b->registry, trip->host);
+    if (objection(b, host, false) || b->registry.agents[host].process != place ||
+        b->places.at[place].rostered) {
+        return;
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (is_orphan(b, c)) {
+            c->source = MU_NONE;
+            c->host = host;
+            b->depot.restored++;
+            capsule_send(b, c);
+        }
+    }
+}
+
+void depot_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
+{
+    switch (trip->word) {
+    case muster_TRIP_DEPOSIT: deposit_take(b, place, trip, in_step); return;
+    case muster_TRIP_READY: ready_take(b, place, trip); return;
+    case muster_TRIP_REFUSED: refusal_take(b, place, trip); return;
+    case muster_TRIP_WANTED: wanted_take(b, place, trip); return;
+    case muster_TRIP_ARRIVE:
+    case muster_TRIP_TAKEN:
+    case muster_TRIP_STORED: b->counters.malformed++; return;
+    }
+}
+
+/* --- lock step -------------------------------------------------------------------------------- */
+
+static void capsule_set_out(struct broker *b, struct depot_capsule *c)
+{
+    const char *wrong = objection(b, c->host, true);
+    bool stays = b->registry.agents[c->agent].process != c->source;
+    if (wrong || stays) {
+        capsule_refuse(b, c, wrong ? wrong : "gone");
+        return;
+    }
+    c->holds = true;
+    b->depot.holding++;
+    capsule_send(b, c);
+}
+
+bool depot_step_ended(struct broker *b)
+{
+    struct depot *d = &b->depot;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
+        if (d->capsules[i].phase == DEPOT_STEP) {
+            capsule_set_out(b, &d->capsules[i]);
+        }
+    }
+    return d->holding > 0;
+}
+
+void depot_lockstep_over(struct broker *b)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->phase == DEPOT_STEP || c->holds) {
+            capsule_refuse(b, c, "lock-step");
+        }
+    }
+}
+
+/* --- ends ------------------------------------------------------------------------------------- */
+
+void depot_gone(struct broker *b, uint32_t place)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->phase != DEPOT_FREE && c->source == place) {
+            c->source = MU_NONE;
+        }
+        if (c->holds && c->target == place) {
+            uint64_t until_ns = b->clock.now_ns + LOSS_NS;
+            c->until_ns = c->until_ns < until_ns ? c->until_ns : until_ns;
+        } else if (c->phase == DEPOT_SENT && c->target == place) {
+            capsule_refuse(b, c, "host-absent");
+        } else if (c->phase == DEPOT_KEPT && c->target == place) {
+            word_of(b, c, c->source, muster_TRIP_REFUSED, "host-absent"); /* it takes it back */
+            c->target = MU_NONE;
+        }
+    }
+}
+
+/* The agent lives at its target. */
+static void capsule_end(struct broker *b, struct depot_capsule *c)
+{
+    if (!c->seated) {
+        c->target = b->registry.agents[c->agent].process;
+        word_of(b, c, c->source, muster_TRIP_TAKEN, "");
+    }
+    capsule_drop(b, c);
+}
+
+void depot_review(struct broker *b, uint32_t agent)
+{
+    struct depot_capsule *c = capsule_of(b, agent);
+    if (!c || c->holds) {
+        return;
+    }
+    const struct agent *a = &b->registry.agents[agent];
+    bool lives = a->process != MU_NONE && a->is.state != muster_STATE_MOVING;
+    bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
+    if (a->is.epoch > c->epoch) {
+        capsule_drop(b, c);
+    } else if (lives && elsewhere && c->phase == DEPOT_KEPT) {
+        capsule_end(b, c);
+    }
+}
+
+void depot_acknowledged(struct broker *b, uint32_t agent, uint32_t place)
+{
+    struct depot_capsule *c = capsule_of(b, agent);
+    if (c && !c->holds && c->phase == DEPOT_KEPT && place != c->source) {
+        capsule_end(b, c);
+    }
+}
+
+bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    if (a->left == place && epoch < a->is.epoch) {
+        return true;
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
+        const struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->holds && c->agent == agent && c->target == place) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE && epoch > 0 && b->depot.capsules[i].epoch > epoch;
+}
+
+uint64_t depot_deadline_ns(const struct broker *b)
+{
+    uint64_t first_ns = UINT64_MAX;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
+        const struct depot_capsule *c = &b->depot.capsules[i];
+        first_ns = c->holds && c->until_ns < first_ns ? c->until_ns : first_ns;
+    }
+    return first_ns;
+}
+
+void depot_tick(struct broker *b)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->holds && c->until_ns <= b->clock.now_ns) {
+            word_of(b, c, c->target, muster_TRIP_REFUSED, "too-late");
+            capsule_refuse(b, c, "host-silent");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file depot.h
+ * Capsules of agents that are on their way, and the words about them.
+ *
+ * A capsule is kept from the moment at which its source hands it in until the agent lives at
+ * another process, or has set out anew, or stayed.  As long as nobody bears the name, whoever
+ * restores agents may ask for it.  docs/mobility.md has the order of events.
+ *
+ * In lock step the depot holds the step while a capsule is under way, and seats the agent itself.
+ */
+#ifndef MUSTER_BROKER_DEPOT_H
+#define MUSTER_BROKER_DEPOT_H
+
+#include "broker/registry.h"
+
+struct broker;
+
+enum { DEPOT_WORDS = 4 * MU_CAPSULES_MAX };
+
+enum depot_phase {
+    DEPOT_FREE,
+    DEPOT_STEP, /* it came in a step that has not ended */
+    DEPOT_SENT, /* its host has it, or is about to, and has said nothing */
+    DEPOT_KEPT  /* nothing is awaited of anybody */
+};
+
+struct depot_capsule {
+    enum depot_phase phase;
+    uint32_t agent;
+    uint64_t epoch;
+    uint32_t source, target; /* places; MU_NONE: not known, or no more */
+    uint32_t host;           /* the agent that it wants to go to */
+    bool seated;             /* a lock step has given its name to the target, and said so */
+    bool holds;              /* the step waits for it, */
+    uint64_t until_ns;       /* at most until then */
+    bool unsaved;            /* the disk is to be told that it is there, or that it is free */
+    size_t len;
+    char *text; /* MU_CAPSULE_MAX; passport and capsule */
+};
+
+/* What a process is to be told. */
+struct depot_word {
+    uint32_t place;
+    muster_TripWord word;
+    uint32_t agent, host, at; /* at: the place where it lives */
+    uint64_t epoch;
+    uint32_t capsule; /* of arrive */
+    char reason[MU_FIELD_MAX + 1];
+};
+
+struct depot {
+    struct depot_capsule capsules[MU_CAPSULES_MAX];
+    uint32_t count, holding;              /* capsules; those that the step waits for */
+    struct depot_word words[DEPOT_WORDS]; /* in order */
+    uint32_t words_count;
+    uint32_t open;                                 /* the word that courier_next has in hand */
+    uint64_t kept, taken, refused, lost, restored; /* counters */
+};
+
+void depot_init(struct depot *d);
+
+/** Takes a word of a process.  @param in_step  it came with the process's answer to a step */
+void depot_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step);
+
+/** A step has taken effect.  @return whether its end has to wait for agents on their way */
+bool depot_step_ended(struct broker *b);
+
+/** The lock step is over: who is on its way stays. */
+void depot_lockstep_over(struct broker *b);
+
+/** A process is no more. */
+void depot_gone(struct broker *b, uint32_t place);
+
+/** An agent was seated, or said something of itself: its capsule may be of no use any more. */
+void depot_review(struct broker *b, uint32_t agent);
+
+/** An agent has acknowledged mail from this process: if it has come there, it lives there, and what
+ * it was before is of no use any more. */
+void depot_acknowledged(struct broker *b, uint32_t agent, uint32_t place);
+
+/** @return whether what a process says of an agent is of before it was taken from there, or of
+ *          after it will have been seated there: neither is a claim on the name */
+bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch);
+
+/** @return whether a later copy of an agent that nobody has is kept here */
+bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch);
+
+/** Gives up hosts that are silent. */
+void depot_tick(struct broker *b);
+
+/** @return when depot_tick is needed next, or UINT64_MAX */
+uint64_t depot_deadline_ns(const struct broker *b);
+
+/**
+ * Gives the first word for a process.
+ *
+ * @param out  filled with pointers into the broker, valid until the next call into it
+ * @return false: there is none
+ */
+bool depot_next(struct broker *b, uint32_t place, muster_Trip *out);
+
+/** The word that was given last is out. */
+void depot_sent(struct broker *b);
+
+/** Takes in a capsule of an earlier life.  @return false: there is no room, or it is malformed */
+bool depot_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text);
+
+#endif

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Robots that begin on a host: --robot NAME=FILE. */
+#include "core/name.h"
+#include "core/text.h"
+#include "host/host.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Takes the name off NAME=FILE.  @return the file, or NULL: it is not that */
+static const char *native_read(const char *word, char name[MU_NAME_MAX + 1])
+{
+    char shown[MU_TEXT_SHOWN];
+    const char *equals = strchr(word, '=');
+    size_t len = equals ? (size_t)(equals - word) : 0;
+    if (len >= 1 && len <= MU_NAME_MAX && equals[1]) {
+        memcpy(name, word, len);
+        name[len] = '\0';
+        if (mu_name_valid(name) && !mu_name_reserved(name)) {
+            return equals + 1;
+        }
+    }
+    fprintf(stderr, "muster host --robot %s: expected NAME=FILE\n", mu_text_show(shown, word));
+    return NULL;
+}
+
+/* Sets those globals that are for this robot: NAME.G=VALUE. */
+static mu_result globals_set(const struct host *h, struct robot *r)
+{
+    const struct mu_option_list *globals = &h->set->robots.globals;
+    size_t len = strlen(r->name);
+    mu_result set = MU_OK;
+    for (size_t i = 0; i < globals->count && set == MU_OK; i++) {
+        const char *word = globals->items[i];
+        if (strncmp(word, r->name, len) == 0 && word[len] == '.') {
+            set = robot_set_global(r->mind, word + len + 1);
+        }
+    }
+    return set;
+}
+
+static mu_result mind_make(struct host *h, struct robot *r, const char *file)
+{
+    struct mu_fault fault;
+    struct mind_options options = {.name = r->name,
+                                   .seed = (uint64_t)h->set->robots.seed,
+                                   .rules_folder = h->folder,
+                                   .rules_file = file,
+                                   .firings_max = (uint32_t)h->set->robots.firings_max,
+                                   .failures_max = (uint32_t)h->set->robots.failures_max,
+                                   .router = h->crew.router,
+                                   .half_m = robot_map_half_m(r),
+                                   .diary = h->set->robots.diary,
+                                   .ports = robot_ports(r)};
+    mu_result made = mind_begin(r->mind, &options, &fault);
+    made = made == MU_OK ? mind_load(r->mind, file, &fault) : made;
+    if (made != MU_OK) {
+        mu_fault_print(&fault);
+        return made;
+    }
+    return globals_set(h, r);
+}
+
+mu_result natives_begin(struct host *h)
+{
+    const struct mu_option_list *natives = &h->set->natives;
+    if (natives->count > h->crew.count) {
+        fprintf(stderr, "muster host: there is room for %u agents (--agents)\n",
+                (unsigned)h->crew.count);
+        return MU_FAULT_USAGE;
+    }
+    for (size_t i = 0; i < natives->count; i++) {
+        struct robot *r = &h->crew.robots[i];
+        const char *file = native_read(natives->items[i], r->name);
+        if (!file) {
+            return MU_FAULT_USAGE;
+        }
+        r->out = false;
+        MU_TRY(mind_make(h, r, file));
+        MU_TRY(robot_join(r));
+    }
+    return MU_OK;
+}

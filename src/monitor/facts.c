@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/facts.h"
+
+#include "agent/clips_text.h"
+#include "core/log.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+const char *const facts_of_a_step[] = {"step",      "robot", "team", "thing",
+                                       "mail-seen", "fired", NULL};
+
+static const double MM = 1000;
+static const double DEG = 180 / M_PI;
+
+/* --- fields ----------------------------------------------------------------------------------- */
+
+static void quoted_add(struct mu_text *t, const char *text)
+{
+    mu_text_add(t, "\"");
+    for (; *text; text++) {
+        mu_text_add(t, *text == '"' || *text == '\\' ? "\\" : "");
+        mu_text_add_bytes(t, text, 1);
+    }
+    mu_text_add(t, "\"");
+}
+
+/* In a fact that is told, these begin what is no constant. */
+static bool field_is_plain(const struct clips_field *f)
+{
+    return f->kind != CLIPS_FIELD_BAD &&
+           (f->kind != CLIPS_FIELD_SYMBOL || !strchr("?$=:~&|", f->at[0]));
+}
+
+void facts_add_word(struct mu_text *t, const char *word)
+{
+    const char *at = word;
+    struct clips_field f = clips_text_field(&at);
+    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(word) && field_is_plain(&f);
+    if (symbol) {
+        mu_text_add(t, word);
+    } else if (word[0] == '\0') {
+        mu_text_add(t, "nil");
+    } else {
+        quoted_add(t, word);
+    }
+}
+
+void facts_add_content(struct mu_text *t, const char *language, const char *content)
+{
+    bool list = language[0] == '\0' || strcmp(language, "clips") == 0;
+    struct clips_field f;
+    const char *at = content;
+    while (list && (f = clips_text_field(&at)).kind != CLIPS_FIELD_END) {
+        list = field_is_plain(&f);
+    }
+    if (list) {
+        mu_text_add(t, content);
+    } else {
+        quoted_add(t, content);
+    }
+}
+
+static void slot_real(struct mu_text *t, const char *slot, double value)
+{
+    mu_text_format(t, " (%s %.17g%s)", slot, value,
+                   value == floor(value) && fabs(value) < 1e15 ? ".0" : "");
+}
+
+static void slot_count(struct mu_text *t, const char *slot, uint64_t value)
+{
+    mu_text_format(t, " (%s %" PRIu64 ")", slot, value);
+}
+
+static void slot_word(struct mu_text *t, const char *slot, const char *word)
+{
+    mu_text_format(t, " (%s ", slot);
+    facts_add_word(t, word);
+    mu_text_add(t, ")");
+}
+
+static void slot_truth(struct mu_text *t, const char *slot, bool value)
+{
+    mu_text_format(t, " (%s %s)", slot, value ? "TRUE" : "FALSE");
+}
+
+/* As rules have headings: in (-180, 180]. */
+static double degrees(double rad)
+{
+    double deg = remainder(rad * DEG, 360);
+    return deg <= -180 ? deg + 360 : deg;
+}
+
+/* --- facts ------------------------------------------------------------------------------------ */
+
+static void robot_now(struct mu_text *t, const struct mu_robot_view *v)
+{
+    slot_word(t, "name", v->name);
+    slot_word(t, "state", mu_state_text(v->state));
+    slot_real(t, "x", v->x_m * MM);
+    slot_real(t, "y", v->y_m * MM);
+    slot_real(t, "heading", degrees(v->heading_rad));
+    slot_real(t, "speed", v->forward_m_s * MM);
+    slot_real(t, "turn-rate", v->turn_rad_s * DEG);
+    slot_real(t, "command-speed", v->command_forward_m_s * MM);
+    slot_real(t, "command-turn-rate", v->command_turn_rad_s * DEG);
+    slot_truth(t, "stalled", v->stalled);
+}
+
+static void robot_so_far(struct mu_text *t, const struct mu_stats_robot *r)
+{
+    slot_real(t, "distance", r->distance_m * MM);
+    slot_count(t, "stalls", r->stalls);
+    slot_real(t, "stalled-time", r->stalled_s);
+    slot_real(t, "mean-speed", r->mean_speed_m_s * MM);
+    slot_real(t, "efficiency", r->efficiency_m_s * MM);
+    slot_count(t, "sent", r->mails_sent);
+    slot_count(t, "received", r->mails_received);
+    slot_count(t, "fired", r->firings);
+    slot_real(t, "explored", r->explored);
+}
+
+void facts_write_robot(struct mu_text *t, const mu_stats *s, size_t robot,
+                       const struct mu_robot_view *view)
+{
+    const struct mu_stats_robot *r = mu_stats_robot(s, robot);
+    mu_text_clear(t);
+    mu_text_add(t, "(robot");
+    robot_now(t, view);
+    robot_so_far(t, r);
+    bool near = r->nearest_m >= 0;
+    slot_word(t, "nearest", near ? mu_stats_robot(s, r->nearest)->name : "nil");
+    slot_real(t, "nearest-distance", near ? r->nearest_m * MM : -1);
+    slot_real(t, "nearest-time", near ? r->nearest_s : -1);
+    if (r->has_goal) {
+        slot_real(t, "goal-time", r->goal_s);
+        slot_truth(t, "at-goal", r->there);
+    }
+    mu_text_add(t, ")");
+}
+
+void facts_write_team(struct mu_text *t, const mu_stats *s)
+{
+    struct mu_stats_team team = mu_stats_team(s);
+    mu_text_clear(t);
+    mu_text_add(t, "(team");
+    slot_real(t, "distance", team.distance_m * MM);
+    slot_count(t, "stalls", team.stalls);
+    slot_real(t, "explored", team.explored);
+    slot_word(t, "most-efficient", team.most_efficient ? team.most_efficient : "nil");
+    slot_count(t, "sent", team.mails_sent);
+    slot_count(t, "received", team.mails_received);
+    slot_count(t, "fired", team.firings);
+    mu_text_add(t, ")");
+}
+
+void facts_write_object(struct mu_text *t, const struct mu_object_view *object)
+{
+    mu_text_clear(t);
+    mu_text_add(t, "(thing");
+    slot_word(t, "name", object->name);
+    slot_real(t, "x", object->x_m * MM);
+    slot_real(t, "y", object->y_m * MM);
+    slot_real(t, "heading", degrees(object->heading_rad));
+    mu_text_add(t, ")");
+}
+
+void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside)
+{
+    mu_text_clear(t);
+    mu_text_add(t, "(mail-seen");
+    slot_word(t, "from", mail->src);
+    slot_word(t, "to", mail->dst);
+    slot_word(t, "performative", mail->performative);
+    slot_word(t, "language", mail->language);
+    slot_truth(t, "outside", outside);
+    mu_text_add(t, " (content ");
+    facts_add_content(t, mail->language, mail->content);
+    mu_text_add(t, "))");
+}
+
+void facts_write_end(struct mu_text *t, const struct mu_run_result *result)
+{
+    static const char *const ends[] = {
+        [MU_RUN_DONE] = "done", [MU_RUN_FAULT] = "fault", [MU_RUN_LOST] = "lost"};
+    mu_text_clear(t);
+    mu_text_format(t, "(run-ended (how %s) (step %" PRId64 ")", ends[result->end], result->step);
+    slot_real(t, "time", (double)result->time_ns / 1e9);
+    mu_text_add(t, " (hash ");
+    quoted_add(t, result->hash);
+    mu_text_add(t, "))");
+}
+
+/* --- a step ----------------------------------------------------------------------------------- */
+
+/* What has come twice is one fact: a mail that was said twice in a step, a rule that fired twice.
+ */
+static void tell(struct mind *m, const struct mu_text *fact)
+{
+    if (fact->cut || mind_tell(m, fact->at) != MU_OK) {
+        mu_log(MU_LOG_INFO, "fact-refused", "fact=%.200s", fact->at);
+    }
+}
+
+static void fired_tell(struct mind *m, struct mu_text *t, const struct mu_act_view *act)
+{
+    for (const char *rule = act->rules; *rule; rule += strspn(rule, " ")) {
+        char name[MU_ATTRIBUTES_MAX + 1];
+        size_t len = strcspn(rule, " ");
+        snprintf(name, sizeof name, "%.*s", (int)(len < sizeof name ? len : sizeof name - 1), rule);
+        mu_text_clear(t);
+        mu_text_add(t, "(fired ");
+        facts_add_word(t, act->agent);
+        mu_text_add(t, " ");
+        facts_add_word(t, name);
+        mu_text_add(t, ")");
+        tell(m, t);
+        rule += len;
+    }
+}
+
+static void mails_tell(struct mind *m, struct mu_text *t, const struct mu_mail *mails, size_t count,
+                       bool outside)
+{
+    for (size_t i = 0; i < count; i++) {
+        facts_write_mail(t, &mails[i], outside);
+        tell(m, t);
+    }
+}
+
+/* Facts that no rule looks at cost more than all others. */
+static void acts_tell(struct mind *m, struct mu_text *t, const struct mu_frame *f)
+{
+    bool mails = mind_looks_at(m, "mail-seen"), fired = mind_looks_at(m, "fired");
+    for (size_t i = 0; i < f->act_count; i++) {
+        if (mails) {
+            mails_tell(m, t, f->acts[i].mails, f->acts[i].mail_count, false);
+        }
+        if (fired) {
+            fired_tell(m, t, &f->acts[i]);
+        }
+    }
+    if (mails) {
+        mails_tell(m, t, f->outside, f->outside_count, true);
+    }
+}
+
+void facts_tell(struct mind *m, const mu_stats *s, const struct mu_frame *f)
+{
+    static char bytes[FACTS_TEXT];
+    struct mu_text t;
+    mu_text_init(&t, bytes, sizeof bytes);
+    for (size_t i = 0; i < f->robot_count && i < mu_stats_count(s); i++) {
+        facts_write_robot(&t, s, i, &f->robots[i]);
+        tell(m, &t);
+    }
+    facts_write_team(&t, s);
+    tell(m, &t);
+    for (size_t i = 0; i < f->object_count; i++) {
+        facts_write_object(&t, &f->objects[i]);
+        tell(m, &t);
+    }
+    acts_tell(m, &t, f);
+}

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* muster-monitor: an agent without a body, whose rules see a whole run as facts. */
+#include "agent/robot.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/name.h"
+#include "core/paths.h"
+#include "monitor/facts.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { WORLD_MAX = 64 };
+static const int64_t ROUND_NS = 50000000;
+
+static struct monitor {
+    struct settings set;
+    bool latest, stays;
+    struct crew *crew;
+    struct robot *self; /* the crew's only one */
+    mu_watch *watch;
+    mu_stats *stats;
+    char world[WORLD_MAX];
+    uint64_t seed;
+    uint64_t missed;
+    bool ended;
+} monitor;
+
+/* --- what it sees ----------------------------------------------------------------------------- */
+
+static bool may_act(void)
+{
+    return mu_agent_state(monitor.self->agent) == MU_RUNNING;
+}
+
+/* Speeds that rules set move nothing: there is no body. */
+static void rules_fire(void)
+{
+    struct mind_act act;
+    struct robot *r = monitor.self;
+    mind_fire(r->mind, &act);
+    if (act.end == MIND_STOPPED) {
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s rules=%s", r->name, act.why,
+               act.rules);
+    }
+    if (act.enough) {
+        mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", r->name, act.enough);
+        mu_agent_suspend(r->agent, act.enough);
+    }
+    robot_do_wish(r, r->agent);
+    if (mind_travel(r->mind).kind == MIND_DISPOSES) {
+        mu_agent_set_state(r->agent, MU_GONE);
+    }
+    robot_console_offer(r);
+}
+
+static void step_tell(const struct mu_frame *f)
+{
+    char fact[MU_CONTENT_MAX];
+    struct mu_text t;
+    mu_text_init(&t, fact, sizeof fact);
+    mu_text_format(&t,
+                   "(step (number %" PRId64 ") (time %.9f) (missed %" PRIu64 ") (seed %" PRIu64
+                   ") (world ",
+                   f->step, (double)f->time_ns / 1e9, f->missed, monitor.seed);
+    facts_add_word(&t, monitor.world);
+    mu_text_add(&t, "))");
+    (void)mind_tell(monitor.self->mind, fact);
+}
+
+static void on_scene(void *self, const struct mu_scene *scene)
+{
+    (void)self;
+    (void)mu_text_copy(monitor.world, sizeof monitor.world, scene->world);
+    monitor.seed = scene->seed;
+    mu_stats_begin(monitor.stats, scene);
+}
+
+static void on_step(void *self, const struct mu_frame *frame)
+{
+    (void)self;
+    mu_stats_take(monitor.stats, frame);
+    monitor.missed += frame->missed;
+    if (!may_act()) {
+        return; /* a suspended mind keeps still, so that a person can look at it */
+    }
+    mind_observe(monitor.self->mind, frame->time_ns, facts_of_a_step);
+    step_tell(frame);
+    facts_tell(monitor.self->mind, monitor.stats, frame);
+    rules_fire();
+}
+
+static void on_end(void *self, const struct mu_run_result *result)
+{
+    (void)self;
+    static const char *const ended[] = {"run-ended", NULL};
+    static const char *const nothing[] = {NULL};
+    char fact[MU_ATTRIBUTES_MAX * 2];
+    struct mu_text t;
+    mu_text_init(&t, fact, sizeof fact);
+    facts_write_end(&t, result);
+    if (may_act()) {
+        mind_observe(monitor.self->mind, result->time_ns, nothing);
+        (void)mind_tell(monitor.self->mind, fact);
+        rules_fire();
+        mind_observe(monitor.self->mind, result->time_ns, ended);
+    }
+    if (monitor.missed > 0) {
+        fprintf(stderr, "muster monitor: %" PRIu64 " steps were not seen\n", monitor.missed);
+    }
+    monitor.missed = 0;
+    monitor.ended = true;
+}
+
+/* --- its life as an agent --------------------------------------------------------------------- */
+
+static enum mu_take take_journey(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    (void)a;
+    (void)mail;
+    return MU_DECLINE; /* what it sees is here */
+}
+
+static const struct mu_layer_handler monitor_handlers[] = {
+    {MU_LAYER_SYSTEM, "dispatch", take_journey},
+    {MU_LAYER_SYSTEM, "retract", take_journey},
+    {MU_LAYER_SYSTEM, "clone", take_journey},
+    {0, NULL, NULL},
+};
+static const struct mu_agent_kind monitor_kind = {
+    .name = "monitor", .parent = &robot_kind, .handlers = monitor_handlers};
+
+static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    bool journey =
+        strcmp(mail->performative, "move") == 0 || strcmp(mail->performative, "clone") == 0;
+    if (!journey) {
+        robot_on_directive(self, a, mail);
+    } else if (mail->reply_with[0] &&
+               mu_agent_reply(a, mail, "failure", "\"a monitor stays where it is\"") != MU_OK) {
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    }
+}
+
+static mu_result monitor_join(void)
+{
+    struct robot *r = monitor.self;
+    struct mu_handlers handlers = {.self = r,
+                                   .on_registered = robot_on_registered,
+                                   .on_mail = robot_on_mail,
+                                   .on_directive = on_directive,
+                                   .on_state = robot_on_state,
+                                   .on_refusal = robot_on_refusal};
+    MU_TRY(mu_agent_join(r->crew->process, &r->agent, r->name, MU_KIND_SPECIAL, 0, &handlers));
+    mu_agent_be(r->agent, &monitor_kind);
+    mu_agent_decline_broadcasts(r->agent); /* it sees them anyway */
+    return MU_OK;
+}
+
+static mu_result monitor_open(void)
+{
+    const struct mu_network *network = &monitor.set.network;
+    struct mu_process_options process = {.domain = (int)network->domain,
+                                         .interface = network->interface,
+                                         .peer = mu_network_peers(network),
+                                         .name = monitor.set.name,
+                                         .broker = network->broker};
+    struct mu_watch_options watch = {
+        .latest = monitor.latest,
+        .handlers = {.on_scene = on_scene, .on_step = on_step, .on_end = on_end}};
+    monitor.stats = mu_stats_open();
+    MU_TRY(mu_process_open(&monitor.crew->process, &process));
+    MU_TRY(monitor_join());
+    return mu_watch_open(&monitor.watch, monitor.crew->process, &watch);
+}
+
+/* Its rules come behind the templates of what it is told. */
+static mu_result monitor_think(void)
+{
+    char folder[PATH_MAX], path[PATH_MAX];
+    struct robot *r = monitor.self;
+    struct mu_fault fault;
+    if (!mu_path_rules(folder, sizeof folder) ||
+        !mu_path_join(path, sizeof path, folder, "monitor.clp")) {
+        fprintf(stderr, "muster monitor: the shared rules are not found; set MUSTER_RULES to the "
+                        "folder that has muster.clp\n");
+        return MU_FAULT_FILE;
+    }
+    struct mind_options options = {.name = r->name,
+                                   .seed = (uint64_t)monitor.set.seed,
+                                   .rules_folder = folder,
+                                   .rules_file = monitor.set.rules,
+                                   .firings_max = (uint32_t)monitor.set.firings_max,
+                                   .failures_max = (uint32_t)monitor.set.failures_max,
+                                   .ports = robot_ports(r)};
+    mu_result made = mind_open(&r->mind, &options, &fault);
+    made = made == MU_OK ? mind_load(r->mind, path, &fault) : made;
+    made = made == MU_OK ? mind_load(r->mind, monitor.set.rules, &fault) : made;
+    if (made != MU_OK) {
+        mu_fault_print(&fault);
+    }
+    return made;
+}
+
+/* --- the program ------------------------------------------------------------------------------ */
+
+static struct mu_option option_table[] = {
+    MU_JOIN_OPTIONS(monitor.set.network),
+    {.name = "rules",
+     .letter = 'r',
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "what it makes of what it sees, a CLIPS file",
+     .target = &monitor.set.rules},
+    {.name = "name",
+     .kind = MU_OPTION_STRING,
+     .unit = "NAME",
+     .fallback = "monitor",
+     .help = "name of the agent",
+     .target = &monitor.set.name},
+    {.name = "latest",
+     .kind = MU_OPTION_FLAG,
+     .help = "25 steps in a second of wall time at most, instead of every one",
+     .target = &monitor.latest},
+    {.name = "stay",
+     .kind = MU_OPTION_FLAG,
+     .help = "wait for the next run when one has ended",
+     .target = &monitor.stays},
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .help = "seed of (random), together with the name",
+     .target = &monitor.set.seed},
+    {.name = "firings",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "10000",
+     .help = "rules that fire in one step at most",
+     .target = &monitor.set.firings_max,
+     .min = 1,
+     .max = 1000000},
+    {.name = "failures",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "100",
+     .help = "a rule that fails so often suspends the monitor; 0: none does",
+     .target = &monitor.set.failures_max,
+     .max = 1000000},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &monitor.set.verbose},
+};
+
+static mu_result options_parse(int argc, char **argv)
+{
+    static struct mu_options options = {
+        .program = "muster monitor",
+        .usage = "--rules FILE [OPTION...]",
+        .about = "Looks at a run by CLIPS rules: each step is facts, what rules print goes to "
+                 "standard output.  It changes nothing in the run unless its rules send mail.",
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
+    mu_result parsed = mu_options_parse(&options, argc, argv);
+    if (parsed != MU_OK) {
+        return parsed;
+    }
+    const char *name = monitor.set.name;
+    if (!monitor.set.rules || options.words_count > 0) {
+        fprintf(stderr, "muster monitor: give it rules, for example: "
+                        "muster monitor --rules rules/monitor_stalls.clp\n");
+        return MU_FAULT_USAGE;
+    }
+    if (!mu_name_valid(name) || mu_name_reserved(name)) {
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr, "muster monitor: '%s' cannot be an agent's name\n",
+                mu_text_show(shown, name));
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+static mu_result monitor_run(void)
+{
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_result spun = MU_OK;
+    while (spun >= 0 && !signal_came && !monitor.self->out && (!monitor.ended || monitor.stays)) {
+        spun = mu_watch_spin(monitor.watch, ROUND_NS);
+    }
+    return spun < 0 ? spun : MU_OK;
+}
+
+int main(int argc, char **argv)
+{
+    mu_result parsed = options_parse(argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
+    mu_log_open(monitor.set.name, monitor.set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    monitor.crew = mu_startup_alloc(sizeof *monitor.crew);
+    robot_reserve_crew(monitor.crew, &monitor.set, 1, "");
+    monitor.crew->prints = true;
+    monitor.self = &monitor.crew->robots[0];
+    (void)mu_text_copy(monitor.self->name, sizeof monitor.self->name, monitor.set.name);
+    mu_result ready = monitor_think();
+    ready = ready == MU_OK ? monitor_open() : ready;
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    mu_memory_seal();
+    mu_result ran = monitor_run();
+    mu_watch_close(monitor.watch);
+    mu_process_close(monitor.crew->process);
+    robot_print_rest(monitor.self);
+    return monitor.crew->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+}

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/watch.h"
+
+#include "core/clock.h"
+#include "core/text.h"
+#include "muster/memory.h"
+#include "runtime/process.h"
+
+#include <signal.h>
+#include <string.h>
+
+/* A Scene is there before Frames are; who never gets one sees Frames all the same after this. */
+static const uint64_t SCENE_PATIENCE_NS = 1000000000;
+
+/* The last Frames of a run that is over come within this, or not at all. */
+static const uint64_t END_PATIENCE_NS = 1000000000;
+
+/* That a simulator has left is no sample, and is looked for. */
+static const int64_t ROUND_NS = 50000000;
+
+enum { STEPS_NONE = -1 }; /* the step before the first */
+
+struct mu_watch {
+    mu_process *process; /* or NULL: */
+    struct bus own;
+    struct bus *bus;
+    struct bus_reader scenes, frames, statuses;
+    struct mu_watch_handlers handlers;
+    struct watch_room *room;
+    char simulator[MU_PROCESS_MAX + 1]; /* whose Scene was the last */
+    bool has_scene;
+    bool met;         /* a simulator was there since the last end */
+    uint64_t met_ns;  /* since when */
+    int64_t step;     /* of the last Frame; STEPS_NONE */
+    uint64_t time_ns; /* simulated, of that Frame */
+    uint64_t missed;
+    bool over; /* the run is; the rest comes yet */
+    uint64_t over_ns;
+    enum mu_run_end end;
+    int64_t last_step; /* of a run that is over */
+    uint64_t last_time_ns, duration_ns;
+    char hash[MU_FIELD_MAX + 2];
+    char reason[MU_ATTRIBUTES_MAX + 1];
+    bool ended; /* in this call */
+    bool told;  /* the end of the run whose status still stands */
+    volatile sig_atomic_t stopped;
+};
+
+static mu_result readers_open(mu_watch *w, bool latest)
+{
+    MU_TRY(bus_reader_open(w->bus, BUS_SCENE, NULL, &w->scenes));
+    MU_TRY(bus_reader_open(w->bus, BUS_RUN_STATUS, NULL, &w->statuses));
+    return bus_reader_open(w->bus, BUS_FRAME, latest ? "latest" : "every", &w->frames);
+}
+
+static void run_forget(mu_watch *w)
+{
+    w->met = w->over = w->has_scene = false;
+    w->step = STEPS_NONE;
+    w->time_ns = w->missed = 0;
+    w->simulator[0] = w->hash[0] = w->reason[0] = '\0';
+}
+
+mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_options *options)
+{
+    mu_watch *w = mu_startup_alloc(sizeof *w);
+    w->process = p;
+    w->bus = p ? &p->bus : &w->own;
+    w->handlers = options->handlers;
+    w->room = watch_room_take();
+    run_forget(w);
+    if (!p) {
+        struct bus_options bus = {.domain = options->domain,
+                                  .place = BUS_OBSERVER,
+                                  .name = "watch",
+                                  .interface = options->interface,
+                                  .hub = options->peer};
+        MU_TRY(bus_open(&w->own, &bus));
+    }
+    MU_TRY(readers_open(w, options->latest));
+    *out = w;
+    return MU_OK;
+}
+
+/* --- what comes ------------------------------------------------------------------------------- */
+
+static void simulator_met(mu_watch *w)
+{
+    w->met_ns = w->met ? w->met_ns : mu_clock_ns();
+    w->met = true;
+}
+
+static void scene_take(mu_watch *w, const muster_Scene *s)
+{
+    run_forget(w);
+    simulator_met(w);
+    w->has_scene = true;
+    w->told = false;
+    mu_text_copy(w->simulator, sizeof w->simulator, s->simulator);
+    const struct mu_scene *scene = watch_scene(w->room, s);
+    if (w->handlers.on_scene) {
+        w->handlers.on_scene(w->handlers.self, scene);
+    }
+}
+
+static void frame_take(mu_watch *w, const muster_Frame *f)
+{
+    bool ours = w->simulator[0] == '\0' || strcmp(f->simulator, w->simulator) == 0;
+    if (!ours || f->step < 0 || (w->step >= 0 && f->step <= w->step)) {
+        return;
+    }
+    struct mu_frame *frame = watch_frame(w->room, f);
+    frame->missed = (uint64_t)(f->step - w->step - 1);
+    w->missed += frame->missed;
+    w->step = f->step;
+    w->time_ns = f->time_ns;
+    if (w->handlers.on_step) {
+        w->handlers.on_step(w->handlers.self, frame);
+    }
+}
+
+static void status_take(mu_watch *w, const muster_RunStatus *s)
+{
+    bool over = s->state == muster_RUN_DONE || s->state == muster_RUN_FAULT;
+    if (!over || w->over || w->told) {
+        w->told = w->told && over;
+        return;
+    }
+    w->over = true;
+    w->over_ns = mu_clock_ns();
+    w->end = s->state == muster_RUN_DONE ? MU_RUN_DONE : MU_RUN_FAULT;
+    w->last_step = s->step;
+    w->last_time_ns = s->time_ns;
+    w->duration_ns = s->duration_ns;
+    mu_text_copy(w->hash, sizeof w->hash, s->hash);
+    (void)mu_text_copy(w->reason, sizeof w->reason, w->end == MU_RUN_FAULT ? s->waits_for : "");
+}
+
+/* --- rounds ----------------------------------------------------------------------------------- */
+
+static void scenes_look(mu_watch *w)
+{
+    enum bus_life life;
+    const muster_Scene *s;
+    while ((s = bus_next(&w->scenes, &life))) {
+        if (life == BUS_DATA) {
+            scene_take(w, s);
+        }
+    }
+}
+
+static void statuses_look(mu_watch *w)
+{
+    enum bus_life life;
+    const muster_RunStatus *s;
+    while ((s = bus_next(&w->statuses, &life))) {
+        if (life == BUS_DATA) {
+            status_take(w, s);
+        }
+    }
+}
+
+/* Frames wait for their Scene. */
+static void frames_look(mu_watch *w)
+{
+    enum bus_life life;
+    const muster_Frame *f;
+    bool patient = mu_clock_ns() - w->met_ns < SCENE_PATIENCE_NS;
+    if (!w->has_scene && patient) {
+        return;
+    }
+    while ((f = bus_next(&w->frames, &life))) {
+        if (life == BUS_DATA) {
+            frame_take(w, f);
+        }
+    }
+}
+
+static void end_tell(mu_watch *w)
+{
+    struct mu_run_result result = {.end = w->over ? w->end : MU_RUN_LOST,
+                                   .step = w->over ? w->last_step : w->step,
+                                   .time_ns = w->over ? w->last_time_ns : w->time_ns,
+                                   .duration_ns = w->over ? w->duration_ns : 0,
+                                   .hash = w->over ? w->hash : "none",
+                                   .reason = w->over ? w->reason : "the simulator has gone"};
+    w->told = true;
+    w->ended = true;
+    if (w->handlers.on_end) {
+        w->handlers.on_end(w->handlers.self, &result);
+    }
+    run_forget(w);
+}
+
+static void end_look(mu_watch *w)
+{
+    bool here = bus_reader_matches(&w->frames) > 0;
+    bool whole = w->over && w->step >= w->last_step;
+    bool late = w->over && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
+    if (w->met && !w->told && (whole || late || !here)) {
+        frames_look(w);
+        end_tell(w);
+    }
+    w->met = w->met && here;
+}
+
+mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
+{
+    int64_t most_ns = timeout_ns < ROUND_NS ? timeout_ns : ROUND_NS;
+    w->ended = false;
+    if (w->process) {
+        MU_TRY(mu_process_spin(w->process, most_ns));
+    } else {
+        bus_wait(w->bus, 1, most_ns);
+    }
+    if (bus_reader_matches(&w->frames) > 0) {
+        simulator_met(w);
+    }
+    scenes_look(w); /* before how its run goes */
+    statuses_look(w);
+    frames_look(w);
+    end_look(w);
+    return w->ended ? MU_DONE : MU_OK;
+}
+
+/* --- alone ------------------------------------------------------------------------------------ */
+
+static volatile sig_atomic_t signal_came;
+
+static void signal_note(int number)
+{
+    (void)number;
+    signal_came = 1;
+}
+
+mu_result mu_watch_run(mu_watch *w)
+{
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    mu_result spun = MU_OK;
+    while (spun == MU_OK && !w->stopped && !signal_came) {
+        spun = mu_watch_spin(w, ROUND_NS);
+    }
+    return spun < 0 ? spun : MU_OK;
+}
+
+void mu_watch_stop(mu_watch *w)
+{
+    w->stopped = 1;
+}
+
+uint64_t mu_watch_missed(const mu_watch *w)
+{
+    return w->missed;
+}
+
+uint64_t mu_watch_refused(const mu_watch *w)
+{
+    return w->bus->malformed;
+}
+
+int mu_watch_wake_fd(mu_watch *w)
+{
+    return bus_wake_fd(w->bus);
+}
+
+void mu_watch_close(mu_watch *w)
+{
+    if (w && !w->process) {
+        bus_close(&w->own);
+    }
+}

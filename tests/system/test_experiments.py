@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The teaching experiments: each does what its page says, with more than one seed."""
+import re
+
+from support import ROOT, check, check_equal, experiment_run, folder, muster
+
+EXPERIMENTS = ROOT / "experiments"
+PAGES = ROOT / "docs/experiments"
+TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "broker-death")
+
+
+def series(name, seeds, *words):
+    with folder() as out:
+        done = muster("run", EXPERIMENTS / f"{name}.yaml", "--seeds", seeds, "--out", out, *words,
+                      timeout=300)
+        check_equal(done.returncode, 0, f"{name}, seeds {seeds}: {done.stdout} {done.stderr}")
+
+
+def test_each_has_a_page():
+    table = (ROOT / "docs/experiments.md").read_text()
+    for name in TAUGHT:
+        page = (PAGES / f"{name}.md").read_text()
+        check(f"muster run experiments/{name}.yaml" in page, f"the command in {name}.md")
+        for part in ("What it shows", "What to look at", "What to change", "Questions for a class"):
+            check(part in page, f"{part} in {name}.md")
+        check(f"(experiments/{name}.md)" in table, f"{name} in docs/experiments.md")
+
+
+def test_explore():
+    series("explore", "1..3")
+
+
+def test_formation():
+    series("formation", "1..2")
+
+
+def test_contract_net():
+    series("contract-net", "1..4")
+
+
+def test_every_job_of_the_contract_net_is_done_once():
+    with folder() as out:
+        done = muster("run", EXPERIMENTS / "contract-net.yaml", "--out", out / "r")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        jobs = re.findall(r"job (\d) is done by (\w+)", done.stderr)
+        check_equal(sorted(job for job, _ in jobs), ["1", "2", "3", "4", "5"], "jobs")
+        check({who for _, who in jobs} <= {"blue", "green", "yellow"}, f"who did them: {jobs}")
+
+
+def test_a_broker_dies_and_nobody_is_lost():
+    with folder() as out:
+        done, summary = experiment_run(out / "r", file=EXPERIMENTS / "broker-death.yaml")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal([c["done"] for c in summary["chaos"]], [True], "the broker was killed")
+
+
+def test_a_run_without_its_second_broker_does_not_go_on():
+    """The expectation of broker-death can fail."""
+    with folder() as out:
+        text = (EXPERIMENTS / "broker-death.yaml").read_text().replace("../", f"{ROOT}/")
+        check("brokers: [a, b]" in text, "two brokers")
+        alone = out / "alone.yaml"
+        alone.write_text(text.replace("brokers: [a, b]", "brokers: [a]"))
+        done, summary = experiment_run(out / "r", file=alone)
+        check_equal(done.returncode, 1, f"without a second broker: {done.stdout} {done.stderr}")
+        mails = [e for e in summary["expectations"] if "mail_received" in e["text"]]
+        check_equal([e["met"] for e in mails], [False], "mail that came")
