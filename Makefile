@@ -65,7 +65,7 @@ USES_experiment := world core
 USES_report  := experiment stats world core
 USES_desk    := runtime stats bus core
 USES_ctl     := desk story mcap report experiment world runtime stats bus core
-USES_web     := desk runtime stats bus core
+USES_web     := desk story mcap runtime stats bus core
 LIBS_core    :=
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz
@@ -85,7 +85,7 @@ LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_desk    := -lddsc -lm
 LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
-LIBS_web     := -lmicrohttpd -lddsc -lm
+LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \

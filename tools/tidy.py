@@ -29,7 +29,7 @@ MAY_INCLUDE = {
     "report": {"core", "world", "experiment", "stats"},
     "desk": {"core", "bus", "runtime"},
     "ctl": {"core", "world", "bus", "runtime", "experiment", "report", "mcap", "story", "desk", "stats"},
-    "web": {"core", "bus", "runtime", "desk"},
+    "web": {"core", "bus", "runtime", "desk", "mcap", "story"},
 }
 # Foreign headers, and the only files that may include them.
 ONLY_IN = {

@@ -21,6 +21,7 @@ struct minds *minds_open(size_t text_max, uint32_t robots_max)
     m->text = mu_startup_alloc(m->text_max + 1);
     m->lines_max = lines < INT32_MAX ? (int32_t)lines : INT32_MAX;
     m->lines = mu_startup_array((size_t)m->lines_max, sizeof *m->lines);
+    m->blocks = mu_startup_array((size_t)m->lines_max / MINDS_BLOCK + 1, sizeof *m->blocks);
     m->robots_max = (int32_t)robots_max;
     m->robots = mu_startup_array(robots_max, sizeof *m->robots);
     mu_table_init(&m->names, robots_max);
@@ -71,10 +72,25 @@ static int32_t robot_enter(struct minds *m, const char *name)
 
 /* --- facts that stand ------------------------------------------------------------------------- */
 
+static void fact_goes(struct minds *m, int32_t fact, int32_t line)
+{
+    struct minds_block *block = &m->blocks[fact / MINDS_BLOCK];
+    m->lines[fact].end = line;
+    block->stands--;
+    block->end = line;
+}
+
+static void fact_comes(struct minds *m, struct minds_robot *r, int32_t line)
+{
+    m->lines[line].older = r->stands;
+    r->stands = line;
+    m->blocks[line / MINDS_BLOCK].stands++;
+}
+
 static void facts_void(struct minds *m, struct minds_robot *r, int32_t line)
 {
     for (int32_t f = r->stands; f != MINDS_NONE; f = m->lines[f].older) {
-        m->lines[f].end = line;
+        fact_goes(m, f, line);
     }
     r->stands = MINDS_NONE;
 }
@@ -86,7 +102,7 @@ static void fact_end(struct minds *m, struct minds_robot *r, int32_t line)
         link = &m->lines[*link].older;
     }
     if (*link != MINDS_NONE) {
-        m->lines[*link].end = line;
+        fact_goes(m, *link, line);
         *link = m->lines[*link].older;
     }
 }
@@ -103,18 +119,11 @@ static void line_take(struct minds *m, struct minds_robot *r, int32_t index)
     switch (line->letter) {
     case '0': facts_void(m, r, index); break;
     case '-': fact_end(m, r, index); break;
-    case '+':
-        line->older = r->stands;
-        r->stands = index;
-        break;
+    case '+': fact_comes(m, r, index); break;
     default: break;
     }
     line->before = r->last;
-    if (r->last == MINDS_NONE) {
-        r->first = index;
-    } else {
-        m->lines[r->last].next = index;
-    }
+    r->first = r->last == MINDS_NONE ? index : r->first;
     r->last = index;
 }
 
@@ -145,7 +154,6 @@ static void line_add(struct minds *m, int32_t robot, uint32_t step, const char *
                                                    .bytes = (uint32_t)bytes,
                                                    .step = step,
                                                    .robot = robot,
-                                                   .next = MINDS_NONE,
                                                    .end = MINDS_NONE,
                                                    .older = MINDS_NONE,
                                                    .fact = number,
@@ -174,13 +182,32 @@ const char *minds_text(const struct minds *m, int32_t line, size_t *bytes)
     return m->text + m->lines[line].at;
 }
 
+/* @return how many lines there are up to the end of a step, of all robots */
+static int32_t lines_until(const struct minds *m, uint32_t step)
+{
+    int32_t from = 0, to = m->lines_count;
+    while (from < to) {
+        int32_t middle = from + (to - from) / 2;
+        if (m->lines[middle].step <= step) {
+            from = middle + 1;
+        } else {
+            to = middle;
+        }
+    }
+    return from;
+}
+
 int32_t minds_at(const struct minds *m, int32_t robot, uint32_t step)
 {
-    int32_t line = m->robots[robot].last;
-    while (line != MINDS_NONE && m->lines[line].step > step) {
-        line = m->lines[line].before;
+    int32_t last = m->robots[robot].last;
+    if (last == MINDS_NONE || m->lines[last].step <= step) {
+        return last;
     }
-    return line;
+    int32_t line = lines_until(m, step) - 1;
+    while (line >= 0 && m->lines[line].robot != robot) {
+        line--;
+    }
+    return line >= 0 ? line : MINDS_NONE;
 }
 
 /* @return whether a line asserted a fact that stood behind another line */
@@ -190,16 +217,29 @@ static bool stood(const struct minds *m, int32_t fact, int32_t line)
     return f->letter == '+' && (f->end == MINDS_NONE || f->end > line);
 }
 
+/* @return whether no fact of a block stood behind a line */
+static bool passed_over(const struct minds *m, int32_t block, int32_t line)
+{
+    return m->blocks[block].stands == 0 && m->blocks[block].end <= line;
+}
+
 int32_t minds_next_fact(const struct minds *m, int32_t line, int32_t from)
 {
     if (line == MINDS_NONE) {
         return MINDS_NONE;
     }
-    int32_t at = from == MINDS_NONE ? m->robots[m->lines[line].robot].first : m->lines[from].next;
-    while (at != MINDS_NONE && at <= line && !stood(m, at, line)) {
-        at = m->lines[at].next;
+    int32_t robot = m->lines[line].robot;
+    int32_t at = from == MINDS_NONE ? m->robots[robot].first : from + 1;
+    while (at <= line) {
+        if (passed_over(m, at / MINDS_BLOCK, line)) {
+            at = (at / MINDS_BLOCK + 1) * MINDS_BLOCK;
+        } else if (m->lines[at].robot == robot && stood(m, at, line)) {
+            return at;
+        } else {
+            at++;
+        }
     }
-    return at != MINDS_NONE && at <= line ? at : MINDS_NONE;
+    return MINDS_NONE;
 }
 
 int32_t minds_fact(const struct minds *m, int32_t line, long long index)

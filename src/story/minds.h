@@ -23,11 +23,11 @@ struct minds_line {
     uint32_t at, bytes; /* its text without the letter, and without the end of the line */
     uint32_t step;
     int32_t robot;
-    int32_t before, next; /* of the same robot */
-    int32_t cause;        /* the line with a capital letter above it; its own: it is one */
-    int32_t end;          /* of a fact: the line with which it went; MINDS_NONE: it stands */
-    int32_t older;        /* of a fact that stands: the next one that does */
-    long long fact;       /* of + and -: its index */
+    int32_t before; /* of the same robot */
+    int32_t cause;  /* the line with a capital letter above it; its own: it is one */
+    int32_t end;    /* of a fact: the line with which it went; MINDS_NONE: it stands */
+    int32_t older;  /* of a fact that stands: the next one that does */
+    long long fact; /* of + and -: its index */
     char letter;
 };
 
@@ -39,11 +39,20 @@ struct minds_robot {
     uint64_t lost;  /* lines that its diary had no room for */
 };
 
+/* So many lines together, of all robots: which may be passed over when facts are looked for. */
+enum { MINDS_BLOCK = 256 };
+
+struct minds_block {
+    int32_t stands; /* facts of it that stand at the end */
+    int32_t end;    /* the last line with which one of the others went; 0: none has */
+};
+
 struct minds {
     char *text;
     size_t text_len, text_max;
     struct minds_line *lines;
     int32_t lines_count, lines_max;
+    struct minds_block *blocks; /* one for each MINDS_BLOCK lines */
     struct minds_robot *robots;
     int32_t robots_count, robots_max;
     struct mu_table names;

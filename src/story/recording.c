@@ -134,6 +134,13 @@ const muster_Frame *recording_frame(struct recording *r, int64_t step)
     return f;
 }
 
+void recording_seek(struct recording *r, int64_t step)
+{
+    if (r->steps_count > 0) {
+        mcap_reader_seek(r->reader, r->steps[step_find(r, step)].log_ns, UINT64_MAX);
+    }
+}
+
 void recording_rewind(struct recording *r)
 {
     channel_pick(r, r->frames);

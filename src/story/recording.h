@@ -43,6 +43,9 @@ MU_MUST_USE mu_result recording_open(struct recording *r, const char *path, stru
 /** @return a step's Frame, good until the next call; NULL: the recording does not have it */
 const muster_Frame *recording_frame(struct recording *r, int64_t step);
 
+/** Goes to a step, or to the last one before it: recording_next gives it, and then the next. */
+void recording_seek(struct recording *r, int64_t step);
+
 /** Goes to the first Frame. */
 void recording_rewind(struct recording *r);
 

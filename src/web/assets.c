@@ -36,6 +36,8 @@
     X("/act.js", act_js, JS)               \
     X("/tabs.js", tabs_js, JS)             \
     X("/console.js", console_js, JS)       \
+    X("/past.js", past_js, JS)             \
+    X("/diary.js", diary_js, JS)           \
     X("/log.js", log_js, JS)
 
 #define X(path, file, type)                                    \

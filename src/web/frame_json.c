@@ -115,15 +115,29 @@ static void fired_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
-static void mail_write(struct mu_json *j, const muster_Mail *m)
+/* The list is open. */
+static void mail_fields(struct mu_json *j, const muster_Mail *m)
 {
     char content[FRAME_JSON_CONTENT_MAX + 1];
     mu_text_copy(content, sizeof content, m->content);
-    mu_json_list(j, NULL);
     mu_json_string(j, NULL, m->src);
     mu_json_string(j, NULL, m->dst);
     mu_json_string(j, NULL, m->performative);
     mu_json_string(j, NULL, content);
+}
+
+static void mail_write(struct mu_json *j, const muster_Mail *m)
+{
+    mu_json_list(j, NULL);
+    mail_fields(j, m);
+    mu_json_end(j);
+}
+
+void frame_json_mail(struct mu_json *j, int64_t step, const muster_Mail *mail)
+{
+    mu_json_list(j, NULL);
+    mu_json_int(j, NULL, step);
+    mail_fields(j, mail);
     mu_json_end(j);
 }
 
@@ -167,11 +181,12 @@ static void orders_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
-void frame_json_write(struct mu_json *j, const muster_Frame *frame, const struct goals *goals)
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
+                      const struct goals *goals)
 {
     char digest[17];
     snprintf(digest, sizeof digest, "%016" PRIx64, frame->digest);
-    mu_json_object(j, NULL);
+    mu_json_object(j, key);
     mu_json_int(j, "step", frame->step);
     mu_json_uint(j, "time_ms", frame->time_ns / 1000000u);
     mu_json_uint(j, "wall_ms", frame->wall_ns / 1000000u);
@@ -186,9 +201,9 @@ void frame_json_write(struct mu_json *j, const muster_Frame *frame, const struct
     mu_json_end(j);
 }
 
-void frame_json_totals(struct mu_json *j, const muster_Frame *frame)
+void frame_json_totals(struct mu_json *j, const char *key, const muster_Frame *frame)
 {
-    mu_json_object(j, NULL);
+    mu_json_object(j, key);
     mu_json_uint(j, "time_ms", frame->time_ns / 1000000u);
     mu_json_list(j, "robots");
     for (uint32_t i = 0; i < frame->robots._length; i++) {

@@ -29,14 +29,18 @@ enum {
     FRAME_JSON_RULES_MAX = 240   /* of the rules that a robot fired */
 };
 
-/** Writes one object. */
-void frame_json_write(struct mu_json *j, const muster_Frame *frame, const struct goals *goals);
+/** Writes one object.  @param key  NULL: it has none */
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
+                      const struct goals *goals);
 
 /**
  * Writes the totals of a Frame as one object:
  *
  *     robots    [distance, stalls, stalled, firings, sent, received], ...    mm, ms
  */
-void frame_json_totals(struct mu_json *j, const muster_Frame *frame);
+void frame_json_totals(struct mu_json *j, const char *key, const muster_Frame *frame);
+
+/** Writes a mail of a step as [step, from, to, performative, content]. */
+void frame_json_mail(struct mu_json *j, int64_t step, const muster_Mail *mail);
 
 #endif

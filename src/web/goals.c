@@ -8,19 +8,32 @@
 
 static const char GOAL[] = "(goal ";
 
-/* "+12 (goal wander)" */
-static void fact_came(struct goal *goal, const char *line, size_t len)
+static void text_take(struct goal *goal, long long fact, const char *at, size_t len)
 {
-    char *at;
-    long long fact = strtoll(line, &at, 10);
-    size_t head = (size_t)(at - line) + 1 + sizeof GOAL - 1;
-    if (len <= head || strncmp(at + 1, GOAL, sizeof GOAL - 1) != 0) {
+    size_t head = sizeof GOAL - 1;
+    if (len <= head || strncmp(at, GOAL, head) != 0) {
         return;
     }
     struct mu_text text;
     mu_text_init(&text, goal->text, sizeof goal->text);
-    mu_text_add_bytes(&text, line + head, len - head - (line[len - 1] == ')'));
+    mu_text_add_bytes(&text, at + head, len - head - (at[len - 1] == ')'));
     goal->fact = fact;
+}
+
+void goals_fact(struct goal *goal, long long fact, const char *text)
+{
+    text_take(goal, fact, text, strlen(text));
+}
+
+/* "12 (goal wander)" */
+static void fact_came(struct goal *goal, const char *line, size_t len)
+{
+    char *at;
+    long long fact = strtoll(line, &at, 10);
+    size_t head = (size_t)(at - line) + 1;
+    if (len > head) {
+        text_take(goal, fact, line + head, len - head);
+    }
 }
 
 static void line_take(struct goal *goal, const char *line, size_t len)

@@ -26,6 +26,9 @@ struct goals {
     bool known;                        /* of one of them */
 };
 
+/** Takes a fact, by its index and text, for what is wanted now, if it is a goal. */
+void goals_fact(struct goal *goal, long long fact, const char *text);
+
 /** Goes on to a frame. */
 void goals_take(struct goals *g, const muster_Frame *frame);
 

@@ -23,10 +23,12 @@ struct settings {
     struct mu_network network;
     int64_t port;
     bool read_only, verbose;
+    const char *recording; /* NULL: a run is shown */
 };
 
 struct web {
-    mu_process *process;
+    mu_process *process; /* NULL: a recording is shown */
+    struct past past;
     struct guard guard;
     struct board board;
     struct viewers viewers;
@@ -70,18 +72,19 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
     static struct mu_options options;
     options = (struct mu_options){
         .program = "muster web",
-        .usage = "[OPTION...]",
+        .usage = "[OPTION...] [RECORDING]",
         .about = "Shows a run in a browser on this machine: the world, robots, mail, statistics, "
                  "a console for each robot.  Prints the page's address, with the token that "
-                 "whoever acts needs.",
+                 "whoever acts needs.  A recording is shown with a slider over its time.",
         .table = table,
         .count = sizeof table / sizeof table[0]};
     set->network.domain = -1;
     mu_result parsed = mu_options_parse(&options, argc, argv);
-    if (parsed == MU_OK && options.words_count > 0) {
-        fprintf(stderr, "muster web: expected options alone\n");
+    if (parsed == MU_OK && options.words_count > 1) {
+        fprintf(stderr, "muster web: expected options and one recording at most\n");
         return MU_FAULT_USAGE;
     }
+    set->recording = parsed == MU_OK && options.words_count == 1 ? options.words[0] : NULL;
     return parsed;
 }
 
@@ -117,11 +120,27 @@ static mu_result network_join(struct web *w, struct settings *set)
     return MU_OK;
 }
 
+static mu_result recording_show(struct web *w, const char *path)
+{
+    struct mu_fault fault;
+    mu_result opened = past_open(&w->past, path, &fault);
+    if (opened != MU_OK) {
+        mu_fault_print(&fault);
+        return opened;
+    }
+    past_show(&w->past, &w->board);
+    return MU_OK;
+}
+
 /* @return the exit code, explained */
 static int page_open(struct web *w, const struct settings *set)
 {
-    struct server_parts parts = {&w->guard, &w->board, &w->viewers, w->consoles,
-                                 (int)set->network.domain};
+    struct server_parts parts = {.guard = &w->guard,
+                                 .board = &w->board,
+                                 .viewers = &w->viewers,
+                                 .consoles = w->consoles,
+                                 .past = set->recording ? &w->past : NULL,
+                                 .domain = (int)set->network.domain};
     mu_result opened = server_open(&w->server, &parts, (uint16_t)set->port);
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster web: port %d is taken; --port 0 takes a free one\n",
@@ -132,17 +151,35 @@ static int page_open(struct web *w, const struct settings *set)
         return mu_exit_for(opened);
     }
     printf("http://127.0.0.1:%u/%s%s\n", (unsigned)server_port(w->server),
-           set->read_only ? "" : "#token=", set->read_only ? "" : w->guard.token);
+           w->guard.read_only ? "" : "#token=", w->guard.read_only ? "" : w->guard.token);
     fflush(stdout);
     return MU_EXIT_DONE;
 }
 
 static void round_wait(const struct web *w)
 {
+    int wake_fd = w->process ? mu_process_wake_fd(w->process) : -1;
     struct pollfd fds[] = {{.fd = server_fd(w->server), .events = POLLIN},
-                           {.fd = mu_process_wake_fd(w->process), .events = POLLIN}};
+                           {.fd = wake_fd, .events = POLLIN}};
     int server_ms = server_timeout_ms(w->server);
     (void)poll(fds, 2, server_ms >= 0 && server_ms < ROUND_MS ? server_ms : ROUND_MS);
+}
+
+static mu_result run_round(struct web *w)
+{
+    mu_result spun = mu_process_spin(w->process, 0);
+    watch_round(&w->watch, mu_clock_ns());
+    consoles_round(w->consoles);
+    return spun;
+}
+
+static void sources_close(struct web *w)
+{
+    if (w->process) {
+        mu_process_close(w->process);
+    } else {
+        past_close(&w->past);
+    }
 }
 
 /* @return the exit code */
@@ -151,9 +188,7 @@ static int web_run(struct web *w)
     mu_result spun = MU_OK;
     while (!stopped && spun >= 0) {
         round_wait(w);
-        spun = mu_process_spin(w->process, 0);
-        watch_round(&w->watch, mu_clock_ns());
-        consoles_round(w->consoles);
+        spun = w->process ? run_round(w) : MU_OK;
         server_run(w->server, mu_clock_ns());
     }
     return spun < 0 ? mu_exit_for(spun) : MU_EXIT_DONE;
@@ -169,8 +204,10 @@ int main(int argc, char **argv)
     }
     mu_log_open("web", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     board_init(&w.board);
-    ready = secrets_make(&w, set.read_only);
-    ready = ready == MU_OK ? network_join(&w, &set) : ready;
+    ready = secrets_make(&w, set.read_only || set.recording);
+    if (ready == MU_OK) {
+        ready = set.recording ? recording_show(&w, set.recording) : network_join(&w, &set);
+    }
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
@@ -184,6 +221,6 @@ int main(int argc, char **argv)
         code = web_run(&w);
         server_close(w.server);
     }
-    mu_process_close(w.process);
+    sources_close(&w);
     return code;
 }

@@ -45,6 +45,10 @@ enum route {
     ROUTE_ASSET,
     ROUTE_EVENTS,
     ROUTE_SCENE,
+    ROUTE_RECORDING,
+    ROUTE_TRACKS,
+    ROUTE_MOMENTS,
+    ROUTE_WHY,
     ROUTE_LINES,
     ROUTE_WATCH,
     ROUTE_LEAVE
@@ -53,7 +57,9 @@ enum route {
 struct target {
     enum route route;
     const struct asset *asset;
-    const char *name; /* of an agent */
+    const char *name; /* of an agent that somebody acts on */
+    int64_t step;
+    const char *whose; /* mind, at that step; "": nobody's */
 };
 
 static const struct {
@@ -61,16 +67,38 @@ static const struct {
     enum route route;
 } acts[] = {{"/lines/", ROUTE_LINES}, {"/watch/", ROUTE_WATCH}, {"/leave/", ROUTE_LEAVE}};
 
+static const struct {
+    const char *path;
+    enum route route;
+} looks[] = {{"/events", ROUTE_EVENTS},
+             {"/scene", ROUTE_SCENE},
+             {"/recording", ROUTE_RECORDING},
+             {"/tracks", ROUTE_TRACKS}};
+
+/* STEP or STEP/NAME, behind a prefix */
+static void moment_find(struct target *t, const char *path, const char *prefix, enum route route)
+{
+    char *end;
+    size_t len = strlen(prefix);
+    if (strncmp(path, prefix, len) != 0 || path[len] < '0' || path[len] > '9') {
+        return;
+    }
+    t->step = strtoll(path + len, &end, 10);
+    if (*end == '\0' || *end == '/') {
+        t->route = route;
+        t->whose = *end ? end + 1 : end;
+    }
+}
+
 static struct target target_find(const char *path)
 {
     struct target t = {.asset = assets_find(path)};
-    if (t.asset) {
-        t.route = ROUTE_ASSET;
-    } else if (strcmp(path, "/events") == 0) {
-        t.route = ROUTE_EVENTS;
-    } else if (strcmp(path, "/scene") == 0) {
-        t.route = ROUTE_SCENE;
+    t.route = t.asset ? ROUTE_ASSET : ROUTE_NONE;
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        t.route = strcmp(path, looks[i].path) == 0 ? looks[i].route : t.route;
     }
+    moment_find(&t, path, "/moments/", ROUTE_MOMENTS);
+    moment_find(&t, path, "/why/", ROUTE_WHY);
     for (size_t i = 0; i < sizeof acts / sizeof acts[0]; i++) {
         size_t len = strlen(acts[i].prefix);
         if (strncmp(path, acts[i].prefix, len) == 0) {
@@ -291,6 +319,33 @@ static void body_take(struct server *s, struct request *r, const char *bytes, si
     r->body[r->len] = '\0';
 }
 
+/* What a recording says; NULL: it has no such moment, or there is none. */
+static enum MHD_Result past_answer(struct MHD_Connection *c, const char *type,
+                                   const struct mu_text *text)
+{
+    return text ? text_answer(c, MHD_HTTP_OK, type, text)
+                : line_answer(c, MHD_HTTP_NOT_FOUND, "the recording does not have it\n");
+}
+
+static enum MHD_Result recording_answer(struct server *s, struct MHD_Connection *c,
+                                        const struct target *t)
+{
+    struct past *past = s->parts.past;
+    if (t->route == ROUTE_WHY) {
+        return past_answer(c, "text/plain; charset=utf-8",
+                           past ? past_why(past, t->step, t->whose) : NULL);
+    }
+    if (t->route == ROUTE_MOMENTS) {
+        return past_answer(c, "application/json",
+                           past ? past_moment(past, t->step, t->whose) : NULL);
+    }
+    if (t->route == ROUTE_TRACKS) {
+        return past_answer(c, "application/json", past ? past_tracks(past) : NULL);
+    }
+    struct mu_text none = {.at = (char *)(uintptr_t) "null\n", .len = 5};
+    return past_answer(c, "application/json", past ? past_whole(past) : &none);
+}
+
 static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, const char *method,
                                    const struct target *t)
 {
@@ -302,6 +357,10 @@ static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, c
     case ROUTE_SCENE:
         return scene->len ? text_answer(c, MHD_HTTP_OK, "application/json", scene)
                           : line_answer(c, MHD_HTTP_NOT_FOUND, "there is no world yet\n");
+    case ROUTE_RECORDING:
+    case ROUTE_TRACKS:
+    case ROUTE_MOMENTS:
+    case ROUTE_WHY: return recording_answer(s, c, t);
     case ROUTE_NONE:
     case ROUTE_LINES:
     case ROUTE_WATCH:

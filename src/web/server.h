@@ -6,6 +6,10 @@
  *     GET  / and the other assets
  *     GET  /events       the stream of events of one viewer
  *     GET  /scene        the world
+ *     GET  /recording    what recording is shown; null: a run is
+ *     GET  /tracks       where robots were in it
+ *     GET  /moments/STEP[/NAME]    a moment of it, and what was in that robot's mind
+ *     GET  /why/STEP/NAME          why that robot drove as it did
  *     POST /lines/NAME   a text of CLIPS to an agent
  *     POST /watch/NAME   show me what its rules print and what is watched
  *     POST /leave/NAME   no longer
@@ -19,6 +23,7 @@
 #include "web/board.h"
 #include "web/consoles.h"
 #include "web/guard.h"
+#include "web/past.h"
 #include "web/viewers.h"
 
 struct server;
@@ -27,7 +32,8 @@ struct server_parts {
     struct guard *guard;
     struct board *board;
     struct viewers *viewers;
-    struct consoles *consoles;
+    struct consoles *consoles; /* NULL: nobody acts here */
+    struct past *past;         /* NULL: no recording */
     int domain;
 };
 

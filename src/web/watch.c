@@ -60,11 +60,11 @@ static void frame_put(struct watch *w, const muster_Frame *frame)
 {
     struct mu_json totals;
     goals_take(&w->goals, frame);
-    frame_json_write(board_begin(w->board, BOARD_FRAME), frame, &w->goals);
+    frame_json_write(board_begin(w->board, BOARD_FRAME), NULL, frame, &w->goals);
     (void)board_end(w->board);
     mu_text_clear(&w->totals);
     mu_json_to_text(&totals, &w->totals, MU_JSON_LINE);
-    frame_json_totals(&totals, frame);
+    frame_json_totals(&totals, NULL, frame);
 }
 
 /* A frame is of use only with its scene. */

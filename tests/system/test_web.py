@@ -215,7 +215,8 @@ def test_usage():
     with Processes() as processes:
         page = Page(processes, domain)
         for words, code, said in ((("--port", page.port, "--domain", new_domain()), 4, "is taken"),
-                                  (("--port", 70000), 2, "port"), (("red",), 2, "options alone")):
+                                  (("--port", 70000), 2, "port"), (("red", "blue"), 2, "one recording at most"),
+                                  (("/no/such.mcap",), 3, "/no/such.mcap")):
             done = subprocess.run([MUSTER, "web", *map(str, words)], capture_output=True, text=True,
                                   timeout=30, stdin=subprocess.DEVNULL)
             check_equal(done.returncode, code, f"{words}: {done.stderr}")

@@ -85,6 +85,7 @@ static void test_against_a_model(void)
             mu_text_format(&d, now[f] ? "+%d (fact)\n" : "-%d\n", f);
         }
         minds_add(m, "red", step, diary);
+        minds_add(m, "blue", step, step % 3 ? "S\n-1\n+1 (other)\n+2 (more)\n-2\n" : "");
         memcpy(stands[step], now, sizeof now);
     }
     for (uint32_t step = 0; step < STEPS; step++) {

@@ -129,6 +129,22 @@ static void test_steps(void)
     recording_close(r);
 }
 
+static void test_on_from_a_step(void)
+{
+    static const int64_t cases[][2] = {{5, 5}, {7, 6}, {-3, 0}, {STEPS + 9, STEPS - 1}};
+    struct recording *r = recording_make();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        recording_seek(r, cases[i][0]);
+        for (int64_t step = cases[i][1]; step < STEPS; step += step == 6 ? 2 : 1) {
+            const muster_Frame *f = recording_next(r);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+            CU_ASSERT_EQUAL(f->step, step);
+        }
+        CU_ASSERT_PTR_NULL(recording_next(r));
+    }
+    recording_close(r);
+}
+
 static void test_times(void)
 {
     struct recording *r = recording_make();
@@ -216,6 +232,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"steps", test_steps},
+        {"on from a step", test_on_from_a_step},
         {"times", test_times},
         {"minds", test_minds},
         {"stalls", test_stalls},

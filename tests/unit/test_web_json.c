@@ -6,6 +6,7 @@
 #include "web/beams.h"
 #include "web/frame_json.h"
 #include "web/goals.h"
+#include "web/mind_json.h"
 #include "web/run_json.h"
 #include "web/scene_json.h"
 
@@ -82,7 +83,7 @@ static void test_a_frame_in_thousandths(void)
 {
     muster_Frame f = frame_make();
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     READS(text.at,
           "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
           "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
@@ -94,7 +95,7 @@ static void test_totals(void)
 {
     muster_Frame f = frame_make();
     begin();
-    frame_json_totals(&j, &f);
+    frame_json_totals(&j, NULL, &f);
     has("\"time_ms\": 1200, \"robots\": [[12500, 2, 1500, 7, 8, 9], [0, 0, 0, 0, 0, 0]]");
 }
 
@@ -140,7 +141,7 @@ static void test_a_frame_says_whose_beams_they_are(void)
     percepts[0].laser_m._buffer = near;
     percepts[0].laser_m._length = 2;
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     has("\"sonar\": [[1, \"BkBA\"]], \"laser\": []");
 }
 
@@ -156,7 +157,7 @@ static void test_names_from_hell_stay_text(void)
     mails[1] = letter("\xff\xfe\xc3", 2, SEPARATORS, "\xf0\x9f\x90\x9e");
     acts[0].mails = (dds_sequence_muster_Mail){._length = 2, ._buffer = mails};
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     has("[\"</script><script>alert(1)</script>\", \"a\\\"b\\\\c\", \"tell\", "
         "\"x\\n\\ndata: {}\\r\\u0001\\u007f\"]");
     has("[\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\", \"" SEPARATORS "\", \"tell\", "
@@ -175,7 +176,7 @@ static void test_a_character_that_is_cut_is_no_broken_json(void)
     mails[0] = letter("red", 1, "blue", content);
     acts[0].mails = (dds_sequence_muster_Mail){._length = 1, ._buffer = mails};
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     has("x\xef\xbf\xbd\"]]");
 }
 
@@ -191,7 +192,7 @@ static void test_of_many_mails_some_are_shown_people_s_first(void)
     f.outside =
         (dds_sequence_muster_Mail){._length = 1, ._buffer = &mails[FRAME_JSON_MAILS_MAX + 5]};
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     unsigned shown = 0;
     for (const char *at = text.at; (at = strstr(at, "\"blue\", \"tell\"")); at++) {
         shown++;
@@ -209,7 +210,7 @@ static void test_rules_and_orders(void)
     acts[1].rules = words("wander avoid <img>");
     f.orders = (dds_sequence_muster_RunCommand){._length = 1, ._buffer = &command};
     begin();
-    frame_json_write(&j, &f, &goals);
+    frame_json_write(&j, NULL, &f, &goals);
     has("\"fired\": [[1, 3, \"wander avoid <img>\"]]");
     has("\"orders\": [[\"operator\", \"push\", \"<b>\"]]");
 }
@@ -309,6 +310,92 @@ static void test_goals_of_odd_lines(void)
           "[\"\", \"a-goal-with-a-name-that-is-longer-than-what-anybody-wants-to-re\"]\n");
 }
 
+/* --- minds ------------------------------------------------------------------------------------ */
+
+static struct minds *minds_make(void)
+{
+    static struct minds *m;
+    if (!m) {
+        m = minds_open(BYTES, 2);
+        minds_add(m, "red", 1,
+                  "0\n+1 (goal wander)\nS\n+2 (position 1 2)\nR see 2,1\nV 1 2\nA look 2\n"
+                  "A turn 2,1\n");
+        minds_add(m, "blue", 1, "0\n+1 (goal stay)\n");
+        minds_add(m, "red", 3,
+                  "S\n-2\n+3 (said \"</b>\")\nM blue 7 tell hello\n+4 (goal gohome 1 2)\n"
+                  "R answer 4,*\nT blue - hi\n");
+    }
+    return m;
+}
+
+static const char *mind_at(const char *robot, uint32_t step)
+{
+    begin();
+    mind_json_write(&j, NULL, minds_make(), robot, step);
+    return text.at;
+}
+
+static void test_a_mind_at_a_step(void)
+{
+    READS(mind_at("red", 2),
+          "{\"robot\": \"red\", \"step\": 1, "
+          "\"facts\": [[\"f-1\", \"(goal wander)\"], [\"f-2\", \"(position 1 2)\"]], "
+          "\"agenda\": [[\"look\", \"2\"], [\"turn\", \"2,1\"]], "
+          "\"fired\": [[1, \"see\", \"2,1\"]], \"mails\": []}\n");
+    READS(mind_at("red", 3),
+          "{\"robot\": \"red\", \"step\": 3, "
+          "\"facts\": [[\"f-1\", \"(goal wander)\"], [\"f-3\", \"(said \\\"</b>\\\")\"], "
+          "[\"f-4\", \"(goal gohome 1 2)\"]], \"agenda\": [], "
+          "\"fired\": [[3, \"answer\", \"4,*\"], [1, \"see\", \"2,1\"]], "
+          "\"mails\": [[3, \"blue - hi\", true], [3, \"blue 7 tell hello\", false]]}\n");
+}
+
+static void test_a_mind_that_nobody_knows(void)
+{
+    static const char *const none = "\"step\": -1, \"facts\": [], \"agenda\": [], "
+                                    "\"fired\": [], \"mails\": []}\n";
+    (void)mind_at("red", 0);
+    has(none);
+    (void)mind_at("<b>", 5);
+    has(none);
+    has("{\"robot\": \"<b>\"");
+}
+
+static void test_of_long_facts_the_beginning_is_shown(void)
+{
+    char diary[MIND_JSON_TEXT_MAX + 64];
+    struct minds *m = minds_open(BYTES, 1);
+    memset(diary, 'x', sizeof diary);
+    memcpy(diary, "+5 (", 4);
+    memcpy(diary + sizeof diary - 3, ")\n", 3);
+    minds_add(m, "red", 0, diary);
+    begin();
+    mind_json_write(&j, NULL, m, "red", 0);
+    const char *at = strstr(text.at, "\"(x");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    CU_ASSERT_EQUAL(strcspn(at + 1, "\""), MIND_JSON_TEXT_MAX);
+}
+
+static void test_the_youngest_goal_is_what_it_wants(void)
+{
+    static const struct {
+        const char *robot;
+        uint32_t step;
+        long long fact;
+        const char *text;
+    } cases[] = {{"red", 0, 0, ""},
+                 {"red", 1, 1, "wander"},
+                 {"red", 3, 4, "gohome 1 2"},
+                 {"blue", 9, 1, "stay"},
+                 {"green", 9, 0, ""}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct goal goal = {.fact = 77};
+        mind_json_goal(&goal, minds_make(), cases[i].robot, cases[i].step);
+        CU_ASSERT_EQUAL(goal.fact, cases[i].fact);
+        CU_ASSERT_STRING_EQUAL(goal.fact ? goal.text : "", cases[i].text);
+    }
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -328,6 +415,10 @@ int main(void)
         {"goals come and go with their facts", test_goals_come_and_go_with_their_facts},
         {"after a gap nothing is known", test_after_a_gap_nothing_is_known},
         {"goals of odd lines", test_goals_of_odd_lines},
+        {"a mind at a step", test_a_mind_at_a_step},
+        {"a mind that nobody knows", test_a_mind_that_nobody_knows},
+        {"of long facts the beginning is shown", test_of_long_facts_the_beginning_is_shown},
+        {"the youngest goal is what it wants", test_the_youngest_goal_is_what_it_wants},
         CU_TEST_INFO_NULL,
     };
     return suite_run("web/json", tests);

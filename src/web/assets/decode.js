@@ -52,6 +52,12 @@ export function decodeFrame(data) {
   };
 }
 
+/** Mails of the steps before a moment. */
+export function decodeLately(data, stepMs) {
+  return data.map(([step, from, to, performative, content]) =>
+    ({step, time: step * stepMs / 1000, mail: {from, to, performative, content}}));
+}
+
 /** Totals since the run began, in the order of the scene. */
 export function decodeStatistics(data) {
   const time = data.time_ms / 1000;

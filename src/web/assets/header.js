@@ -5,7 +5,8 @@ import {byId, element, mark, say} from './dom.js';
 
 const PACE_SPAN_S = 2;
 
-const STATES = {none: 'no run', waiting: 'waiting', ready: 'ready', running: 'running', done: 'ended', fault: 'fault'};
+const STATES = {none: 'no run', waiting: 'waiting', ready: 'ready', running: 'running', done: 'ended', fault: 'fault',
+  recorded: 'recording'};
 
 /** Simulated seconds in a second, lately. */
 function createPace() {
@@ -37,13 +38,15 @@ function bannerOf({linked, hello, run, scene}) {
     return {words: ['There is no run yet.  To start one: ', element('code', {}, command)]};
   }
   if (run.state === 'none') return {bad: true, words: ['The run is gone.  This is how it was last.']};
+  if (run.state === 'recorded') return null;
   if (!run.broker) return {bad: true, words: ['The broker is gone: robots cannot be reached.']};
   return null;
 }
 
 export function createHeader() {
   const pace = createPace();
-  const state = {linked: true, hello: null, run: null, scene: null, frame: null, missed: 0};
+  const state = {linked: true, hello: null, run: null, scene: null, frame: null, missed: 0,
+    mails: 0, rate: 0}; /* of a recording */
   let shown = '';
 
   function sayBanner() {
@@ -69,14 +72,14 @@ export function createHeader() {
       const length = (run?.duration_ms ?? 0) / 1000;
       const running = run?.state === 'running';
       const whole = run && run.wall_ms > 0 ? run.time_ms / run.wall_ms : 0;
-      const rate = running ? pace.value : whole;
+      const rate = running ? pace.value : run?.state === 'recorded' ? state.rate : whole;
       say(byId('world'), scene ? `${scene.world} · seed ${scene.seed}` : '');
       say(byId('state'), STATES[name] ?? name);
       mark(byId('state'), 'data-state', name);
       say(byId('time'), time.toFixed(1));
       say(byId('step'), String(Math.max(frame?.step ?? 0, run?.step ?? 0)));
       say(byId('pace'), rate >= 100 ? rate.toFixed(0) : rate.toFixed(1));
-      say(byId('mails'), String(run?.mails[0] ?? 0));
+      say(byId('mails'), String(run?.state === 'recorded' ? state.mails : run?.mails[0] ?? 0));
       byId('progress').value = length > 0 ? Math.min(1, time / length) : 0;
       byId('progress').hidden = length <= 0;
       say(byId('note'), missed > 0 ? `${missed} frames passed over` : '');

@@ -12,7 +12,8 @@ export function attachKeys(table) {
   byId('help').addEventListener('click', () => dialog.showModal());
 
   addEventListener('keydown', (event) => {
-    const typing = event.target.matches('input, textarea');
+    /* A slider knows arrows, and nothing of spaces. */
+    const typing = event.target.matches(event.key === ' ' ? 'input:not([type=range])' : 'input, textarea');
     if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === '?') {
       if (dialog.open) dialog.close();
@@ -20,7 +21,7 @@ export function attachKeys(table) {
       return;
     }
     if (dialog.open) return;
-    const onButton = event.target.matches('button') && (event.key === ' ' || event.key === 'Enter');
+    const onButton = event.target.matches('button, select') && (event.key === ' ' || event.key === 'Enter');
     const row = onButton ? null : table.find(({keys}) => keys.includes(event.key));
     if (!row) return;
     event.preventDefault();

@@ -33,6 +33,10 @@ export function createLog() {
       const lines = frame.mails.map((mail) => ({time: frame.time, mail})).filter(wanted);
       waiting = waiting.concat(lines.slice(0, EACH_STEP_MAX)).slice(-LINES_MAX);
     },
+    /** Mails of several steps: {time, mail}. */
+    takeLately(lines) {
+      waiting = waiting.concat(lines.filter(wanted)).slice(-LINES_MAX);
+    },
     draw() {
       if (waiting.length === 0 || panel.hidden) return;
       const below = list.scrollTop + list.clientHeight >= list.scrollHeight - 20;

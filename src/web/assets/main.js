@@ -4,13 +4,15 @@
 import {createActor} from './act.js';
 import {createTheme} from './colors.js';
 import {createConsole} from './console.js';
-import {decodeFrame, decodeStatistics} from './decode.js';
+import {decodeFrame, decodeLately, decodeStatistics} from './decode.js';
+import {createDiary} from './diary.js';
 import {byId, mark} from './dom.js';
 import {fetchScene, openFeed} from './feed.js';
 import {createHeader} from './header.js';
 import {attachKeys} from './keys.js';
 import {createLog} from './log.js';
 import {createMinds} from './minds.js';
+import {createPast, fetchRecording, fetchTracks, fetchWhy} from './past.js';
 import {attachPointer} from './pointer.js';
 import {createStatistics} from './statistics.js';
 import {createTabs} from './tabs.js';
@@ -20,6 +22,8 @@ import {createView} from './view.js';
 const WORDS_MS = 200; /* tables and texts need not change more often */
 const PAN_PX = 60;
 
+const recording = await fetchRecording(); /* null: a run is shown */
+const tracks = recording && await fetchTracks();
 const actor = createActor();
 const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
@@ -27,7 +31,8 @@ const model = {scene: null, frame: null, run: null, agents: new Map(), fired: ne
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
 const onFacts = (name, text) => minds.takeFacts(name, text);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
-  (name) => createConsole(name, actor, {onFacts}));
+  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : createConsole(name, actor, {onFacts})),
+  recording ? [] : ['observer']);
 const theme = createTheme(paint);
 
 function paint(name) {
@@ -62,6 +67,7 @@ async function takeScene() {
   header.set({scene});
   pick(-1);
   if (fresh) view.fit();
+  if (recording) loadPast(scene);
 }
 
 function takeFrame(data) {
@@ -100,6 +106,48 @@ openFeed({
   ended: (data) => tabs.consoleOf(data.agent)?.ended(data),
   missed: ({frames}) => header.set({missed: frames}),
 });
+
+// --- a recording ---------------------------------------------------------------------------------
+
+const past = recording && createPast(recording, {robotOf: () => tabs.shown, onMoment: takeMoment, onStall: openStall});
+if (past) header.set({run: {state: 'recorded', time_ms: 0, wall_ms: 0, mails: [0], duration_ms: recording.last * recording.step_ms}});
+
+/* The page has found the server again, perhaps. */
+function loadPast(scene) {
+  past.load(scene, view.colors);
+  past.renew();
+}
+
+/* After a leap nothing is known of what lies between. */
+function takeMoment({frame, statistics: totals, lately, mind}, goesOn) {
+  const before = goesOn ? model.frame?.step ?? -1 : -1;
+  if (!goesOn) {
+    tween.clear();
+    log.clear();
+    model.fired.clear();
+    view.restart(tracks, frame.step);
+  }
+  log.takeLately(decodeLately(lately, recording.step_ms).filter(({step}) => step > before));
+  if (frame.step !== before) takeFrame(frame);
+  const decoded = decodeStatistics(totals);
+  statistics.take(decoded);
+  header.set({mails: decoded.robots.reduce((sum, robot) => sum + robot.sent, 0), rate: past.speed});
+  if (mind) tabs.consoleOf(mind.robot)?.take(mind);
+}
+
+async function tellWhy(name, step = past.step) {
+  const text = await fetchWhy(step, name).catch(() => 'muster web does not answer');
+  tabs.consoleOf(name)?.tell(`at ${(step * recording.step_ms / 1000).toFixed(1)} s\n${text}\n`);
+}
+
+/* A stall that a step finds came of what was set up to the step before. */
+function openStall([robot, from]) {
+  past.seek(from);
+  pick(robot);
+  const name = nameOf(robot);
+  tabs.show(name).show('Why');
+  tellWhy(name, Math.max(0, from - 1));
+}
 
 // --- what people do ------------------------------------------------------------------------------
 
@@ -165,6 +213,17 @@ function withConsole(run) {
   if (name) run(tabs.show(name));
 }
 
+const RUN_KEYS = [
+  {keys: ['s'], shown: 'S', help: 'suspend it, or let it go on', run: () => withConsole((c) => c.toggle())},
+  {keys: ['o'], shown: 'O', help: 'the observer\'s console', run: () => tabs.show('observer').focus()},
+];
+
+const PAST_KEYS = [
+  {keys: [' '], shown: 'Space', help: 'play, pause', run: () => past.toggle()},
+  {keys: [','], shown: ',', help: 'a step back', run: () => past.by(-1)},
+  {keys: ['.'], shown: '.', help: 'a step on', run: () => past.by(1)},
+];
+
 attachKeys([
   {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], shown: '← → ↑ ↓', help: 'move the world',
    run: (key) => view.camera.pan({ArrowLeft: PAN_PX, ArrowRight: -PAN_PX}[key] ?? 0, {ArrowUp: PAN_PX, ArrowDown: -PAN_PX}[key] ?? 0)},
@@ -175,10 +234,9 @@ attachKeys([
   {keys: ['k'], shown: 'K', help: 'pick the one before', run: () => next(-1)},
   {keys: ['Escape'], shown: 'Esc', help: 'pick none', run: () => pick(-1)},
   {keys: ['c'], shown: 'C', help: 'follow the picked robot', run: tools.follow},
-  {keys: ['Enter', '/'], shown: 'Enter /', help: 'a line on its console', run: () => withConsole((c) => c.focus())},
-  {keys: ['s'], shown: 'S', help: 'suspend it, or let it go on', run: () => withConsole((c) => c.toggle())},
+  {keys: ['Enter', '/'], shown: 'Enter /', help: past ? 'its mind' : 'a line on its console', run: () => withConsole((c) => c.focus())},
   {keys: ['r'], shown: 'R', help: 'the table of robots', run: () => tabs.select('Robots')},
-  {keys: ['o'], shown: 'O', help: 'the observer\'s console', run: () => tabs.show('observer').focus()},
+  ...(past ? PAST_KEYS : RUN_KEYS),
   {keys: ['t'], shown: 'T', help: 'trails', run: tools.trails},
   {keys: ['b'], shown: 'B', help: 'beams of the picked robot, of all, of none', run: tools.beams},
   {keys: ['m'], shown: 'M', help: 'mail on its way', run: tools.mail},
@@ -203,6 +261,7 @@ let wordsAt = 0;
 function draw(now) {
   requestAnimationFrame(draw); /* first: one picture that fails is not to be the last */
   if (view.resize() && model.scene && wordsAt === 0) view.fit();
+  past?.draw(now);
   view.draw(tween.at(now), minds, now);
   if (now - wordsAt >= WORDS_MS) {
     wordsAt = now;

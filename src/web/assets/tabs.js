@@ -5,8 +5,8 @@ import {byId, element, mark} from './dom.js';
 
 const OPEN_AT_ONCE = 8; /* of so many robots each has a tab from the beginning */
 
-/** fixed: [title, panel] of tabs that are always there; makeConsole: by name. */
-export function createTabs(fixed, makeConsole) {
+/** fixed: [title, panel] of tabs that are always there; makeConsole: by name; names: opened at once. */
+export function createTabs(fixed, makeConsole, names) {
   const strip = byId('tabs'), panels = byId('panels');
   const tabs = new Map(); /* by key: {button, panel, console} */
   let selected = '';
@@ -50,7 +50,7 @@ export function createTabs(fixed, makeConsole) {
   });
 
   for (const [title, panel] of fixed) add(title, title, panel);
-  open('observer');
+  names.forEach(open);
   select(fixed[0][0]);
 
   return {
@@ -64,6 +64,10 @@ export function createTabs(fixed, makeConsole) {
     /** Another scene: tabs for its robots, where they are few. */
     load(scene) {
       if (scene.robots.length <= OPEN_AT_ONCE) scene.robots.forEach((robot) => robot.controlled && open(robot.name));
+    },
+    /** Whose console is shown; '': nobody's. */
+    get shown() {
+      return tabs.get(selected)?.console ? selected.slice('agent '.length) : '';
     },
     consoleOf: (name) => tabs.get(`agent ${name}`)?.console,
     get consoles() {

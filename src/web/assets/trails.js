@@ -46,6 +46,17 @@ export function createTrails() {
       });
       drawn = robots.map(() => 0);
     },
+    /** Starts again with where they were up to a step: {steps, robots: [x, y, x, y, ...] in mm}. */
+    restart(tracks, step) {
+      const behind = tracks.steps.findIndex((at) => at > step);
+      const count = behind < 0 ? tracks.steps.length : behind;
+      trails = trails.map((_, i) => {
+        const trail = createTrail(capacity), track = tracks.robots[i] ?? [];
+        for (let n = 0; n < count && track.length; n++) add(trail, track[2 * n] / 1000, track[2 * n + 1] / 1000);
+        return trail;
+      });
+      drawn = trails.map(() => 0);
+    },
     add(frame) {
       frame.robots.forEach((robot, i) => trails[i] && add(trails[i], robot.x, robot.y));
     },

@@ -37,6 +37,12 @@ export function createView(groundCanvas, liveCanvas) {
       stale = true;
     },
 
+    /** After a leap to a step of a recording: trails are as they were then. */
+    restart(tracks, step) {
+      trails.restart(tracks, step);
+      stale = true;
+    },
+
     paint(name) {
       theme = name;
       colors = scene ? robotColors(scene.robots, theme) : [];
