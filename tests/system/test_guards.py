@@ -122,12 +122,13 @@ def test_a_broken_mind_is_made_anew():
     with folder() as out, Processes() as processes:
         arena = Arena(processes, out, "--mend", "2", "--checkpoint", "0.2", "--folder", out)
         saved = out / "red.capsule"
+        arena.do("(defrule heard (event on-arrive) => (assert (arrived)))")
         arena.do("(bind ?*big* 17)")
         wait_for(lambda: 'y"big" one i17' in saved.read_text(), 10, "a checkpoint")
         check("the rules are gone" in arena.do("(assert (m 1) (m 2))", 8), "2^28 matches")
         arena.says("mind-mended name=red of=checkpoint time=1")
         check("17" in arena.do("?*big*"), "a global is lost")
-        check("(event on-arrive)" in arena.do("(facts)"), "its rules do not hear of it")
+        wait_for(lambda: "(arrived)" in arena.do("(facts)"), 10, "that its rules hear of it")
         wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
     with folder() as out, Processes() as processes:
         arena = Arena(processes, out, "--mend", "1")
