@@ -338,6 +338,10 @@ bench-scale: all ## many robots in whole runs, one process against two: ARGS="--
 bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
 	@BUILD=$(BUILD) bench/web $(ARGS)
 
+.PHONY: bench-slider
+bench-slider: all ## the time slider: how long the page waits for a moment of a ten minute recording
+	@BUILD=$(BUILD) bench/slider $(ARGS)
+
 .PHONY: bench-minds
 bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control cycle; the engine in a robot against the program clips
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)

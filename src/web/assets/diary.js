@@ -59,6 +59,10 @@ export function createDiary(name, {stepMs, onWhy}) {
     tell(text) {
       if (view === 'Why') say(output, text);
     },
+    /** Another moment is shown. */
+    renewWhy() {
+      if (view === 'Why') onWhy(name);
+    },
     /** What was in its mind at the moment that is shown. */
     take(next) {
       mind = next;

@@ -118,6 +118,8 @@ function loadPast(scene) {
   past.renew();
 }
 
+let stallAt = -1; /* the step at which a stall was asked for: it is told why of the one before */
+
 /* After a leap nothing is known of what lies between. */
 function takeMoment({frame, statistics: totals, lately, mind}, goesOn) {
   const before = goesOn ? model.frame?.step ?? -1 : -1;
@@ -131,8 +133,9 @@ function takeMoment({frame, statistics: totals, lately, mind}, goesOn) {
   if (frame.step !== before) takeFrame(frame);
   const decoded = decodeStatistics(totals);
   statistics.take(decoded);
-  header.set({mails: decoded.robots.reduce((sum, robot) => sum + robot.sent, 0), rate: past.speed});
+  header.set({mails: decoded.robots.reduce((sum, robot) => sum + robot.sent, 0)});
   if (mind) tabs.consoleOf(mind.robot)?.take(mind);
+  if (mind && frame.step !== stallAt) tabs.consoleOf(mind.robot)?.renewWhy();
 }
 
 async function tellWhy(name, step = past.step) {
@@ -142,6 +145,7 @@ async function tellWhy(name, step = past.step) {
 
 /* A stall that a step finds came of what was set up to the step before. */
 function openStall([robot, from]) {
+  stallAt = from;
   past.seek(from);
   pick(robot);
   const name = nameOf(robot);
@@ -265,6 +269,7 @@ function draw(now) {
   view.draw(tween.at(now), minds, now);
   if (now - wordsAt >= WORDS_MS) {
     wordsAt = now;
+    if (past) header.set({rate: past.speed});
     header.draw();
     log.draw();
     statistics.draw(model.frame, model.agents, view.look.picked, isOver());
