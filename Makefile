@@ -377,8 +377,9 @@ $(O)/bench/sim/box2d: bench/sim/box2d.cc bench/sim/wander.h | bench-sim-packages
 .PHONY: bench-sim bench-sim-packages
 bench-sim-packages:
 	@bench/sim/packages
-bench-sim: bench-sim-packages all $(RACERS) ## our engine against Box2D and a prototype: ARGS="--rounds 5 --robots 100,1000"
+bench-sim: bench-sim-packages all $(RACERS) ## our engine against Box2D and a prototype, then whole runs: ARGS="--rounds 5 --robots 100,1000"
 	@O=$(O) BUILD=$(BUILD) bench/sim/run $(ARGS)
+	@BUILD=$(BUILD) bench/sim/scale
 
 # --- hygiene -------------------------------------------------------------------------------------
 .PHONY: fmt fmt-check docs install uninstall clean help

@@ -7,6 +7,7 @@
 
 #include "core/text.h"
 #include "muster/memory.h"
+#include "runtime/letter.h"
 #include "runtime/process.h"
 
 #include <stdio.h>
@@ -99,26 +100,6 @@ static struct sender *sender_find(struct run_inputs *in, const char *name)
 
 /* --- what was said ---------------------------------------------------------------------------- */
 
-static struct mu_mail mail_of(const muster_Mail *m, uint64_t due_ns)
-{
-    return (struct mu_mail){.dst = m->dst,
-                            .directive = m->layer == 0,
-                            .layer = m->layer,
-                            .performative = m->performative,
-                            .language = m->language,
-                            .ontology = m->ontology,
-                            .reply_with = m->reply_with,
-                            .in_reply_to = m->in_reply_to,
-                            .conversation = m->conversation,
-                            .reply_by_ns = m->reply_by_ns,
-                            .priority = (enum mu_priority)m->priority,
-                            .level = (enum mu_level)m->level,
-                            .ttl_ns = m->ttl_ns,
-                            .timed = true,
-                            .due_ns = due_ns,
-                            .content = m->content};
-}
-
 /* @return whether it was handed over, or never will be */
 static bool mail_tell(struct run_inputs *in, const muster_Mail *m)
 {
@@ -130,7 +111,9 @@ static bool mail_tell(struct run_inputs *in, const muster_Mail *m)
     if (!s->agent->registered) {
         return false;
     }
-    struct mu_mail mail = mail_of(m, in->frame->time_ns);
+    struct mu_mail mail = letter_of(m);
+    mail.timed = true;
+    mail.due_ns = in->frame->time_ns;
     mu_result sent = agent_replay(s->agent, m->seq, &mail);
     in->refused = in->refused || sent == MU_MALFORMED;
     return sent == MU_OK || sent == MU_MALFORMED;

@@ -2,6 +2,7 @@
 #include "core/clock.h"
 #include "core/name.h"
 #include "core/text.h"
+#include "runtime/letter.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
 
@@ -232,26 +233,9 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 
 static struct mu_mail mail_of(const muster_Parcel *parcel)
 {
-    const muster_Mail *m = &parcel->letter;
-    return (struct mu_mail){.src = m->src,
-                            .dst = m->dst,
-                            .seq = m->seq,
-                            .number = parcel->number,
-                            .directive = m->layer == WIRE_DIRECTIVE,
-                            .layer = m->layer,
-                            .performative = m->performative,
-                            .language = m->language,
-                            .ontology = m->ontology,
-                            .reply_with = m->reply_with,
-                            .in_reply_to = m->in_reply_to,
-                            .conversation = m->conversation,
-                            .content = m->content,
-                            .reply_by_ns = m->reply_by_ns,
-                            .priority = (enum mu_priority)m->priority,
-                            .level = (enum mu_level)m->level,
-                            .timed = m->due_ns >= 0,
-                            .due_ns = m->due_ns > 0 ? (uint64_t)m->due_ns : 0,
-                            .ttl_ns = m->ttl_ns};
+    struct mu_mail mail = letter_of(&parcel->letter);
+    mail.number = parcel->number;
+    return mail;
 }
 
 void agent_live(struct mu_agent *a, enum life_event event)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "muster/memory.h"
+#include "runtime/letter.h"
 #include "runtime/watch.h"
 
 /* What a sample has more of than the border lets through is bounded here once more. */
@@ -120,28 +121,6 @@ static void objects_fill(struct watch_room *r, const muster_Frame *f)
     }
 }
 
-static struct mu_mail mail_of(const muster_Mail *m)
-{
-    return (struct mu_mail){.src = m->src,
-                            .dst = m->dst,
-                            .seq = m->seq,
-                            .directive = m->layer == 0,
-                            .layer = m->layer,
-                            .performative = m->performative,
-                            .language = m->language,
-                            .ontology = m->ontology,
-                            .reply_with = m->reply_with,
-                            .in_reply_to = m->in_reply_to,
-                            .conversation = m->conversation,
-                            .content = m->content,
-                            .reply_by_ns = m->reply_by_ns,
-                            .priority = (enum mu_priority)m->priority,
-                            .level = (enum mu_level)m->level,
-                            .timed = m->due_ns >= 0,
-                            .due_ns = m->due_ns >= 0 ? (uint64_t)m->due_ns : 0,
-                            .ttl_ns = m->ttl_ns};
-}
-
 /* @return the first of them; those without room are counted */
 static const struct mu_mail *mails_fill(struct watch_room *r, const muster_Mail *mails,
                                         size_t length, size_t *count)
@@ -149,7 +128,7 @@ static const struct mu_mail *mails_fill(struct watch_room *r, const muster_Mail 
     struct mu_mail *first = r->mails + r->mail_count;
     *count = at_most(length, MU_WATCH_MAILS_MAX - r->mail_count);
     for (size_t i = 0; i < *count; i++) {
-        first[i] = mail_of(&mails[i]);
+        first[i] = letter_of(&mails[i]);
     }
     r->mail_count += *count;
     r->frame.cut += length - *count;

@@ -12,7 +12,8 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
-from support import ROOT, Processes, check, check_equal, experiment_run, folder, members, muster, wait_for  # noqa: E402
+from support import (COUNTS, ROOT, SENDS, Processes, check, check_equal, experiment_run,  # noqa: E402
+                     folder, members, muster, wait_for)
 from test_crash import EACH_STEP, RESTART, Run, crew_file  # noqa: E402
 
 MANY = ("--set", "restarts=100")
@@ -21,21 +22,6 @@ TEAM = ("red", "blue", "green", "yellow")
 NEAR = """
 (defglobal ?*n* = 0)
 (defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send near:20 n ?*n*) (update-sensors))
-"""
-COUNTS = """
-(defglobal ?*last* = 0 ?*wrong* = 0)
-(deffunction take (?from ?n ?i)
-  (if (<> ?i (+ ?*last* 1)) then (bind ?*wrong* (+ ?*wrong* 1)))
-  (bind ?*last* ?i))
-(defrule count (position $?) =>
-  (bind ?mail (getmsg))
-  (while (> (length$ ?mail) 0)
-    (take (expand$ ?mail))
-    (bind ?mail (getmsg))))
-"""
-SENDS = """
-(defglobal ?*n* = 0)
-(defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
 """
 
 

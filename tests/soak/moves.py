@@ -26,7 +26,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run,  # noqa: E402
                      folder, members, muster, new_domain, wait_for)
-from test_move import COUNTS, SENDS  # noqa: E402
+from support import COUNTS, SENDS  # noqa: E402
 
 STEP_S, END_S = 0.1, 119.8
 SPEED_M_S = 0.3

@@ -20,6 +20,23 @@ FOLLOW = str(ROOT / "experiments" / "follow.yaml")
 # process, and below the range of ephemeral ports.
 FIRST_DOMAIN = 50 + (os.getpid() % 5) * 10
 
+# Rules of one that counts what came out of order, and of one that sends numbers to red.
+COUNTS = """
+(defglobal ?*last* = 0 ?*wrong* = 0)
+(deffunction take (?from ?n ?i)
+  (if (<> ?i (+ ?*last* 1)) then (bind ?*wrong* (+ ?*wrong* 1)))
+  (bind ?*last* ?i))
+(defrule count (position $?) =>
+  (bind ?mail (getmsg))
+  (while (> (length$ ?mail) 0)
+    (take (expand$ ?mail))
+    (bind ?mail (getmsg))))
+"""
+SENDS = """
+(defglobal ?*n* = 0)
+(defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
+"""
+
 # Nothing of a test stays in the user's folders; who wants a store names it.
 os.environ["MUSTER_STORE"] = "none"
 

@@ -5,8 +5,8 @@ import signal
 import subprocess
 import time
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run, folder, members,
-                     muster, new_domain, wait_for)
+from support import (COUNTS, MUSTER, ROOT, SENDS, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, members, muster, new_domain, wait_for)
 
 class Team:
     """A broker, two hosts, a simulator with the body of red, and red in a process of its own."""
@@ -88,23 +88,6 @@ def test_a_robot_moves_with_all_that_it_knows():
         x, y = (float(v) for v in t.ask("red", "(subseq$ (position) 2 3)").strip("()").split())
         wait_for(lambda: t.ask("red", f"(> (distance {x} {y} (nth$ 2 (position))"
                                " (nth$ 3 (position))) 100)") == "TRUE", 20, "that it drives on")
-
-
-COUNTS = """
-(defglobal ?*last* = 0 ?*wrong* = 0)
-(deffunction take (?from ?n ?i)
-  (if (<> ?i (+ ?*last* 1)) then (bind ?*wrong* (+ ?*wrong* 1)))
-  (bind ?*last* ?i))
-(defrule count (position $?) =>
-  (bind ?mail (getmsg))
-  (while (> (length$ ?mail) 0)
-    (take (expand$ ?mail))
-    (bind ?mail (getmsg))))
-"""
-SENDS = """
-(defglobal ?*n* = 0)
-(defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
-"""
 
 
 def test_mail_on_the_way_arrives_in_order_and_once():
