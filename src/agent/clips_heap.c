@@ -43,7 +43,7 @@ static struct mind *heap_maker;
 
 static struct mind *heap_mind(void *env)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = clips_engine_mind(env);
     return m ? m : heap_maker;
 }
 
