@@ -5,6 +5,7 @@
  * the same in both, and what is not in the list is taken off.
  */
 #include "agent/clips_capsule.h"
+#include "agent/clips_value.h"
 #include "core/hash.h"
 
 #include <string.h>
@@ -28,12 +29,9 @@ static void basis_add(struct mu_text *key, const struct partialMatch *basis)
 {
     for (unsigned i = 0; i < basis->bcount; i++) {
         const struct alphaMatch *match = basis->binds[i].gm.theMatch;
-        if (!match || !match->matchingItem) {
-            mu_text_add(key, ",*");
-            continue;
-        }
-        mu_text_format(key, ",%lld", ((const struct fact *)match->matchingItem)->factIndex);
-        for (const struct multifieldMarker *k = match->markers; k; k = k->next) {
+        mu_text_add(key, ",");
+        clips_value_add_match(key, match);
+        for (const struct multifieldMarker *k = match ? match->markers : NULL; k; k = k->next) {
             mu_text_format(key, ":%d/%ld-%ld", k->whichField, k->startPosition, k->endPosition);
         }
     }
