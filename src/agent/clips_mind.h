@@ -238,7 +238,7 @@ void clips_atom_install(struct mind *m);
  * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
  * had is gone.
  */
-#define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
+#define CLIPS_BROKEN(m) (!(m)->env || setjmp((m)->shelter) != 0)
 
 /** The answer of a broken mind. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
