@@ -11,6 +11,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,6 +117,39 @@ static bool is_host(const char *text)
     return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
+static mu_result participant_open(struct bus *bus, const struct bus_options *options)
+{
+    const char *uri = getenv("CYCLONEDDS_URI");
+    if (!uri || !uri[0]) {
+        MU_TRY(domain_open(bus, options));
+    }
+    dds_qos_t *qos = dds_create_qos();
+    dds_qset_entity_name(qos, options->name);
+    bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
+    dds_delete_qos(qos);
+    return bus->participant < 0 ? dds_fault("participant", bus->participant) : MU_OK;
+}
+
+/* The threads of DDS inherit how this one is scheduled.  As batch threads they do not preempt
+ * whoever wakes them: a broker writes to a hundred processes in one go, and a process handles what
+ * came before it takes more from the socket.  Real-time threads stay what they are.
+ * @return what batch_end takes back */
+static int batch_begin(void)
+{
+    int policy = sched_getscheduler(0);
+    if (policy == SCHED_OTHER) {
+        (void)sched_setscheduler(0, SCHED_BATCH, &(struct sched_param){0});
+    }
+    return policy;
+}
+
+static void batch_end(int policy)
+{
+    if (policy == SCHED_OTHER) {
+        (void)sched_setscheduler(0, SCHED_OTHER, &(struct sched_param){0});
+    }
+}
+
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){.place = options->place, .index = -1};
@@ -127,20 +161,10 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     traffic_join();
-    const char *uri = getenv("CYCLONEDDS_URI");
-    if (!uri || !uri[0]) {
-        mu_result opened = domain_open(bus, options);
-        if (opened != MU_OK) {
-            return opened;
-        }
-    }
-    dds_qos_t *qos = dds_create_qos();
-    dds_qset_entity_name(qos, options->name);
-    bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
-    dds_delete_qos(qos);
-    if (bus->participant < 0) {
-        return dds_fault("participant", bus->participant);
-    }
+    int policy = batch_begin();
+    mu_result joined = participant_open(bus, options);
+    batch_end(policy);
+    MU_TRY(joined);
     pthread_condattr_t clock;
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
@@ -469,12 +493,39 @@ enum bus_life bus_fate(const struct bus_reader *reader)
     return (enum bus_life)reader->fates[reader->next - 1];
 }
 
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+/* Where mail goes to and fro, the next sample is there sooner than a thread could fall asleep and
+ * wake.  So after a short wait the next one begins awake, and yields to whoever wants to run. */
+static const uint64_t AWAKE_NS = 100000;
+
+/* Called with the lock.  @return whether so many samples have come */
+static bool wait_awake(struct bus *bus, uint64_t samples, uint64_t until_ns)
 {
-    uint64_t until_ns = mu_clock_ns() + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    while (bus->arrived - bus->taken < samples && mu_clock_ns() < until_ns) {
+        pthread_mutex_unlock(&bus->lock);
+        sched_yield();
+        pthread_mutex_lock(&bus->lock);
+    }
+    return bus->arrived - bus->taken >= samples;
+}
+
+/* Called with the lock. */
+static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
+{
     const struct timespec until = {.tv_sec = (time_t)(until_ns / 1000000000u),
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
+    bus->wanted = samples;
+    while (bus->arrived - bus->taken < samples && waited == 0) {
+        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
+    }
+    bus->wanted = 0;
+}
+
+void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+{
+    uint64_t began_ns = mu_clock_ns();
+    uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    uint64_t awake_ns = bus->last_wait_ns < AWAKE_NS ? began_ns + AWAKE_NS : began_ns;
     pthread_mutex_lock(&bus->lock);
     if (bus->wakes) {
         eventfd_t count;
@@ -483,12 +534,11 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }
-    bus->wanted = samples;
-    while (bus->arrived - bus->taken < samples && waited == 0) {
-        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
+    if (!wait_awake(bus, samples, awake_ns < until_ns ? awake_ns : until_ns)) {
+        wait_asleep(bus, samples, until_ns);
     }
-    bus->wanted = 0;
     pthread_mutex_unlock(&bus->lock);
+    bus->last_wait_ns = mu_clock_ns() - began_ns;
 }
 
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)
