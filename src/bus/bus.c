@@ -130,26 +130,6 @@ static mu_result participant_open(struct bus *bus, const struct bus_options *opt
     return bus->participant < 0 ? dds_fault("participant", bus->participant) : MU_OK;
 }
 
-/* The threads of DDS inherit how this one is scheduled.  As batch threads they do not preempt
- * whoever wakes them: a broker writes to a hundred processes in one go, and a process handles what
- * came before it takes more from the socket.  Real-time threads stay what they are.
- * @return what batch_end takes back */
-static int batch_begin(void)
-{
-    int policy = sched_getscheduler(0);
-    if (policy == SCHED_OTHER) {
-        (void)sched_setscheduler(0, SCHED_BATCH, &(struct sched_param){0});
-    }
-    return policy;
-}
-
-static void batch_end(int policy)
-{
-    if (policy == SCHED_OTHER) {
-        (void)sched_setscheduler(0, SCHED_OTHER, &(struct sched_param){0});
-    }
-}
-
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){.place = options->place, .index = -1};
@@ -161,10 +141,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     traffic_join();
-    int policy = batch_begin();
-    mu_result joined = participant_open(bus, options);
-    batch_end(policy);
-    MU_TRY(joined);
+    MU_TRY(participant_open(bus, options));
     pthread_condattr_t clock;
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
@@ -494,18 +471,33 @@ enum bus_life bus_fate(const struct bus_reader *reader)
 }
 
 /* Where mail goes to and fro, the next sample is there sooner than a thread could fall asleep and
- * wake.  So after a short wait the next one begins awake, and yields to whoever wants to run. */
+ * wake.  So after a short wait the next one begins awake, and yields to whoever wants to run.  On a
+ * machine that is busy that is the worse way: who sleeps is woken at once, who yields waits for its
+ * turn.  When a turn has taken long, the next waits are asleep. */
 static const uint64_t AWAKE_NS = 100000;
+static const uint64_t BUSY_MACHINE_NS = 100000000;
 
-/* Called with the lock.  @return whether so many samples have come */
-static bool wait_awake(struct bus *bus, uint64_t samples, uint64_t until_ns)
+static bool has_come(const struct bus *bus, uint64_t samples)
 {
-    while (bus->arrived - bus->taken < samples && mu_clock_ns() < until_ns) {
+    return bus->arrived - bus->taken >= samples;
+}
+
+/* Called with the lock. */
+static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
+{
+    if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
+        return;
+    }
+    uint64_t end_ns = now_ns + AWAKE_NS < until_ns ? now_ns + AWAKE_NS : until_ns;
+    while (!has_come(bus, samples) && now_ns < end_ns) {
         pthread_mutex_unlock(&bus->lock);
         sched_yield();
         pthread_mutex_lock(&bus->lock);
+        now_ns = mu_clock_ns();
     }
-    return bus->arrived - bus->taken >= samples;
+    if (now_ns > end_ns + AWAKE_NS) {
+        bus->asleep_until_ns = now_ns + BUSY_MACHINE_NS;
+    }
 }
 
 /* Called with the lock. */
@@ -515,7 +507,7 @@ static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
     bus->wanted = samples;
-    while (bus->arrived - bus->taken < samples && waited == 0) {
+    while (!has_come(bus, samples) && waited == 0) {
         waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
     }
     bus->wanted = 0;
@@ -525,7 +517,6 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
     uint64_t began_ns = mu_clock_ns();
     uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
-    uint64_t awake_ns = bus->last_wait_ns < AWAKE_NS ? began_ns + AWAKE_NS : began_ns;
     pthread_mutex_lock(&bus->lock);
     if (bus->wakes) {
         eventfd_t count;
@@ -534,9 +525,8 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }
-    if (!wait_awake(bus, samples, awake_ns < until_ns ? awake_ns : until_ns)) {
-        wait_asleep(bus, samples, until_ns);
-    }
+    wait_awake(bus, samples, began_ns, until_ns);
+    wait_asleep(bus, samples, until_ns);
     pthread_mutex_unlock(&bus->lock);
     bus->last_wait_ns = mu_clock_ns() - began_ns;
 }

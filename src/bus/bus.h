@@ -65,10 +65,11 @@ struct bus {
     /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
     pthread_mutex_t lock;
     pthread_cond_t arrival;
-    uint64_t arrived;      /* samples, ever */
-    uint64_t taken;        /* of them, no longer in a reader */
-    uint64_t wanted;       /* bus_wait wakes when so many are there; 0: nobody waits */
-    uint64_t last_wait_ns; /* how long bus_wait waited last time */
+    uint64_t arrived;         /* samples, ever */
+    uint64_t taken;           /* of them, no longer in a reader */
+    uint64_t wanted;          /* bus_wait wakes when so many are there; 0: nobody waits */
+    uint64_t last_wait_ns;    /* how long bus_wait waited last time */
+    uint64_t asleep_until_ns; /* until then it does not wait awake */
     bool wakes; /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
     int wake_fd;
 };
