@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-/* So long a lock step waits for a host: less than its simulator waits for anybody. */
+/* So long a host may be silent, with a lock step that waits for it, or with an agent that nobody
+ * else has: less than a simulator waits for anybody. */
 static const uint64_t HOST_NS = 3000000000;
 
 /* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
@@ -135,7 +136,7 @@ static void capsule_drop(struct broker *b, struct depot_capsule *c)
 static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
 {
     struct depot *d = &b->depot;
-    struct depot_capsule *free = NULL, *c = capsule_of(b, agent);
+    struct depot_capsule *room = NULL, *c = capsule_of(b, agent);
     if (c) {
         capsule_drop(b, c);
     }
@@ -144,9 +145,9 @@ static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
         if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
             return at;
         }
-        free = at->phase == DEPOT_FREE && !at->unsaved && !free ? at : free;
+        room = at->phase == DEPOT_FREE && !at->unsaved && !room ? at : room;
     }
-    return free;
+    return room;
 }
 
 static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, uint64_t epoch,
@@ -230,14 +231,12 @@ static void capsule_send(struct broker *b, struct depot_capsule *c)
 static void deposit_refuse(struct broker *b, uint32_t place, uint32_t agent, uint64_t epoch,
                            const char *reason)
 {
-    struct depot_capsule none = {
-        .agent = agent, .epoch = epoch, .host = MU_NONE, .target = MU_NONE};
     struct depot_word word = {.place = place,
                               .word = muster_TRIP_REFUSED,
-                              .agent = none.agent,
+                              .agent = agent,
                               .host = MU_NONE,
                               .at = MU_NONE,
-                              .epoch = none.epoch};
+                              .epoch = epoch};
     b->depot.refused++;
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     word_say(b, &word);
@@ -323,13 +322,16 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
-/* Nobody bears its name, and nobody is about to. */
+/* Nobody bears its name, and nobody is about to: a host that has it has been silent for too long.
+ */
 static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
     uint64_t absent_ns = presence_wall_ns(b) - a->since_wall_ns;
-    return c->phase == DEPOT_KEPT && a->process == MU_NONE && b->clock.now_ns >= ORPHAN_NS &&
-           absent_ns >= ORPHAN_NS;
+    bool silent = c->phase == DEPOT_SENT && !c->holds && c->source == MU_NONE &&
+                  c->until_ns <= b->clock.now_ns;
+    return (c->phase == DEPOT_KEPT || silent) && a->process == MU_NONE &&
+           b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
