@@ -304,6 +304,16 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
  */
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
 
+/**
+ * Answers a line that only looks (core/glance.h), from what the mind is between two steps, and
+ * leaves it as it was: the same capsule, and the same run, as if nobody had looked.
+ *
+ * @param out   what it printed, or its value, or the error
+ * @return MU_OK; MU_MALFORMED: CLIPS refused it; MU_ABSENT: it does not only look, or means
+ *         something else to these rules, and nothing was done
+ */
+MU_MUST_USE mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out);
+
 /** What rules have failed at is forgotten: they may try again. */
 void mind_forgive(struct mind *m);
 

@@ -232,7 +232,7 @@ mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *par
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
     MU_TRY(topic_open(bus, topic));
     for (int i = 0; i < BUS_BATCH; i++) {
-        reader->samples[i] = mu_startup_alloc(topic_table[topic].descriptor->m_size);
+        reader->samples[i] = bus_sample(topic);
     }
     dds_qos_t *group = dds_create_qos();
     dds_qset_partition1(group, partition ? partition : "");
@@ -451,6 +451,18 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
         }
         r->bus->malformed++;
     }
+}
+
+void *bus_sample(enum bus_topic topic)
+{
+    return mu_startup_alloc(topic_table[topic].descriptor->m_size);
+}
+
+void *bus_keep(struct bus_reader *r, void *spare)
+{
+    void *kept = r->samples[r->next - 1];
+    r->samples[r->next - 1] = spare;
+    return kept;
 }
 
 int bus_wake_fd(struct bus *bus)

@@ -199,6 +199,17 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  */
 const void *bus_next(struct bus_reader *reader, enum bus_life *life);
 
+/** @return memory for one sample of a topic, at start-up, for bus_keep */
+void *bus_sample(enum bus_topic topic);
+
+/**
+ * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller.
+ *
+ * @param spare  memory of bus_sample, or of a sample kept earlier, that the reader gets for it
+ * @return the sample
+ */
+void *bus_keep(struct bus_reader *reader, void *spare);
+
 /**
  * What became of the instance of the sample that bus_next gave last: when its writer goes while a
  * sample of it lies unread, DDS gives that sample and no other to say so.

@@ -291,6 +291,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
         directory_forget(&a->process->directory, a);
+        glances_forget(a);
     } else {
         roll_mark(a);
     }

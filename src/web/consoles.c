@@ -138,6 +138,16 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
+static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    struct consoles *c = self;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used) {
+            console_link_glance(&c->all[i].link, number, end, text);
+        }
+    }
+}
+
 static void agent_join(struct consoles *c)
 {
     char name[MU_NAME_MAX + 1];
@@ -151,6 +161,7 @@ static void agent_join(struct consoles *c)
         return;
     }
     mu_agent_decline_broadcasts(c->agent);
+    glances_hear(c->agent, on_glance, c);
     c->state = CONSOLES_JOINING;
 }
 
