@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ctl/complete.h"
+#include "desk/complete.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a console makes of what is typed: forms, and words that are completed. */
 #include "../support/suite.h"
-#include "ctl/complete.h"
+#include "desk/complete.h"
 #include "desk/forms.h"
 
 #include <CUnit/Basic.h>
@@ -119,5 +119,5 @@ int main(void)
                            {"limit: form", test_limit_form},
                            {"words are completed", test_words_are_completed},
                            CU_TEST_INFO_NULL};
-    return suite_run("ctl/console", tests);
+    return suite_run("desk/console", tests);
 }

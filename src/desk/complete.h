@@ -3,8 +3,8 @@
  * @file complete.h
  * What a half-typed word of a line may become.  Pure.
  */
-#ifndef MUSTER_CTL_COMPLETE_H
-#define MUSTER_CTL_COMPLETE_H
+#ifndef MUSTER_DESK_COMPLETE_H
+#define MUSTER_DESK_COMPLETE_H
 
 #include <stdbool.h>
 #include <stddef.h>
