@@ -158,6 +158,19 @@ static void mails_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
+static void goals_write(struct mu_json *j, const muster_Frame *f)
+{
+    bool known = false;
+    for (uint32_t i = 0; i < f->robots._length && !known; i++) {
+        known = f->robots._buffer[i].goal[0] != '\0';
+    }
+    mu_json_list(j, "goals");
+    for (uint32_t i = 0; i < f->robots._length && known; i++) {
+        mu_json_string(j, NULL, f->robots._buffer[i].goal);
+    }
+    mu_json_end(j);
+}
+
 static const char *order_text(muster_RunOrder order)
 {
     static const char *const texts[] = {
@@ -181,8 +194,7 @@ static void orders_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
-                      const struct goals *goals)
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame)
 {
     char digest[17];
     snprintf(digest, sizeof digest, "%016" PRIx64, frame->digest);
@@ -196,7 +208,7 @@ void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *fr
     beam_list(j, "laser", frame, true);
     fired_write(j, frame);
     mails_write(j, frame);
-    goals_write(j, "goals", goals, frame->robots._length);
+    goals_write(j, frame);
     orders_write(j, frame);
     mu_json_end(j);
 }

@@ -11,7 +11,7 @@
  *     laser     likewise
  *     fired     [robot's index, how many, rules], ...
  *     mails     [from, to, performative, content], ...
- *     goals     what each robot wants, as goals.h has it
+ *     goals     what each robot wants, "" for who does not say; empty when nobody does
  *     orders    [source, order, name], ...
  *
  * Pure.
@@ -20,7 +20,6 @@
 #define MUSTER_WEB_FRAME_JSON_H
 
 #include "core/json.h"
-#include "web/goals.h"
 #include "wire.h"
 
 enum {
@@ -30,8 +29,7 @@ enum {
 };
 
 /** Writes one object.  @param key  NULL: it has none */
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
-                      const struct goals *goals);
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame);
 
 /**
  * Writes the totals of a Frame as one object:

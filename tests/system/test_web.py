@@ -246,7 +246,8 @@ def test_what_a_viewer_sees_of_a_run_and_of_the_next():
         viewer = Viewer(page)
         check_equal(viewer.until("run", lambda run: True)["state"], "none", "before")
         for number in (1, 2):
-            run = follow_start(processes, domain, out / str(number), "--rate", 10, "--duration", 20)
+            run = follow_start(processes, domain, out / str(number), "--rate", 10, "--duration", 20,
+                               *("--no-diary" if number == 2 else "--quiet",))
             viewer.until("scene", lambda s: s["number"] == number)
             scene = json.loads(page.ask("GET", "/scene").text)
             names = [robot["name"] for robot in scene["robots"]]
@@ -256,6 +257,7 @@ def test_what_a_viewer_sees_of_a_run_and_of_the_next():
             check(first["robots"] != later["robots"], "they move")
             check(later["sonar"] and len(later["sonar"][0][1]) == 32, f"16 sonars: {later['sonar'][:1]}")
             check(viewer.until("frame", lambda f: f["mails"])["mails"][0][1] == "all", "mail")
+            check_equal(later["goals"][names.index("blue")], "follow", "what blue wants")
             agents = viewer.until("agents", lambda a: "red" in [line[0] for line in a["agents"]])
             check("observer" in [line[0] for line in agents["agents"]], f"{agents}")
             viewer.until("run", lambda r: r["state"] == "done" and len(r["hash"]) == 64)
@@ -360,6 +362,13 @@ def test_each_viewer_has_its_own_answers():
         trace = one.until("said", lambda s: s["kind"] == "trace")
         check_equal(trace["ask"], 0, f"nobody has asked for it: {trace}")
         act(page, first, "/leave/red")
+        for line, reason in (("(suspend)", "(suspend) was called"),
+                             ("(break follow-robot) (follow blue) (resume)", "break: follow-robot"),
+                             ("(remove-break) (step 1)", "as many rules fired as it was told")):
+            act(page, second, "/lines/red", line, 20)
+            one.until("agents", lambda a, why=reason: ["red", why] in
+                      [[line[0], line[4]] for line in a["agents"]])
+        act(page, second, "/lines/red", "(resume)", 21)
         act(page, second, "/lines/red", "(unwatch all)", 14)
         act(page, first, "/lines/observer", "(suspend robots)", 15)
         good, text = said_to(one, 15)

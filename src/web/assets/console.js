@@ -39,7 +39,7 @@ function createPane() {
   };
 }
 
-export function createConsole(name, actor, {onFacts}) {
+export function createConsole(name, actor) {
   const isObserver = name === 'observer';
   const panes = new Map(VIEWS.map(([title]) => [title, createPane()]));
   const shownText = new Map();
@@ -145,7 +145,7 @@ export function createConsole(name, actor, {onFacts}) {
     focus: () => input.focus(),
     /** The same as a press on Suspend, or on Resume or Start. */
     toggle() {
-      const now = state.textContent.trim();
+      const now = state.dataset.state;
       if (!actor.denied) act(now === 'suspended' ? '(resume)' : now === 'standby' ? '(run)' : '(suspend)');
     },
     said({kind, ask: number, text}) {
@@ -153,14 +153,13 @@ export function createConsole(name, actor, {onFacts}) {
       if (question && question.view !== 'Log') question.text += text;
       else panes.get('Log').add(kind, kind === 'note' ? text + '\n' : text);
     },
-    ended({ask: number, good}) {
+    ended({ask: number}) {
       const question = asked.get(number);
       asked.delete(number);
       if (!question || question.view === 'Log') return;
       panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
       shownText.set(question.view, question.text);
       panes.get(question.view).add('note', `as of step ${stepNow}\n`);
-      if (question.view === 'Facts' && good) onFacts(name, question.text);
     },
     /** The server is there again, and knows nothing of us. */
     forget() {
@@ -171,7 +170,7 @@ export function createConsole(name, actor, {onFacts}) {
       stepNow = step ?? 0;
       dot.style.setProperty('--robot', color ?? '');
       const word = agent?.state ?? (over ? 'gone' : robot?.state ?? 'not there');
-      say(state, ` ${word}`);
+      say(state, agent?.reason ? ` ${word}: ${agent.reason}` : ` ${word}`);
       mark(state, 'data-state', word);
       say(denied, actor.denied);
       denied.hidden = !actor.denied;

@@ -29,9 +29,8 @@ const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
 const model = {scene: null, frame: null, run: null, agents: new Map(), fired: new Map()};
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
-const onFacts = (name, text) => minds.takeFacts(name, text);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
-  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : createConsole(name, actor, {onFacts})),
+  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : createConsole(name, actor)),
   recording ? [] : ['observer']);
 const theme = createTheme(paint);
 
@@ -58,7 +57,7 @@ async function takeScene() {
   model.frame = null;
   model.fired.clear();
   tween.clear();
-  minds.load(scene);
+  minds.load();
   view.load(scene);
   statistics.load(scene);
   paint(theme.name);
@@ -100,7 +99,7 @@ openFeed({
   frame: takeFrame,
   statistics: (data) => statistics.take(decodeStatistics(data)),
   agents({agents}) {
-    model.agents = new Map(agents.map(([name, kind, state, host]) => [name, {name, kind, state, host}]));
+    model.agents = new Map(agents.map(([name, kind, state, host, reason]) => [name, {name, kind, state, host, reason}]));
   },
   said: (data) => tabs.consoleOf(data.agent)?.said(data),
   ended: (data) => tabs.consoleOf(data.agent)?.ended(data),
