@@ -176,7 +176,7 @@ static const char *order_text(muster_RunOrder order)
     static const char *const texts[] = {
         [muster_RUN_GO] = "go",     [muster_RUN_END] = "end",     [muster_RUN_PLACE] = "place",
         [muster_RUN_PUSH] = "push", [muster_RUN_RESET] = "reset", [muster_RUN_SENSOR] = "sensor",
-        [muster_RUN_PACE] = "pace", [muster_RUN_SAVE] = "save"};
+        [muster_RUN_PACE] = "pace", [muster_RUN_SAVE] = "save",   [muster_RUN_HOLD] = "hold"};
     return (unsigned)order < sizeof texts / sizeof texts[0] ? texts[order] : "unknown";
 }
 
