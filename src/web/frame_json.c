@@ -69,12 +69,13 @@ static int64_t robot_find(const muster_Frame *f, const char *name, uint32_t from
     return -1;
 }
 
-static void beam_list(struct mu_json *j, const char *key, const muster_Frame *f, bool laser)
+static void beam_list(struct mu_json *j, const char *key, const muster_Frame *f, bool laser,
+                      bool lean)
 {
     char text[BEAMS_TEXT];
     uint32_t from = 0;
     mu_json_list(j, key);
-    for (uint32_t i = 0; i < f->percepts._length; i++) {
+    for (uint32_t i = 0; i < f->percepts._length && !lean; i++) {
         const muster_Percept *p = &f->percepts._buffer[i];
         size_t count = laser ? p->laser_m._length : p->sonar_m._length;
         int64_t robot = count > 0 ? robot_find(f, p->robot, from) : -1;
@@ -194,7 +195,7 @@ static void orders_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame)
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame, bool lean)
 {
     char digest[17];
     snprintf(digest, sizeof digest, "%016" PRIx64, frame->digest);
@@ -204,8 +205,8 @@ void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *fr
     mu_json_uint(j, "wall_ms", frame->wall_ns / 1000000u);
     mu_json_string(j, "digest", frame->digest ? digest : "");
     places_write(j, frame);
-    beam_list(j, "sonar", frame, false);
-    beam_list(j, "laser", frame, true);
+    beam_list(j, "sonar", frame, false, lean);
+    beam_list(j, "laser", frame, true, lean);
     fired_write(j, frame);
     mails_write(j, frame);
     goals_write(j, frame);

@@ -28,8 +28,8 @@ enum {
     FRAME_JSON_RULES_MAX = 240   /* of the rules that a robot fired */
 };
 
-/** Writes one object.  @param key  NULL: it has none */
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame);
+/** Writes one object.  @param key  NULL: it has none.  @param lean  without sonar and laser */
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame, bool lean);
 
 /**
  * Writes the totals of a Frame as one object:

@@ -219,7 +219,7 @@ const struct mu_text *past_moment(struct past *p, int64_t step, const char *robo
     if (!f) {
         return NULL;
     }
-    frame_json_write(&j, "frame", f);
+    frame_json_write(&j, "frame", f, false);
     frame_json_totals(&j, "statistics", f);
     if (robot[0]) {
         mind_json_write(&j, "mind", p->recording.minds, robot, (uint32_t)step);

@@ -83,7 +83,7 @@ static void test_a_frame_in_thousandths(void)
 {
     muster_Frame f = frame_make();
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     READS(text.at,
           "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
           "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
@@ -141,8 +141,19 @@ static void test_a_frame_says_whose_beams_they_are(void)
     percepts[0].laser_m._buffer = near;
     percepts[0].laser_m._length = 2;
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     has("\"sonar\": [[1, \"BkBA\"]], \"laser\": []");
+}
+
+static void test_a_lean_frame_has_no_beams(void)
+{
+    static float near[] = {1.0f};
+    muster_Frame f = frame_make();
+    percepts[1].sonar_m._buffer = percepts[1].laser_m._buffer = near;
+    percepts[1].sonar_m._length = percepts[1].laser_m._length = 1;
+    begin();
+    frame_json_write(&j, NULL, &f, true);
+    has("\"sonar\": [], \"laser\": []");
 }
 
 /* --- names and words of strangers ------------------------------------------------------------- */
@@ -157,7 +168,7 @@ static void test_names_from_hell_stay_text(void)
     mails[1] = letter("\xff\xfe\xc3", 2, SEPARATORS, "\xf0\x9f\x90\x9e");
     acts[0].mails = (dds_sequence_muster_Mail){._length = 2, ._buffer = mails};
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     has("[\"</script><script>alert(1)</script>\", \"a\\\"b\\\\c\", \"tell\", "
         "\"x\\n\\ndata: {}\\r\\u0001\\u007f\"]");
     has("[\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\", \"" SEPARATORS "\", \"tell\", "
@@ -176,7 +187,7 @@ static void test_a_character_that_is_cut_is_no_broken_json(void)
     mails[0] = letter("red", 1, "blue", content);
     acts[0].mails = (dds_sequence_muster_Mail){._length = 1, ._buffer = mails};
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     has("x\xef\xbf\xbd\"]]");
 }
 
@@ -192,7 +203,7 @@ static void test_of_many_mails_some_are_shown_people_s_first(void)
     f.outside =
         (dds_sequence_muster_Mail){._length = 1, ._buffer = &mails[FRAME_JSON_MAILS_MAX + 5]};
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     unsigned shown = 0;
     for (const char *at = text.at; (at = strstr(at, "\"blue\", \"tell\"")); at++) {
         shown++;
@@ -210,7 +221,7 @@ static void test_rules_and_orders(void)
     acts[1].rules = words("wander avoid <img>");
     f.orders = (dds_sequence_muster_RunCommand){._length = 1, ._buffer = &command};
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     has("\"fired\": [[1, 3, \"wander avoid <img>\"]]");
     has("\"orders\": [[\"operator\", \"push\", \"<b>\"]]");
 }
@@ -276,7 +287,7 @@ static void test_what_robots_want(void)
     muster_Frame f = frame_make();
     views[1].goal = words("gohome 3000.0 \"a b\"");
     begin();
-    frame_json_write(&j, NULL, &f);
+    frame_json_write(&j, NULL, &f, false);
     has("\"goals\": [\"\", \"gohome 3000.0 \\\"a b\\\"\"]");
 }
 
@@ -362,6 +373,7 @@ int main(void)
         {"rules and orders", test_rules_and_orders},
         {"a scene", test_a_scene},
         {"a run", test_a_run},
+        {"a lean frame has no beams", test_a_lean_frame_has_no_beams},
         {"what robots want", test_what_robots_want},
         {"a mind at a step", test_a_mind_at_a_step},
         {"a mind that nobody knows", test_a_mind_that_nobody_knows},

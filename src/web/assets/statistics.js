@@ -21,7 +21,8 @@ const COLUMNS = [
 export function createStatistics({onPick, onOpen}) {
   const body = element('tbody');
   const heads = COLUMNS.map(([title, unit], i) =>
-    element('th', {scope: 'col', title: 'sort', click: () => sortBy(i)}, title, element('small', {}, unit)));
+    element('th', {scope: 'col', 'aria-sort': 'none'},
+      element('button', {type: 'button', title: 'sort', click: () => sortBy(i)}, title, element('small', {}, unit))));
   const others = element('p', {class: 'quiet also'});
   const panel = element('div', {class: 'panel'},
     element('table', {}, element('thead', {}, element('tr', {}, ...heads)), body), others);
@@ -30,6 +31,7 @@ export function createStatistics({onPick, onOpen}) {
   function sortBy(column) {
     downwards = order === column ? !downwards : column > 1;
     order = column;
+    heads.forEach((head, i) => mark(head, 'aria-sort', i !== order ? 'none' : downwards ? 'descending' : 'ascending'));
     arrange();
   }
 
