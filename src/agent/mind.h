@@ -340,6 +340,9 @@ void mind_words(struct mind *m, struct mu_text *out);
  */
 void mind_diary(struct mind *m, struct mu_text *out);
 
+/** Writes what it wants: the words of its youngest fact (goal ...); "": it has none. */
+void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1]);
+
 /** Takes where rules or a line want it to go; the first that they said since this was asked. */
 struct mind_travel mind_travel(struct mind *m);
 

@@ -297,6 +297,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq,
+                        .goal = a->goal,
                         .replays = a->replays,
                         .diary = answer && a->note.at ? a->note.at : none};
 }
