@@ -247,6 +247,13 @@ bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
  */
 mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text);
 
+/**
+ * Says whether a recording describes a topic's type as one of today would.
+ *
+ * @param schema  what bus_schema wrote then; size 0: it does not say, which is no difference
+ */
+bool bus_schema_is(enum bus_topic topic, const void *schema, size_t size);
+
 /** Writes the quality of service of a topic as rosbag2 does in its files; 1 kB is enough. */
 void bus_profile(enum bus_topic topic, struct mu_text *text);
 

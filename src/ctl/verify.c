@@ -67,6 +67,16 @@ static const char *note(const struct verify *v, const char *key)
     return value ? value : "";
 }
 
+/* What a recording says, fit for a terminal; good until the next call. */
+static const char *plain(const char *text)
+{
+    static char bytes[PATH_MAX];
+    struct mu_text t;
+    mu_text_init(&t, bytes, sizeof bytes);
+    mu_text_add_plain(&t, text, strlen(text));
+    return t.at;
+}
+
 /* --- the folder ------------------------------------------------------------------------------- */
 
 static mu_result folders_make(char *path)
@@ -111,19 +121,20 @@ static mu_result file_unpack(struct verify *v, uint32_t index, void *room)
     const struct mcap_attachment *a = mcap_reader_attachment(v->before.reader, index);
     char path[PATH_MAX];
     if (!place_find(v, a->name, path, sizeof path)) {
-        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", v->file, a->name);
+        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", v->file,
+                plain(a->name));
         return MU_FAULT_FILE;
     }
     if (mcap_reader_attachment_read(v->before.reader, index, room, MU_RECORD_MESSAGE_MAX) !=
         MU_OK) {
-        fprintf(stderr, "%s: %s in it is not whole\n", v->file, a->name);
+        fprintf(stderr, "%s: %s in it is not whole\n", v->file, plain(a->name));
         return MU_FAULT_FILE;
     }
     FILE *out = folders_make(path) == MU_OK ? fopen(path, "wx") : NULL;
     bool good = out && fwrite(room, 1, (size_t)a->size, out) == a->size;
     good = out && fclose(out) == 0 && good;
     if (!good) {
-        fprintf(stderr, "muster verify: cannot write %s: %s\n", path, strerror(errno));
+        fprintf(stderr, "muster verify: cannot write %s: %s\n", plain(path), strerror(errno));
         return MU_FAULT_OS;
     }
     if (strncmp(a->name, "experiment/", 11) == 0) {
@@ -288,9 +299,11 @@ static void result_print(struct verify *v, const struct difference *d)
         printf("the recording has been changed: a checksum in it is wrong\n");
     }
     if (d) {
-        printf("different at step %lld (%.1f s): %s%s%s is %s in the recording, and %s now\n",
-               (long long)d->step, (double)d->step * (double)v->before.step_ns * 1e-9, d->who,
-               d->who[0] ? " " : "", d->what, d->one, d->other);
+        printf("different at step %lld (%.1f s): %s%s%s is ", (long long)d->step,
+               (double)d->step * (double)v->before.step_ns * 1e-9, plain(d->who),
+               d->who[0] ? " " : "", d->what);
+        printf("%s in the recording, ", plain(d->one));
+        printf("and %s now\n", plain(d->other));
     } else {
         printf("equal  %zu steps\n", v->before.steps_count);
         printf("hash   %s\n", hash_of(&v->after));
