@@ -73,6 +73,11 @@ static void text_print(const struct run *r, const struct report_input *in,
     for (size_t i = 0; i < in->restarts_count; i++) {
         printf("  restarted %s, %" PRIu32 " times\n", in->restarts[i].name, in->restarts[i].count);
     }
+    for (size_t i = 0; i < in->monitors_count; i++) {
+        if (in->monitors[i].fate) {
+            printf("  monitor %s %s\n", in->monitors[i].name, in->monitors[i].fate);
+        }
+    }
     for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
         char when[32] = "not done";
         if (in->chaos[i].done) {
@@ -196,6 +201,7 @@ int run_report(struct run *r)
                                  .versions = versions,
                                  .chaos = chaos_fates(r),
                                  .packets_struck = chaos_packets(r)};
+    input.monitors_count = run_monitors_fates(r, &input.monitors);
     input.restarts_count = restarts_fill(r, &input.restarts);
     struct mu_fault fault;
     mu_result written = report_write(r->folder, &input, result, &fault);

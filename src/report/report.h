@@ -38,6 +38,13 @@ struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
 
+/* Who looked at the run. */
+struct report_monitor {
+    const char *name;            /* what it said is in NAME.log */
+    const char *rules, *program; /* one of them; the other is NULL */
+    const char *fate;            /* how it ended; NULL: with the run */
+};
+
 /* What became of a piece of chaos, in the order of the experiment. */
 struct report_chaos {
     bool done;
@@ -61,6 +68,8 @@ struct report_input {
     struct report_mail mail;
     const struct report_restarts *restarts;
     size_t restarts_count;
+    const struct report_monitor *monitors;
+    size_t monitors_count;
     const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
     uint64_t packets_struck;          /* lost or late by it */
     const char *versions;             /* of what the run is made of */

@@ -163,6 +163,27 @@ static void html_chaos(FILE *file, const struct report_data *data)
     fputs("</table>\n", file);
 }
 
+/* Who looked, where that is written down, and whether it lived to the end. */
+static void html_monitors(FILE *file, const struct report_input *input)
+{
+    if (input->monitors_count == 0) {
+        return;
+    }
+    fputs("<h2>Monitors</h2>\n<table class=\"text\">\n<tr><th>name</th><th>rules or program</th>"
+          "<th>what it said</th><th>ended</th></tr>\n",
+          file);
+    for (size_t i = 0; i < input->monitors_count; i++) {
+        const struct report_monitor *m = &input->monitors[i];
+        fprintf(file, "<tr><td>%s</td><td>", m->name);
+        svg_escape(file, m->rules ? m->rules : m->program);
+        fprintf(file, "</td><td><a href=\"%s.log\">%s.log</a></td><td class=\"%s\">", m->name,
+                m->name, m->fate ? "failed" : "met");
+        svg_escape(file, m->fate ? m->fate : "with the run");
+        fputs("</td></tr>\n", file);
+    }
+    fputs("</table>\n", file);
+}
+
 void report_write_html(FILE *file, const struct report_data *data, const char *folder)
 {
     html_head(file, data);
@@ -175,6 +196,7 @@ void report_write_html(FILE *file, const struct report_data *data, const char *f
     report_write_bearing(file, data);
     fputs("</figure>\n", file);
     html_robots(file, data);
+    html_monitors(file, data->input);
     html_facts(file, data);
     html_files(file, folder);
     page_close(file);

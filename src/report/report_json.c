@@ -75,6 +75,26 @@ static void json_write_restarts(struct mu_json *j, const struct report_input *in
     mu_json_end(j);
 }
 
+static void json_write_monitors(struct mu_json *j, const struct report_input *input)
+{
+    if (input->monitors_count == 0) {
+        return;
+    }
+    mu_json_list(j, "monitors");
+    for (size_t i = 0; i < input->monitors_count; i++) {
+        const struct report_monitor *m = &input->monitors[i];
+        char log[MU_NAME_MAX + sizeof ".log"];
+        snprintf(log, sizeof log, "%s.log", m->name);
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", m->name);
+        mu_json_string(j, m->rules ? "rules" : "program", m->rules ? m->rules : m->program);
+        mu_json_string(j, "log", log);
+        mu_json_string(j, "ended", m->fate ? m->fate : "with the run");
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
 static void json_write_expectations(struct mu_json *j, const struct report_data *data)
 {
     mu_json_list(j, "expectations");
@@ -137,6 +157,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
     json_write_mail(&j, &input->mail);
     json_write_restarts(&j, input);
+    json_write_monitors(&j, input);
     json_write_chaos(&j, input);
     json_write_expectations(&j, data);
     mu_json_end(&j);

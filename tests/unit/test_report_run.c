@@ -324,6 +324,26 @@ static void test_restarts(void)
     input.restarts_count = 0;
 }
 
+static void test_monitors(void)
+{
+    static const struct report_monitor monitors[] = {
+        {.name = "watch", .rules = "/r/<watch>.clp"},
+        {.name = "mine", .program = "/p/mine", .fate = "was killed by signal 9 (Killed)"}};
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "monitors"));
+    CU_ASSERT_FALSE(file_has("report.html", "Monitors"));
+    input.monitors = monitors;
+    input.monitors_count = 2;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"rules\": \"/r/<watch>.clp\",\n      \"log\": "
+                                       "\"watch.log\",\n      \"ended\": \"with the run\""));
+    CU_ASSERT(file_has("summary.json", "\"program\": \"/p/mine\""));
+    CU_ASSERT(file_has("report.html", "/r/&lt;watch&gt;.clp"));
+    CU_ASSERT(file_has("report.html", "<a href=\"mine.log\">mine.log</a>"));
+    CU_ASSERT(file_has("report.html", "was killed by signal 9 (Killed)"));
+    input.monitors_count = 0;
+}
+
 static void test_files(void)
 {
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -730,6 +750,7 @@ int main(void)
         {"colours of many", test_spread_colors},
         {"things at the end", test_things_at_the_end},
         {"restarts", test_restarts},
+        {"monitors", test_monitors},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},
