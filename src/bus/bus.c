@@ -229,6 +229,12 @@ static void on_arrival(dds_entity_t reader, void *self)
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                           struct bus_reader *reader)
 {
+    return bus_reader_open_deep(bus, topic, partition, 0, reader);
+}
+
+mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char *partition,
+                               int32_t depth, struct bus_reader *reader)
+{
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
     MU_TRY(topic_open(bus, topic));
     for (int i = 0; i < BUS_BATCH; i++) {
@@ -242,6 +248,9 @@ mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *par
         return dds_fault("subscriber", subscriber);
     }
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
+    if (depth > 0) {
+        dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth);
+    }
     dds_listener_t *listener = dds_create_listener(reader);
     dds_lset_data_available(listener, on_arrival);
     reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, listener);

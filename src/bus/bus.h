@@ -118,6 +118,12 @@ void bus_close(struct bus *bus);
 MU_MUST_USE mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                                       struct bus_reader *reader);
 
+/** The same for one that may fall far behind: it keeps the last `depth` samples of each instance
+ * that have come and were not taken yet; 0: as many as the topic's writers do. */
+MU_MUST_USE mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic,
+                                           const char *partition, int32_t depth,
+                                           struct bus_reader *reader);
+
 /** Opens a writer into one or two partitions; second may be NULL, first NULL is the default one. */
 MU_MUST_USE mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
                                       const char *second, struct bus_writer *writer);
