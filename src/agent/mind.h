@@ -216,6 +216,9 @@ uint32_t mind_senses(const struct mind *m);
  * step. */
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
+/** The same for a mind that has no body, or has lost it: its percept facts go. */
+void mind_feel_nothing(struct mind *m, uint64_t time_ns);
+
 /**
  * Opens a step of a mind that has no body, and is told what it sees: as mind_percept.
  *

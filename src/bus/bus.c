@@ -117,19 +117,6 @@ static bool is_host(const char *text)
     return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
-static mu_result participant_open(struct bus *bus, const struct bus_options *options)
-{
-    const char *uri = getenv("CYCLONEDDS_URI");
-    if (!uri || !uri[0]) {
-        MU_TRY(domain_open(bus, options));
-    }
-    dds_qos_t *qos = dds_create_qos();
-    dds_qset_entity_name(qos, options->name);
-    bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
-    dds_delete_qos(qos);
-    return bus->participant < 0 ? dds_fault("participant", bus->participant) : MU_OK;
-}
-
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){.place = options->place, .index = -1};
@@ -141,7 +128,20 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     traffic_join();
-    MU_TRY(participant_open(bus, options));
+    const char *uri = getenv("CYCLONEDDS_URI");
+    if (!uri || !uri[0]) {
+        mu_result opened = domain_open(bus, options);
+        if (opened != MU_OK) {
+            return opened;
+        }
+    }
+    dds_qos_t *qos = dds_create_qos();
+    dds_qset_entity_name(qos, options->name);
+    bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
+    dds_delete_qos(qos);
+    if (bus->participant < 0) {
+        return dds_fault("participant", bus->participant);
+    }
     pthread_condattr_t clock;
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);

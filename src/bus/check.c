@@ -115,9 +115,11 @@ static bool trips_ok(const muster_Trip *trips, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         const muster_Trip *t = &trips[i];
-        if ((unsigned)t->word > muster_TRIP_WANTED || !text_fits(t->host, MU_NAME_MAX) ||
-            !text_fits(t->process, MU_PROCESS_MAX) || !text_fits(t->reason, MU_FIELD_MAX) ||
-            !text_fits(t->text, MU_CAPSULE_MAX - 1) ||
+        bool is_new = t->word == muster_TRIP_NEW;
+        if ((unsigned)t->word > muster_TRIP_NEW || !text_fits(t->host, MU_NAME_MAX) ||
+            (unsigned)t->state > muster_STATE_ABSENT || (is_new && !is_name(t->asker)) ||
+            !text_fits(t->asker, MU_NAME_MAX) || !text_fits(t->process, MU_PROCESS_MAX) ||
+            !text_fits(t->reason, MU_FIELD_MAX) || !text_fits(t->text, MU_CAPSULE_MAX - 1) ||
             (t->word != muster_TRIP_WANTED && !is_name(t->agent))) {
             return false;
         }

@@ -43,6 +43,7 @@ static bool name_is_held(mu_process *p, const char *name)
     const struct mu_agent *holder = agent_find(p, name);
     if (holder && holder->gone) {
         (void)mu_table_remove(&p->names, name);
+        p->agents[holder - p->agents].departed = true; /* who comes now answers for the name */
     }
     return holder && !holder->gone;
 }

@@ -591,6 +591,32 @@ static void test_bad_names_of_agents_reach_the_broker(void)
     entries[0].name = W("red");
 }
 
+static void test_words_about_trips(void)
+{
+    muster_Trip t = {.word = muster_TRIP_NEW,
+                     .agent = W("ruby"),
+                     .asker = W("red"),
+                     .host = W("north"),
+                     .process = W(""),
+                     .reason = W(""),
+                     .text = W("capsule")};
+    up.trips = (dds_sequence_muster_Trip){._length = 1, ._maximum = 1, ._buffer = &t};
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = W("");
+    CU_ASSERT_FALSE(check_up(&up));
+    t.word = muster_TRIP_DEPOSIT;
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = NULL;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.asker = W("red");
+    t.state = muster_STATE_ABSENT + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.state = muster_STATE_STANDBY;
+    t.word = muster_TRIP_NEW + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    up.trips._length = up.trips._maximum = 0;
+}
+
 /* Corners come in pairs, and an outline has no more than 64. */
 static void test_outlines(void)
 {
@@ -645,6 +671,7 @@ int main(void)
         {"whole samples pass", test_whole_samples_pass},
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
+        {"words about trips", test_words_about_trips},
         {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},
         CU_TEST_INFO_NULL,

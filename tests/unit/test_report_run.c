@@ -346,7 +346,8 @@ static void test_monitors(void)
 
 static void test_a_run_that_broke_off(void)
 {
-    static struct experiment_expectation lost = {.statistic = "mail.lost", .at_least = -INFINITY};
+    static char statistic[] = "mail.lost";
+    static struct experiment_expectation lost = {.statistic = statistic, .at_least = -INFINITY};
     struct experiment_expectation *before = experiment.expect;
     unsigned count = experiment.expect_count;
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
