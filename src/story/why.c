@@ -31,7 +31,7 @@ static void words_add(const struct chain *c, int deep, const char *words, int32_
     bool cut = bytes > WHY_TEXT_SHOWN;
     indent(c, deep);
     mu_text_add(c->why->out, words);
-    mu_text_add_bytes(c->why->out, text, cut ? WHY_TEXT_SHOWN : bytes);
+    mu_text_add_plain(c->why->out, text, cut ? WHY_TEXT_SHOWN : bytes);
     mu_text_add(c->why->out, cut ? " ..." : "");
 }
 
