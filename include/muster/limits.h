@@ -231,6 +231,13 @@
 #define MU_WATCH_MAILS_MAX 16384
 #endif
 
+/** Frames that have come to a watch on every step and that it had no time for; older ones are
+ * missed.
+ */
+#ifndef MU_WATCH_BEHIND_MAX
+#define MU_WATCH_BEHIND_MAX 1024
+#endif
+
 /** Walls of a Scene that a watch hands out. */
 #ifndef MU_WATCH_WALLS_MAX
 #define MU_WATCH_WALLS_MAX 65536

@@ -31,7 +31,7 @@ static struct glance_before glance_begin(struct mind *m)
                                    .next_fact = FactData(m->env)->NextFactIndex,
                                    .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
     clips_env_enter(m, CLIPS_MODE_LINE);
-    clips_guard_arm(NULL); /* a mind that is short of memory does not break because of a look */
+    m->sheltered = false; /* a mind that is short of memory does not break because of a look */
     m->ticks = 0;
     m->memory_max = LONG_MAX;
     clips_percept_show(m);

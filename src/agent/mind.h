@@ -216,6 +216,9 @@ uint32_t mind_senses(const struct mind *m);
  * step. */
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
+/** The same for a mind that has no body, or has lost it: its percept facts go. */
+void mind_feel_nothing(struct mind *m, uint64_t time_ns);
+
 /**
  * Opens a step of a mind that has no body, and is told what it sees: as mind_percept.
  *
@@ -339,6 +342,9 @@ void mind_words(struct mind *m, struct mu_text *out);
  * the options want a diary.  At most 16 KiB; lines without room are counted in the last one.
  */
 void mind_diary(struct mind *m, struct mu_text *out);
+
+/** Writes what it wants: the words of its youngest fact (goal ...); "": it has none. */
+void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1]);
 
 /** Takes where rules or a line want it to go; the first that they said since this was asked. */
 struct mind_travel mind_travel(struct mind *m);

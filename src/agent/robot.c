@@ -30,6 +30,7 @@ static struct mu_handlers robot_handlers_of(struct robot *r)
                                 .on_directive = robot_on_directive,
                                 .on_state = robot_on_state,
                                 .on_step = robot_on_step,
+                                .on_beat = robot_on_beat,
                                 .on_act = robot_on_act,
                                 .on_refusal = robot_on_refusal};
 }

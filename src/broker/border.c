@@ -85,6 +85,7 @@ static bool border_act(const muster_Act *act)
 static bool border_trip(const muster_Trip *t)
 {
     return border_string(t->agent, MU_NAME_MAX) && border_string(t->host, MU_NAME_MAX) &&
+           border_string(t->asker, MU_NAME_MAX) && registry_state_word(t->state) &&
            border_string(t->reason, MU_FIELD_MAX) && border_string(t->text, MU_CAPSULE_MAX - 1) &&
            t->slot < MU_LOCAL_AGENTS_MAX;
 }

@@ -498,10 +498,10 @@ static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LI
     struct mu_text t;
     registry_line(&b->registry, agent, b->name, &m);
     mu_text_init(&t, to, BROKER_LINE_MAX);
-    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu", m.name, registry_kind_word(m.kind),
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, registry_kind_word(m.kind),
                    registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
                    m.host[0] ? m.host : "-", (unsigned long)m.pid,
-                   (unsigned long long)m.since_wall_ns);
+                   (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
 }
 
 bool broker_page_news(struct broker *b, muster_Page *out)

@@ -219,15 +219,17 @@ static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d
     }
 }
 
-/* In lock step the pages are of its members, and of who was there when it began: who else comes and
- * goes does so by the wall clock.  Onlookers, who want no broadcasts, are not shown at all. */
+/* In lock step the pages are of its members, those who have ended, too, and of who was there when
+ * it began: who else comes and goes does so by the wall clock.  Onlookers, who want no broadcasts,
+ * are not shown at all. */
 static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
         changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
+    return !b->courier.open_lockstep || from_the_start || a->ended ||
+           presence_in_lockstep(b, agent);
 }
 
 static int member_compare(const void *x, const void *y, const void *context)

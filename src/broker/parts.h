@@ -60,7 +60,7 @@
 #include "broker/trust.h"
 
 /* A line of the white pages as text, in bytes. */
-enum { BROKER_LINE_MAX = 320 };
+enum { BROKER_LINE_MAX = 384 };
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;

@@ -107,6 +107,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     uint32_t place = a->process;
     tenants_remove(&b->registry, &b->places, agent);
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
+    a->ended = b->lockstep.applying;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->places.at[place].is_broker) {

@@ -13,6 +13,7 @@
 
 static const uint64_t AWAY_NS = 900000000;
 static const uint64_t READ_NS = 50000000;
+static const uint64_t WORDS_PATIENCE_NS = 5000000000; /* then they are asked for again */
 
 /* line: that it is said to; 0: none in particular */
 static void show(struct console_link *l, enum console_kind kind, uint64_t line, const char *text)
@@ -256,17 +257,23 @@ void console_link_ask_words(struct console_link *l)
 {
     char label[24];
     uint64_t number = l->lines + 1;
+    uint64_t now_ns = mu_clock_ns();
+    bool waits = l->words_asked > 0 && now_ns - l->words_asked_ns < WORDS_PATIENCE_NS;
     snprintf(label, sizeof label, "words-%llu", (unsigned long long)number);
-    if (l->words_asked == 0 && directive_send(l, "words", "", label, NULL) == MU_OK) {
+    if (!waits && directive_send(l, "words", "", label, NULL) == MU_OK) {
         l->lines = l->words_asked = number;
+        l->words_asked_ns = now_ns;
         l->words_stale = false;
     }
 }
 
 /* They count when all of them are there. */
-static void words_take(struct console_link *l, const struct mu_mail *mail)
+static void words_take(struct console_link *l, const struct mu_mail *mail, uint64_t number)
 {
     unsigned count, piece = piece_of(mail, &count);
+    if (number != l->words_asked) {
+        return; /* given up */
+    }
     struct mu_text words = {.at = l->words, .len = l->words_len, .size = sizeof l->words};
     if (piece == 1) {
         mu_text_clear(&words);
@@ -291,7 +298,7 @@ void console_link_mail(struct console_link *l, const struct mu_mail *mail)
     } else if (ours && sscanf(mail->in_reply_to, "line-%llu", &number) == 1) {
         answer_take(l, mail, number);
     } else if (ours && sscanf(mail->in_reply_to, "words-%llu", &number) == 1) {
-        words_take(l, mail);
+        words_take(l, mail, number);
     }
 }
 

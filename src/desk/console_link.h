@@ -54,9 +54,10 @@ struct console_link {
     uint64_t spun_ns;   /* when it was there last, with a broker */
     char words[CONSOLE_WORDS_MAX];
     size_t words_len;
-    uint64_t words_asked; /* number of the question, or 0: none is under way */
-    bool words_stale;     /* a line may have changed them */
-    void *self;           /* of show and ended */
+    uint64_t words_asked;    /* number of the question, or 0: none is under way */
+    uint64_t words_asked_ns; /* when */
+    bool words_stale;        /* a line may have changed them */
+    void *self;              /* of show and ended */
     /* line: number of the line that it belongs to; 0: of none.  May be NULL. */
     void (*show)(void *self, enum console_kind kind, uint64_t line, const char *text);
     /* Nothing more comes for a line; good: it was done.  May be NULL. */

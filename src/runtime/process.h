@@ -70,9 +70,11 @@ struct mu_agent {
     uint32_t senses;         /* enum mu_sense: that its body is to read */
     enum mu_paddles paddles; /* this step */
     enum mu_lift lift;
-    bool drives; /* this step */
+    bool embodied; /* this step: the simulator has sent what its body feels */
+    bool drives;   /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
+    char goal[MU_FIELD_MAX + 1];
     uint64_t repeats; /* mails that came again through another broker, and were dropped */
     struct taken *taken;
     char *rules;         /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
@@ -182,8 +184,8 @@ void agent_progress(struct mu_agent *a);
  */
 MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail);
 
-/** What a directive, or a mail of that word, does to its life. */
-void agent_live(struct mu_agent *a, enum life_event event);
+/** What a directive, or a mail of that word, does to its life.  @param by  who sent it */
+void agent_live(struct mu_agent *a, enum life_event event, const char *by);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

@@ -201,17 +201,67 @@ static void world_take(mu_process *p, const muster_Sense *sense)
     }
 }
 
+/* Robots without a body live through the step, too, in the order in which they came. */
+static bool takes_beat(const struct mu_agent *a)
+{
+    return a->kind == MU_KIND_ROBOT && !a->embodied && !a->gone && a->registered &&
+           a->handlers.on_beat;
+}
+
+static struct mu_percept beat_of(const struct mu_agent *a, const muster_Sense *sense)
+{
+    return (struct mu_percept){
+        .robot = a->name, .step = sense->step, .time_ns = sense->time_ns, .battery_share = -1};
+}
+
+static void beats_take(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (takes_beat(a)) {
+            struct mu_percept beat = beat_of(a, sense);
+            a->handlers.on_beat(a->handlers.self, a, &beat);
+        }
+    }
+}
+
+static void embodied_mark(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        p->agents[i].embodied = false;
+    }
+    for (uint32_t i = 0; i < sense->robots._length; i++) {
+        struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
+        if (a) {
+            a->embodied = true;
+        }
+    }
+}
+
 static void percepts_take(mu_process *p, const muster_Sense *sense)
 {
     if (p->watches) {
         world_take(p, sense);
         return;
     }
+    embodied_mark(p, sense);
     for (uint32_t i = 0; i < sense->robots._length; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a && a->handlers.on_step) {
             struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
             a->handlers.on_step(a->handlers.self, a, &percept);
+        }
+    }
+    beats_take(p, sense);
+}
+
+static void beats_act(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (takes_beat(a) && a->state == MU_RUNNING && a->handlers.on_act) {
+            struct mu_percept beat = beat_of(a, sense);
+            a->handlers.on_act(a->handlers.self, a, &beat);
         }
     }
 }
@@ -225,6 +275,7 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
             a->handlers.on_act(a->handlers.self, a, &percept);
         }
     }
+    beats_act(p, sense);
 }
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
@@ -297,6 +348,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq,
+                        .goal = a->goal,
                         .replays = a->replays,
                         .diary = answer && a->note.at ? a->note.at : none};
 }

@@ -38,9 +38,13 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 270 * 1024, FEW = 3 };
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.agent = W("red"), .rules = W("wander"), .diary = W("")},
-    {.agent = W("blue"), .rules = W(""), .diary = W("")},
-    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails), .diary = W("S\n")},
+    {.agent = W("red"), .rules = W("wander"), .goal = W(""), .diary = W("")},
+    {.agent = W("blue"), .rules = W(""), .goal = W(""), .diary = W("")},
+    {.agent = W("green"),
+     .rules = W("a b"),
+     .mails = LIST(mails),
+     .goal = W("stay"),
+     .diary = W("S\n")},
 };
 static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
     {.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
@@ -142,8 +146,9 @@ static muster_Scene scene = {.simulator = W("sim"),
                              .walls = LIST(walls),
                              .robots = LIST(figures),
                              .objects = LIST(things)};
-static muster_RobotView views[MU_ROBOTS_MAX + 1] = {
-    {.name = W("a")}, {.name = W("b")}, {.name = W("c")}};
+static muster_RobotView views[MU_ROBOTS_MAX + 1] = {{.name = W("a"), .goal = W("")},
+                                                    {.name = W("b"), .goal = W("")},
+                                                    {.name = W("c"), .goal = W("stay")}};
 #define AN_ORDER                                                                         \
     {                                                                                    \
         .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), \
@@ -228,6 +233,7 @@ static const struct field {
     {"up.act.forward", check_up, &up, &acts[2].forward_m_s, A_SPEED, 0},
     {"up.act.turn", check_up, &up, &acts[2].turn_rad_s, A_SPEED, 0},
     {"up.act.rules", check_up, &up, &acts[2].rules, A_TEXT, RULES_MAX},
+    {"up.act.goal", check_up, &up, &acts[2].goal, A_TEXT, MU_FIELD_MAX},
     {"up.act.diary", check_up, &up, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     {"up.act.mails", check_up, &up, &acts[2].mails._length, A_LENGTH, MU_OUTBOX_MAX},
     MAIL("up.act.mail", check_up, &up, mails[2]),
@@ -405,6 +411,7 @@ static const struct field {
     {"frame.percept.beam", check_frame, &frame, &laser_m[2], A_FLOAT, 0},
     {"frame.acts", check_frame, &frame, &frame.acts._length, A_LENGTH, MU_FRAME_ACTS_MAX},
     {"frame.act.agent", check_frame, &frame, &acts[2].agent, A_NAME, 0},
+    {"frame.robot.goal", check_frame, &frame, &views[2].goal, A_TEXT, MU_FIELD_MAX},
     {"frame.act.diary", check_frame, &frame, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     MAIL("frame.act.mail", check_frame, &frame, mails[2]),
     {"frame.outside", check_frame, &frame, &frame.outside._length, A_LENGTH, MU_FRAME_MAILS_MAX},
@@ -584,6 +591,32 @@ static void test_bad_names_of_agents_reach_the_broker(void)
     entries[0].name = W("red");
 }
 
+static void test_words_about_trips(void)
+{
+    muster_Trip t = {.word = muster_TRIP_NEW,
+                     .agent = W("ruby"),
+                     .asker = W("red"),
+                     .host = W("north"),
+                     .process = W(""),
+                     .reason = W(""),
+                     .text = W("capsule")};
+    up.trips = (dds_sequence_muster_Trip){._length = 1, ._maximum = 1, ._buffer = &t};
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = W("");
+    CU_ASSERT_FALSE(check_up(&up));
+    t.word = muster_TRIP_DEPOSIT;
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = NULL;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.asker = W("red");
+    t.state = muster_STATE_ABSENT + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.state = muster_STATE_STANDBY;
+    t.word = muster_TRIP_NEW + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    up.trips._length = up.trips._maximum = 0;
+}
+
 /* Corners come in pairs, and an outline has no more than 64. */
 static void test_outlines(void)
 {
@@ -638,6 +671,7 @@ int main(void)
         {"whole samples pass", test_whole_samples_pass},
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
+        {"words about trips", test_words_about_trips},
         {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},
         CU_TEST_INFO_NULL,
