@@ -443,7 +443,7 @@ static void status_take(struct run *r, const muster_RunStatus *s)
     r->totals_count = s->robots._length;
     for (uint32_t i = 0; i < r->totals_count; i++) {
         r->totals[i] = s->robots._buffer[i];
-        r->totals[i].robot = NULL;
+        r->totals[i].robot = run_robot_name(r, s->robots._buffer[i].robot);
     }
     r->objects_count = s->objects._length == r->world->object_count ? s->objects._length : 0;
     for (size_t i = 0; i < r->objects_count; i++) {

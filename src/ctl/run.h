@@ -63,7 +63,7 @@ struct run {
     muster_RunState state;
     uint64_t time_ns, wall_ns, skipped;
     char waits_for[1024], hash[MU_FIELD_MAX + 2];
-    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot is not set: they are in the world's order */
+    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot: a name of the world, or NULL */
     uint32_t totals_count;
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */
@@ -109,6 +109,10 @@ enum { RUN_FILES_MAX = 512 };
 
 /** Finds the files that a run is made of, in run_files.c; takes memory at start-up. */
 const struct run_file *run_files(const struct run *r, size_t *count);
+
+/** @return a robot's name as the world has it, which lives as long; NULL: it has none of that name.
+ * Robots with a random place may stand elsewhere in the simulator's list than in ours. */
+char *run_robot_name(const struct run *r, const char *name);
 
 /** Writes the command that does the run again, without the words that change nothing in it. */
 void run_command_write(const struct run *r, char *buffer, size_t size);
@@ -199,6 +203,13 @@ void run_observer_look(struct run *r);
 
 /** Prints the summary of a folder on one line. */
 void run_summary_print(const char *folder);
+
+/** Fills what a report is made of with what the run itself has: all but mail, chaos, restarts and
+ * monitors, and how it was made.  Takes memory at start-up. */
+void run_report_input(const struct run *r, struct report_input *input);
+
+/** Writes a report and says on standard output what came out.  @return the exit code */
+int run_report_write(const struct run *r, const struct report_input *input);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -58,6 +58,7 @@ struct report_input {
     uint64_t seed;
     const char *hash;               /* or "none" */
     double sim_time_s, wall_time_s; /* from the first to the last step */
+    bool broke_off;                 /* it did not come to its end; what there is, is here */
     const char *command;            /* how to run it again */
     const char *const *overrides;   /* of --set, "key=value" */
     size_t overrides_count;
@@ -66,6 +67,7 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
+    bool mail_unknown; /* nobody has the brokers' counters */
     const struct report_restarts *restarts;
     size_t restarts_count;
     const struct report_monitor *monitors;
@@ -109,6 +111,9 @@ struct report_result {
  */
 MU_MUST_USE mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
                                     struct mu_fault *fault);
+
+/** @return whether a live run has the folder */
+bool report_folder_lives(const char *folder);
 
 /** Says that the report is complete; the folder may be moved away from now on. */
 void report_folder_release(const char *folder);

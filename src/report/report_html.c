@@ -16,6 +16,9 @@ static void html_head(FILE *file, const struct report_data *data)
     page_open(file, title, input->experiment->name);
     fprintf(file, "<p class=\"soft\">seed %" PRIu64 ", %.1f s of simulated time, ", input->seed,
             input->sim_time_s);
+    if (input->broke_off) {
+        fputs("<span class=\"failed\">where it broke off</span>, ", file);
+    }
     fprintf(file, "%zu robot%s: <span class=\"%s\">%s</span></p>\n", input->robots_count,
             input->robots_count == 1 ? "" : "s", data->result->all_met ? "met" : "failed",
             data->result->all_met ? "everything as expected" : "not everything as expected");
@@ -98,7 +101,8 @@ static void html_facts(FILE *file, const struct report_data *data)
              " expired, %" PRIu64 " refused, %" PRIu64 " lost, %" PRIu64 " duplicated",
              mail->sent, mail->delivered, mail->waiting, mail->expired, mail->refused, mail->lost,
              mail->duplicated);
-    html_fact(file, "mail", text);
+    html_fact(file, "mail",
+              input->mail_unknown ? "not known: the brokers' counters are lost" : text);
     if (data->events->left_out > 0) {
         snprintf(text, sizeof text, "%zu; %zu that came later are not judged", data->events->count,
                  data->events->left_out);
