@@ -27,6 +27,10 @@ export function createStatistics({onPick, onOpen}) {
   const panel = element('div', {class: 'panel'},
     element('table', {}, element('thead', {}, element('tr', {}, ...heads)), body), others);
   let rows = [], order = -1, downwards = false;
+  /* Of a thousand rows thirty are seen: to write the others takes a browser most of its time. */
+  const seen = new Set();
+  const watcher = new IntersectionObserver((entries) =>
+    entries.forEach(({target, isIntersecting}) => (isIntersecting ? seen.add(target) : seen.delete(target))));
 
   function sortBy(column) {
     downwards = order === column ? !downwards : column > 1;
@@ -67,6 +71,9 @@ export function createStatistics({onPick, onOpen}) {
     load(scene) {
       rows = scene.robots.map((robot, i) => makeRow(robot.name, i));
       body.replaceChildren(...rows.map((row) => row.node));
+      watcher.disconnect();
+      seen.clear();
+      rows.forEach((row) => watcher.observe(row.node));
     },
     paint(colors) {
       rows.forEach((row, i) => row.dot.style.setProperty('--robot', colors[i]));
@@ -83,7 +90,7 @@ export function createStatistics({onPick, onOpen}) {
         row.state = agents.get(row.name)?.state ?? (over ? 'gone' : robot?.state ?? '');
         row.stalled = Boolean(robot?.stalled);
         row.reason = agents.get(row.name)?.reason ?? '';
-        drawRow(row, picked);
+        if (seen.has(row.node)) drawRow(row, picked);
       });
       const known = new Set(rows.map((row) => row.name));
       const rest = [...agents.values()].filter((a) => !known.has(a.name) && !a.name.startsWith('broker'));
