@@ -3,6 +3,8 @@
 
 import {element, mark, say} from './dom.js';
 
+const END = 5; /* characters of a name that are shown in any case */
+
 const one = (x) => x.toFixed(1);
 
 /* title, unit, what a row says, what it is sorted by */
@@ -53,7 +55,8 @@ export function createStatistics({onPick, onOpen}) {
   function makeRow(name, index) {
     const dot = element('span', {class: 'dot'});
     const cells = COLUMNS.map((column, i) => (i === 0
-      ? element('td', {}, element('span', {class: 'name', title: name}, dot, name))
+      ? element('td', {}, element('span', {class: 'name', title: name}, dot,
+        element('span', {class: 'head'}, name.slice(0, -END)), element('span', {}, name.slice(-END))))
       : element('td', {class: i === 1 ? 'state' : ''})));
     const node = element('tr', {click: () => onPick(index), dblclick: () => onOpen(name)}, ...cells);
     return {name, index, node, dot, cells, state: '', reason: '', stalled: false, total: null};
