@@ -39,8 +39,8 @@ dds_entity_t type_topic(dds_entity_t participant, const dds_topic_descriptor_t *
                         const char *name);
 
 /**
- * Makes a topic of such bytes.  Nothing in them is believed: each object must have the hash that it
- * is known by.
+ * Makes a topic of such bytes.  Nothing in them is believed: a child of this process reads them
+ * first, and each object must have the hash that it is known by.
  *
  * @param type  what the type must be called
  * @return MU_OK; MU_MALFORMED: they are no such type; MU_FAULT_DDS

@@ -165,8 +165,8 @@ static void result_print(const struct recorder *r, const char *path)
                 r->tape->lost);
     }
     if (!set.quiet) {
-        printf("%" PRIu64 " messages of %" PRIu32 " topics: %s\n", r->tape->messages,
-               r->tape->channel_count, path);
+        printf("%" PRIu64 " messages of %zu topics: %s\n", r->tape->messages, tape_topics(r->tape),
+               path);
     }
 }
 

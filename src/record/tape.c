@@ -276,6 +276,25 @@ bool tape_look(struct tape *t)
     return !mcap_writer_failed(t->file);
 }
 
+static bool is_first(const struct tape *t, uint32_t channel)
+{
+    for (uint32_t i = 0; i < channel; i++) {
+        if (!t->channels[i].gone && t->channels[i].tap == t->channels[channel].tap) {
+            return false;
+        }
+    }
+    return !t->channels[channel].gone;
+}
+
+size_t tape_topics(const struct tape *t)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < t->channel_count; i++) {
+        count += is_first(t, i);
+    }
+    return count;
+}
+
 mu_result tape_close(struct tape *t)
 {
     return mcap_writer_close(t->file);

@@ -50,6 +50,9 @@ void tape_take(void *self, struct tap *tap, const struct tap_sample *sample);
 /** Writes what is older than a second.  @return whether the disk is in order */
 bool tape_look(struct tape *t);
 
+/** @return of how many topics it has samples */
+size_t tape_topics(const struct tape *t);
+
 /** Ends the file.  @return MU_OK or MU_FAULT_OS, said on standard error */
 MU_MUST_USE mu_result tape_close(struct tape *t);
 

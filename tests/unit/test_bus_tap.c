@@ -126,7 +126,8 @@ static void test_wounded_bytes(void)
     size_t refused = 0;
     heard_count = 0;
     mu_random_seed(&random, suite_setting("MUSTER_SEED", 41), "wounded bytes");
-    for (uint64_t i = 0; i < suite_setting("MUSTER_ROUNDS", ROUNDS); i++) {
+    uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS);
+    for (uint64_t i = 0; i < rounds; i++) {
         const struct bus_bytes *b = sample("courier", i);
         size_t size = b->size;
         memcpy(wounded, b->data, size);
@@ -142,7 +143,7 @@ static void test_wounded_bytes(void)
         refused += written == MU_MALFORMED;
         (void)tap_take(&tap, hear, NULL);
     }
-    CU_ASSERT(refused > ROUNDS / 4 && refused < ROUNDS);
+    CU_ASSERT(refused > rounds / 4 && refused < rounds);
 }
 
 /* --- what has gone ---------------------------------------------------------------------------- */
@@ -232,6 +233,29 @@ static void test_what_goes_behind_a_full_batch(void)
     }
 }
 
+static void test_wounded_keys(void)
+{
+    struct mu_random random;
+    uint8_t wounded[64];
+    uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS), refused = 0;
+    mu_random_seed(&random, suite_setting("MUSTER_SEED", 41), "wounded keys");
+    heard_count = 0;
+    for (uint64_t i = 0; i < rounds; i++) {
+        memcpy(wounded, key_of_courier, key_size);
+        for (int64_t wounds = mu_random_between(&random, 1, 3); wounds > 0; wounds--) {
+            wounded[mu_random_between(&random, 0, (int64_t)key_size - 1)] =
+                (uint8_t)mu_random_between(&random, 0, 255);
+        }
+        enum gone_what what = i % 2 ? GONE_DISPOSED : GONE_UNREGISTERED;
+        size_t size = (size_t)mu_random_between(&random, (int64_t)key_size / 2, (int64_t)key_size);
+        mu_result told = feed_gone(&feed, what, wounded, size);
+        CU_ASSERT(told == MU_OK || told == MU_MALFORMED);
+        refused += told == MU_MALFORMED;
+        (void)tap_take(&tap, hear, NULL);
+    }
+    CU_ASSERT(refused > rounds / 4 && refused < rounds);
+}
+
 static void test_keys_that_are_none(void)
 {
     uint8_t wounded[64];
@@ -288,6 +312,7 @@ int main(void)
         {"an instance that goes is heard", test_an_instance_that_goes_is_heard},
         {"what goes and comes again unheard", test_what_goes_and_comes_again_unheard},
         {"what goes behind a full batch", test_what_goes_behind_a_full_batch},
+        {"wounded keys", test_wounded_keys},
         {"keys that are none", test_keys_that_are_none},
         {"gone as a message", test_gone_as_a_message},
         {"topics by name", test_topics_by_name},
