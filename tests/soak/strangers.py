@@ -82,9 +82,10 @@ def ended(p, what, timeout):
 
 
 def start(processes, *words):
+    environment = dict(os.environ, ASAN_OPTIONS=f"exitcode={BROKE}",
+                       UBSAN_OPTIONS=f"exitcode={BROKE}")
     return processes.start(MUSTER, *words, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                           text=True, env=dict(os.environ, ASAN_OPTIONS=f"exitcode={BROKE}",
-                                               UBSAN_OPTIONS=f"exitcode={BROKE}"))
+                           text=True, errors="replace", env=environment)
 
 
 def page_ask(processes, path, domain):
