@@ -40,7 +40,9 @@ static bool part_restarts(const struct run *r, struct run_part part)
     case RUN_BROKER: return run_restarts_brokers(r);
     case RUN_RESOLVER: return r->experiment->on_crash == EXPERIMENT_RESTART;
     case RUN_CREW: return crew_restarts(r, part.index);
-    case RUN_SIMULATOR: break; /* the world is in it alone */
+    case RUN_SIMULATOR: /* the world is in it alone */
+    case RUN_HOST:
+    case RUN_MONITOR: break;
     }
     return false;
 }

@@ -60,8 +60,11 @@ static void frame_write(int64_t step)
                                   {.name = W("blue"), .x_m = -5, .state = muster_STATE_STANDBY}};
     snprintf(diary, sizeof diary, "%sS\n+%lld (position %lld)\nR go %lld\nV 500.0 0.0\n",
              step == 0 ? "0\n" : "", (long long)step, (long long)step, (long long)step);
-    muster_Act act = {
-        .agent = W("red"), .state = muster_STATE_RUNNING, .rules = W(""), .diary = diary};
+    muster_Act act = {.agent = W("red"),
+                      .state = muster_STATE_RUNNING,
+                      .rules = W(""),
+                      .goal = W(""),
+                      .diary = diary};
     muster_Frame frame = {
         .simulator = W("sim"), .step = step, .time_ns = (uint64_t)step * STEP_MS * 1000000};
     frame.robots._buffer = robots;
