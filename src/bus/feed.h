@@ -37,8 +37,7 @@ MU_MUST_USE mu_result feed_open(struct feed *feed, struct bus *bus, enum bus_top
 
 /**
  * Opens a feed of a topic that is not ours, for whoever read what was recorded: it offers what the
- * writer did, and is reliable.  What an old program may have had in mind with its type is not
- * checked; that it is the type that was recorded is.
+ * writer did, and is reliable.
  *
  * @return MU_OK; MU_MALFORMED: the bytes are no such type; MU_REFUSED: there can be no such writer
  */
