@@ -309,6 +309,10 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
 
+.PHONY: soak-capsules
+soak-capsules: $(O)/test/capsules ## 1200 random programs, each cut somewhere: minds go on from their capsules, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/capsules.py $$RANDOM; done
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -319,6 +323,10 @@ coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
 
 $(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+
+$(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
