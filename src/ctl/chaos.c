@@ -34,7 +34,7 @@ struct chaos {
 
 /* --- parts of the run ------------------------------------------------------------------------- */
 
-/* The child that is meant by a robot's name, broker, a broker's name, or simulator. */
+/* The child that is meant by a robot's name, a host's, broker, a broker's name, or simulator. */
 static const char *child_of(const struct run *r, const char *part, char name[RUN_CHILD_MAX])
 {
     const struct experiment *e = r->experiment;
@@ -43,7 +43,8 @@ static const char *child_of(const struct run *r, const char *part, char name[RUN
     for (unsigned i = 0; robot >= 0 && i < e->crews_count; i++) {
         const struct experiment_crew *crew = &e->crews[i];
         if ((unsigned)robot >= crew->robot && (unsigned)robot < crew->robot + crew->count) {
-            mu_text_copy(name, RUN_CHILD_MAX, e->robots[crew->robot].name);
+            const struct experiment_robot *first = &e->robots[crew->robot];
+            mu_text_copy(name, RUN_CHILD_MAX, first->host ? first->host : first->name);
         }
     }
     for (unsigned i = 0; robot < 0 && i < run_brokers(r); i++) {

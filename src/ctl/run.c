@@ -496,25 +496,24 @@ static bool simulator_silent(struct run *r)
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
 }
 
-/* @return whether one of the experiment's robots lives in a child */
+/* @return whether a robot lives in a child, of the experiment or one that came since */
 static bool child_has_robots(const struct run *r, const struct child *child)
 {
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
-        const struct mu_member *m = mu_process_lookup(r->process, r->experiment->robots[i].name);
-        if (m && m->pid == (uint32_t)child->pid) {
-            return true;
-        }
+    const struct mu_member *m;
+    bool has = false;
+    for (size_t i = 0; !has && (m = mu_process_member(r->process, i)); i++) {
+        has = m->kind == MU_KIND_ROBOT && m->pid == (uint32_t)child->pid && m->state != MU_GONE;
     }
-    return false;
+    return has;
 }
 
-/* A host that dies with no robot in it has only ceased to be one. */
+/* A host that dies with no robot in it, and is not started again, has only ceased to be one. */
 static void hosts_excuse(struct run *r)
 {
     for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
         struct child *child = supervise_find(&r->children, r->experiment->hosts[i]);
         if (child && child->ended && !child->excused && r->state == muster_RUN_RUNNING &&
-            !child_has_robots(r, child)) {
+            !run_restarts(r, child) && !child_has_robots(r, child)) {
             child->excused = true;
             fprintf(stderr, "muster run: the host %s is no more; the run goes on\n", child->name);
         }

@@ -115,7 +115,7 @@ void run_mail_keep(struct run *r, const char *child);
 MU_MUST_USE mu_result run_start(struct run *r);
 
 /* A child, by what it is. */
-enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_CREW };
+enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW };
 
 struct run_part {
     enum run_kind kind;

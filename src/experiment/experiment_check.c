@@ -114,8 +114,7 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
-/* @return the index of a host, or how many there are */
-static unsigned check_find_host(const struct experiment *e, const char *name)
+unsigned experiment_find_host(const struct experiment *e, const char *name)
 {
     unsigned i = 0;
     while (i < e->hosts_count && strcmp(e->hosts[i], name) != 0) {
@@ -133,7 +132,7 @@ static mu_result check_hosts(struct experiment_source *s)
             return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
                                     "'%.80s' cannot be a host's name", name);
         }
-        if (check_find_host(e, name) != i || experiment_find_robot(e, name)) {
+        if (experiment_find_host(e, name) != i || experiment_find_robot(e, name)) {
             return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
                                     "a second host, or a robot, has the name '%s'", name);
         }
@@ -342,7 +341,7 @@ static mu_result check_host(struct experiment_source *s, const struct experiment
     if (!robot->host) {
         return MU_OK;
     }
-    if (check_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
+    if (experiment_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
         return experiment_fault(s, NULL, host, "no host '%.80s' in this experiment's hosts",
                                 robot->host);
     }
@@ -440,7 +439,7 @@ static mu_result check_deed(struct experiment_source *s, const struct experiment
     if (!command->line == !command->move) {
         return experiment_fault(s, NULL, node, "expected a line, or move: HOST");
     }
-    if (command->move && check_find_host(e, command->move) == e->hosts_count) {
+    if (command->move && experiment_find_host(e, command->move) == e->hosts_count) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "move"),
                                 "no host '%.80s' in this experiment's hosts", command->move);
     }

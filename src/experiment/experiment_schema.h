@@ -50,6 +50,7 @@ int experiment_section(struct experiment_source *s, const char *key);
 int experiment_item(struct experiment_source *s, const char *key, size_t index);
 const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name);
 unsigned experiment_find_broker(const struct experiment *e, const char *name);
+unsigned experiment_find_host(const struct experiment *e, const char *name);
 bool experiment_overridden(const struct experiment_source *s, const void *field);
 
 /** Checks one expectation, in experiment_expect.c, and notes the events that it is about. */
