@@ -288,7 +288,8 @@ static const char *line_of(const struct experiment *e, const char *in_reply_to)
     if (!in_reply_to[0] || *end || index >= e->observer_count) {
         return "it";
     }
-    return e->observer[index].line ? e->observer[index].line : "the move";
+    const struct experiment_command *c = &e->observer[index];
+    return c->line ? c->line : c->move ? "the move" : c->launch;
 }
 
 /* Robots answer commands; only what went wrong is worth a line. */
@@ -296,8 +297,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) &&
-        strcmp(mail->performative, "failure") == 0) {
+    bool fails =
+        strcmp(mail->performative, "failure") == 0 || strcmp(mail->performative, "refuse") == 0;
+    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) && fails) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
         fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
@@ -333,7 +335,7 @@ static mu_result network_join(struct run *r)
     return MU_OK;
 }
 
-static mu_result directive_send(struct run *r, struct mu_mail mail)
+mu_result run_directive_send(struct run *r, struct mu_mail mail)
 {
     mail.directive = true;
     mu_result sent = mu_agent_send(r->observer, &mail, NULL);
@@ -351,7 +353,7 @@ void run_wake(struct run *r, const char *child)
         for (unsigned k = 0; meant && k < crew->count; k++) {
             struct mu_mail start = {.dst = e->robots[crew->robot + k].name,
                                     .performative = "start"};
-            if (directive_send(r, start) != MU_OK) {
+            if (run_directive_send(r, start) != MU_OK) {
                 fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
             }
         }
@@ -362,12 +364,12 @@ void run_wake(struct run *r, const char *child)
 static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
                               const char *label)
 {
-    return directive_send(r, (struct mu_mail){.dst = to,
-                                              .performative = c->move ? "move" : "do",
-                                              .reply_with = label,
-                                              .content = c->move ? c->move : c->line,
-                                              .timed = true,
-                                              .due_ns = (uint64_t)llround(c->at * 1e9)});
+    return run_directive_send(r, (struct mu_mail){.dst = to,
+                                                  .performative = c->move ? "move" : "do",
+                                                  .reply_with = label,
+                                                  .content = c->move ? c->move : c->line,
+                                                  .timed = true,
+                                                  .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
 
 /* One directive to as many of the named robots as fit, and one to each group or address. */
@@ -377,6 +379,9 @@ static mu_result command_tell(struct run *r, unsigned index)
     char names[MU_DST_MAX + 1], label[16];
     struct mu_text to;
     mu_result sent = MU_OK;
+    if (c->launch) {
+        return run_launch_tell(r, index);
+    }
     mu_text_init(&to, names, sizeof names);
     snprintf(label, sizeof label, "%u", index);
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
@@ -399,7 +404,7 @@ static mu_result command_tell(struct run *r, unsigned index)
 static mu_result commands_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    mu_result sent = directive_send(
+    mu_result sent = run_directive_send(
         r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
         sent = command_tell(r, i);

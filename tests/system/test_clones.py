@@ -50,20 +50,25 @@ def run_twice(out, file):
 
 
 def test_rules_and_commands_clone():
-    """Two want one name in the same step: the first in order of name gets it, wherever it lives."""
+    """And launch.  Two want one name in the same step: the first in order of name gets it, wherever it
+    lives."""
     with folder() as out:
+        (out / "born.clp").write_text('(defrule born (event on-create) => (printout t "launched" crlf))')
         said, summary = run_twice(out, team_write(
             out, "(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 south))",
             'observer:\n  - {at: 2, do: red, line: "(clone c_2 south)"}\n'
             '  - {at: 2.5, do: blue, line: "(clone c_2 north)"}\n'
-            '  - {at: 3, do: red, line: "(clone c_3 nowhere)"}\n'))
-        for line in ("red: refused red c_1 name-taken", "blue: refused blue c_2 name-taken",
+            '  - {at: 3, do: red, line: "(clone c_3 nowhere)"}\n'
+            '  - {at: 3, do: [north, south], launch: c_4, rules: born.clp}\n'))
+        for line in ("c_4: launched", "south could not do c_4: name-taken", "red: refused red c_1 name-taken", "blue: refused blue c_2 name-taken",
                      "red: refused red c_3 unknown-host"):
             check(line in said, f"{line} is missing: {said}")
         red = next(r for r in summary["robots"] if r["name"] == "red")
         # blue's 39 beats, and what each clone makes of red's and blue's, for 2.8 and for 1.8 s
         check(red["mail_received"] > 39 + 2 * 27 + 2 * 17, f"red has had {red['mail_received']} mails")
         check_equal((summary["mail"]["lost"], summary["mail"]["duplicated"]), (0, 0), "mail")
+        done = muster("verify", out / "0/run.mcap")
+        check_equal((done.returncode, summary["hash"] in done.stdout), (0, True), done.stdout + done.stderr)
 
 
 class Live:
