@@ -356,6 +356,13 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
  */
 void mu_agent_note(mu_agent *a, const char *text);
 
+/**
+ * Says what the agent wants from now on, for people who look on; it is not in the run's hash.
+ *
+ * @param goal  in words, copied: "gohome 3000.0 0.0"; what is longer than MU_FIELD_MAX bytes is cut
+ */
+void mu_agent_want(mu_agent *a, const char *goal);
+
 /** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);
 

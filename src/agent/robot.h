@@ -15,6 +15,7 @@
 #include "agent/settings.h"
 #include "agent/trip.h"
 #include "muster/muster.h"
+#include "runtime/glances.h"
 
 enum {
     ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
@@ -171,6 +172,9 @@ void robot_console_end(struct robot *r);
 /** Asks the mind, and answers a console in pieces.  @return whether the mind did it */
 bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
                           mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));
+
+/** Answers a line that only looks, between two steps: for glances_answer. */
+enum glance_end robot_console_look(void *self, const char *line, const char **text);
 
 /** Answers with the words that a line may have, as mind_words has them. */
 void robot_console_words(struct robot *r, const struct mu_mail *asked);

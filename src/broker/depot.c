@@ -10,7 +10,8 @@
 
 #include <string.h>
 
-/* So long a lock step waits for a host: less than its simulator waits for anybody. */
+/* So long a host may be silent, with a lock step that waits for it, or with an agent that nobody
+ * else has: less than a simulator waits for anybody. */
 static const uint64_t HOST_NS = 3000000000;
 
 /* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
@@ -153,7 +154,7 @@ static void capsule_drop(struct broker *b, struct depot_capsule *c)
 static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
 {
     struct depot *d = &b->depot;
-    struct depot_capsule *free = NULL, *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
+    struct depot_capsule *room = NULL, *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
     if (c) {
         capsule_drop(b, c);
     }
@@ -162,9 +163,9 @@ static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
         if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
             return at;
         }
-        free = at->phase == DEPOT_FREE && !at->unsaved && !free ? at : free;
+        room = at->phase == DEPOT_FREE && !at->unsaved && !room ? at : room;
     }
-    return free;
+    return room;
 }
 
 static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, const char *name,
@@ -413,13 +414,16 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
-/* Nobody bears its name, and nobody is about to. */
+/* Nobody bears its name, and nobody is about to: a host that has it has been silent for too long.
+ */
 static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
     uint64_t absent_ns = presence_wall_ns(b) - a->since_wall_ns;
-    return c->phase == DEPOT_KEPT && a->process == MU_NONE && b->clock.now_ns >= ORPHAN_NS &&
-           absent_ns >= ORPHAN_NS;
+    bool silent = c->phase == DEPOT_SENT && !c->holds && c->source == MU_NONE &&
+                  c->until_ns <= b->clock.now_ns;
+    return (c->phase == DEPOT_KEPT || silent) && a->process == MU_NONE &&
+           b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)

@@ -37,8 +37,8 @@ struct depot_capsule {
     uint32_t source, target; /* places; MU_NONE: not known, or no more */
     uint32_t host;           /* the agent that it wants to go to */
     bool seated;             /* a lock step has given its name to the target, and said so */
-    bool holds;              /* the step waits for it, */
-    uint64_t until_ns;       /* at most until then */
+    bool holds;              /* the step waits for it */
+    uint64_t until_ns;       /* the host's word on it is awaited for so long */
     bool unsaved;            /* the disk is to be told that it is there, or that it is free */
     size_t len;
     char *text; /* MU_CAPSULE_MAX; passport and capsule */

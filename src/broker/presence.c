@@ -484,10 +484,12 @@ void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed
     } else if (crashed) {
         b->places.at[place].lost = true;
         depot_gone(b, place);
+        glances_gone(b, place);
         place_leave(b, place);
     } else if (part < PLACES_PARTS) {
         if (part == 0) {
             depot_gone(b, place);
+            glances_gone(b, place);
         }
         part_leave(b, place, part, NULL);
     }

@@ -183,15 +183,22 @@ static bool frame_tell(struct run_inputs *in)
     return in->mail == f->outside._length && in->order == f->orders._length;
 }
 
+/* @return whether every name is in the white pages, and every mail is answered for */
 static bool all_answered(const struct run_inputs *in)
 {
     for (size_t i = 0; i < in->senders_count; i++) {
         const struct sender *s = &in->senders[i];
-        if (!s->refused && outbox_has_unanswered(&s->agent->outbox)) {
+        if (!s->refused && (!s->agent->registered || outbox_has_unanswered(&s->agent->outbox))) {
             return false;
         }
     }
     return true;
+}
+
+void run_inputs_seat(struct run_inputs *in, const char *name)
+{
+    struct sender *s = sender_find(in, name);
+    in->refused = in->refused || !s || s->refused;
 }
 
 bool run_inputs_tell(struct run_inputs *in)

@@ -41,7 +41,8 @@ static bool part_restarts(const struct run *r, struct run_part part)
     case RUN_RESOLVER:
     case RUN_HOST: return r->experiment->on_crash == EXPERIMENT_RESTART;
     case RUN_CREW: return crew_restarts(r, part.index);
-    case RUN_SIMULATOR: break; /* the world is in it alone */
+    case RUN_SIMULATOR: /* the world is in it alone */
+    case RUN_MONITOR: break;
     }
     return false;
 }

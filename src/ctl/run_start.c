@@ -3,6 +3,7 @@
 #include "core/text.h"
 #include "ctl/chaos.h"
 #include "ctl/run.h"
+#include "muster/memory.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -53,6 +54,13 @@ static const char *const *words_end(void)
 {
     words.items[words.count] = NULL;
     return words.items;
+}
+
+/* What the next new child is. */
+static void part_note(struct run *r, enum run_kind kind, unsigned index)
+{
+    MU_ASSERT(r->children.count < SUPERVISE_CHILDREN_MAX);
+    r->parts[r->children.count] = (struct run_part){kind, index};
 }
 
 /* again: the child that these words are for, which has died; NULL: it is a new one */
@@ -334,65 +342,79 @@ mu_result run_start_again(struct run *r, struct child *child)
     case RUN_RESOLVER: return resolver_start(r, e->resolvers[part.index], child);
     case RUN_HOST: return host_start(r, e->hosts[part.index], child);
     case RUN_CREW: return crew_start(r, &e->crews[part.index], child);
-    case RUN_SIMULATOR: break;
+    case RUN_SIMULATOR:
+    case RUN_MONITOR: break;
     }
     return MU_REFUSED;
 }
 
-/* @return the index of the so many-th crew that has a process of its own */
-static unsigned crew_of_child(const struct experiment *e, unsigned number)
-{
-    unsigned crew = 0;
-    for (unsigned seen = 0; crew < e->crews_count; crew++) {
-        seen += !e->robots[e->crews[crew].robot].host;
-        if (seen > number) {
-            break;
-        }
-    }
-    return crew;
-}
-
 struct run_part run_part_of(const struct run *r, const struct child *child)
 {
-    const struct experiment *e = r->experiment;
-    unsigned index = (unsigned)(child - r->children.children);
-    if (index < run_brokers(r)) {
-        return (struct run_part){RUN_BROKER, index};
-    }
-    index -= run_brokers(r);
-    if (index == 0) {
-        return (struct run_part){RUN_SIMULATOR, 0};
-    }
-    index--;
-    if (index < e->resolvers_count) {
-        return (struct run_part){RUN_RESOLVER, index};
-    }
-    index -= e->resolvers_count;
-    return index < e->hosts_count
-               ? (struct run_part){RUN_HOST, index}
-               : (struct run_part){RUN_CREW, crew_of_child(e, index - e->hosts_count)};
+    return r->parts[child - r->children.children];
 }
 
-/* In the order that run_part_of knows. */
+/* What a program of the user's joins by, as our own have it from their command lines. */
+static mu_result program_start(struct run *r, const struct experiment_monitor *m, const char *log)
+{
+    char domain[16];
+    snprintf(domain, sizeof domain, "%d", r->domain);
+    setenv("MUSTER_DOMAIN", domain, 1);
+    setenv("MUSTER_BROKER", run_broker(r, 0), 1);
+    words_begin(m->program);
+    return supervise_start_aside(&r->children, m->name, m->program, words_end(), log);
+}
+
+static mu_result monitor_start(struct run *r, const struct experiment_monitor *m)
+{
+    char log[PATH_MAX + MU_NAME_MAX + 8];
+    snprintf(log, sizeof log, "%s/%s.log", r->folder, m->name);
+    chaos_child(r, m->name);
+    if (m->program) {
+        return program_start(r, m, log);
+    }
+    words_begin("muster-monitor");
+    word_add("--rules=%s", m->rules);
+    word_add("--name=%s", m->name);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    return supervise_start_aside(&r->children, m->name, "muster-monitor", words_end(), log);
+}
+
+static mu_result monitors_start(struct run *r)
+{
+    for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
+        part_note(r, RUN_MONITOR, i);
+        MU_TRY(monitor_start(r, &r->experiment->monitors[i]));
+    }
+    return MU_OK;
+}
+
 mu_result run_start(struct run *r)
 {
+    r->parts = mu_startup_array(SUPERVISE_CHILDREN_MAX, sizeof *r->parts);
     if (run_restarts_any(r)) {
         MU_TRY(checkpoints_make(r));
     }
     for (unsigned i = 0; i < run_brokers(r); i++) {
+        part_note(r, RUN_BROKER, i);
         MU_TRY(broker_start(r, i, NULL));
     }
+    part_note(r, RUN_SIMULATOR, 0);
     MU_TRY(simulator_start(r));
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
+        part_note(r, RUN_RESOLVER, i);
         MU_TRY(resolver_start(r, r->experiment->resolvers[i], NULL));
     }
     for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        part_note(r, RUN_HOST, i);
         MU_TRY(host_start(r, r->experiment->hosts[i], NULL));
     }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
         if (!r->experiment->robots[r->experiment->crews[i].robot].host) {
+            part_note(r, RUN_CREW, i);
             MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
         }
     }
-    return MU_OK;
+    return monitors_start(r);
 }

@@ -64,8 +64,13 @@ void experiment_root(const char *folder)
     files_root = folder;
 }
 
-/* Replaces a path by the absolute one of an existing, readable file. */
-static mu_result check_file(struct experiment_source *s, char **path, int node, const char *what)
+bool experiment_is_recorded(void)
+{
+    return files_root[0] != '\0';
+}
+
+mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
+                                const char *what)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     bool relative = (*path)[0] != '/';
@@ -114,6 +119,7 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
+/* @return the index of a host, or how many there are */
 unsigned experiment_find_host(const struct experiment *e, const char *name)
 {
     unsigned i = 0;
@@ -235,9 +241,11 @@ static mu_result check_top(struct experiment_source *s)
     }
     MU_TRY(check_restart(s));
     mu_result checked =
-        e->policy ? check_file(s, &e->policy, experiment_section(s, "policy"), "policy") : MU_OK;
-    return checked != MU_OK ? checked
-                            : check_file(s, &e->world, experiment_section(s, "world"), "world");
+        e->policy ? experiment_check_file(s, &e->policy, experiment_section(s, "policy"), "policy")
+                  : MU_OK;
+    return checked != MU_OK
+               ? checked
+               : experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */
@@ -412,9 +420,9 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     result = result == MU_OK ? check_broker(s, robot, node) : result;
     result = result == MU_OK ? check_death(s, robot, node) : result;
     result = result == MU_OK ? check_host(s, robot, node) : result;
-    return result == MU_OK
-               ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
-               : result;
+    return result == MU_OK ? experiment_check_file(s, &robot->rules,
+                                                   yaml_tree_child(s->tree, node, "rules"), "rules")
+                           : result;
 }
 
 static bool check_target(const struct experiment *e, const char *target)
@@ -440,7 +448,8 @@ static mu_result check_launch(struct experiment_source *s, struct experiment_com
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "launch"),
                                 "'%.80s' cannot be an agent's name", command->launch);
     }
-    return check_file(s, &command->rules, yaml_tree_child(s->tree, node, "rules"), "rules");
+    return experiment_check_file(s, &command->rules, yaml_tree_child(s->tree, node, "rules"),
+                                 "rules");
 }
 
 /* What is commanded: a line, a move, or a launch. */
@@ -515,6 +524,9 @@ mu_result experiment_check(struct experiment_source *source)
     }
     result = result == MU_OK ? check_hosts(source) : result;
     result = result == MU_OK ? experiment_multiply(source) : result;
+    for (size_t i = 0; i < e->monitors_count && result == MU_OK; i++) {
+        result = experiment_check_monitor(source, i);
+    }
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = check_command(source, i);
     }

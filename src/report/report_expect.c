@@ -227,6 +227,13 @@ static void expect_judge_statistic(const struct report_data *data, unsigned i)
     }
     result->met[i] = value >= expect->at_least && value <= expect->at_most;
     snprintf(result->measured[i], sizeof result->measured[i], "%.6g", value);
+    expect_judge_cut(data, i);
+    if (isnan(value)) {
+        result->judged[i] = false;
+        result->met[i] = true;
+        mu_text_copy(result->measured[i], sizeof result->measured[i],
+                     "not known: the brokers' counters are lost");
+    }
 }
 
 /* Follows a sequence from one occurrence of its first event on, always to the next that fits.
@@ -326,7 +333,6 @@ static void expect_judge(struct report_expect *x, const struct report_data *data
         expect_judge_inside(x, i, result);
     } else if (expect->statistic) {
         expect_judge_statistic(data, i);
-        expect_judge_cut(data, i);
     } else if (expect->never) {
         expect_judge_never(data, i);
         expect_judge_cut(data, i);

@@ -281,6 +281,7 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
     trips_take(p, d);
+    glances_take(p, d);
     verdicts_take(p, d);
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
@@ -347,6 +348,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq,
+                        .goal = a->goal,
                         .replays = a->replays,
                         .diary = answer && a->note.at ? a->note.at : none};
 }
@@ -383,7 +385,8 @@ static void load_begin(const mu_process *p, struct up_load *load)
 }
 
 /* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
- * have mail.  @return whether there is any mail, acknowledgement or word about a trip in it */
+ * have mail.  @return whether there is any mail, acknowledgement, word about a trip or glance in it
+ */
 static bool up_fill(mu_process *p, int64_t step)
 {
     struct up_load load = {.answer = step != muster_STEP_NOW};
@@ -405,7 +408,8 @@ static bool up_fill(mu_process *p, int64_t step)
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
     bool trips = trips_fill(p, &p->out);
-    return load.mails > 0 || acks > 0 || trips;
+    bool glances = step == muster_STEP_NOW && glances_fill(p, &p->out);
+    return load.mails > 0 || acks > 0 || trips || glances;
 }
 
 /* The act of an agent has gone out; answer: to a step. */
@@ -449,6 +453,7 @@ bool step_retry(mu_process *p)
         }
     }
     trips_sent(p, p->out.trips._length);
+    glances_sent(p, &p->out);
     if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
         owed_clear(&p->owed, mu_clock_ns());
     }
@@ -500,7 +505,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense)
     percepts_take(p, sense);
     while (p->mail) {
         step_take_delivery(p, p->mail, NULL);
-        process_next_delivery(p);
+        inbox_next(p);
     }
     agents_act(p, sense);
     step_end(p, sense);
@@ -542,7 +547,8 @@ static bool acks_are_due(const mu_process *p)
 
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0 ||
+           p->glances.unsent > 0;
 }
 
 void step_say_trips(mu_process *p)

@@ -623,6 +623,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     r->lift = order_of(act->lift);
     r->senses = act->senses;
     r->state = act->state;
+    mu_text_copy(r->goal, sizeof r->goal, act->goal);
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);

@@ -27,12 +27,13 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled;      /* the run waits for its controller; else it is an obstacle */
-    int32_t process;      /* index of the process that controls it; -1: none */
-    int32_t next_process; /* from the next step on; -1: the same */
-    uint32_t slot;        /* of its controller in that process */
-    muster_State state;   /* of its controller, by its last word */
-    bool drives;          /* of the last answer: a speed was set */
+    bool controlled;             /* the run waits for its controller; else it is an obstacle */
+    int32_t process;             /* index of the process that controls it; -1: none */
+    int32_t next_process;        /* from the next step on; -1: the same */
+    uint32_t slot;               /* of its controller in that process */
+    muster_State state;          /* of its controller, by its last word */
+    char goal[MU_FIELD_MAX + 1]; /* likewise: what it wants */
+    bool drives;                 /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */

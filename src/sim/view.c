@@ -117,6 +117,7 @@ static void lines_open(struct view *v, const struct world *world)
     f->objects._length = f->objects._maximum = (uint32_t)world->object_count;
     for (size_t i = 0; i < world->robot_count; i++) {
         f->robots._buffer[i].name = (char *)(uintptr_t)world->robots[i].name; /* only read */
+        f->robots._buffer[i].goal = (char *)(uintptr_t) "";
     }
     for (size_t i = 0; i < world->object_count; i++) {
         f->objects._buffer[i].name = (char *)(uintptr_t)world->objects[i].name;
@@ -191,6 +192,7 @@ static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
     *copy = *act;
     copy->agent = text_keep(p, act->agent);
     copy->rules = text_keep(p, act->rules);
+    copy->goal = text_keep(p, act->goal);
     copy->diary = text_keep(p, act->diary);
     muster_Mail *mails = count > 0 ? bytes_take(p, count * sizeof *mails) : NULL;
     for (uint32_t i = 0; mails && i < count; i++) {

@@ -417,6 +417,32 @@ static void test_both_die(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
+/* Else an agent that nobody has would be nobody's for ever. */
+static void test_a_silent_host_does_not_keep_it(void)
+{
+    free_begin();
+    story_gone("p-red");
+    story_gone("p-north");
+    host_join("south");
+    host_join("east");
+    story_tick(2 * S);
+    (void)story_collect();
+    say("p-south", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "south"));
+    EXPECT("p-south: red arrive 1 capsule");
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    EXPECT("");
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    EXPECT("p-east: red arrive 1 capsule");
+    ready("p-south", "red", 1);
+    EXPECT("p-south: red refused 1 too-late");
+    ready("p-east", "red", 1);
+    register_as("p-east", "red", 1, muster_STATE_RUNNING);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-east");
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
 static void test_an_older_copy_does_not_get_the_name(void)
 {
     free_begin();
@@ -495,6 +521,7 @@ int main(void)
         {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},
         {"both die", test_both_die},
+        {"a silent host does not keep it", test_a_silent_host_does_not_keep_it},
         {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
         {"limit: capsules", test_limit_capsules},
         {"words of strangers", test_words_of_strangers},

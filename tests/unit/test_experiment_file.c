@@ -553,6 +553,46 @@ static void test_chaos_faults(void)
     CHECK_BAD(cases);
 }
 
+static void test_monitors(void)
+{
+    CU_ASSERT_EQUAL_FATAL(load(BASE "monitors:\n"
+                                    "  - {rules: a.clp}\n"
+                                    "  - {name: watch, rules: b.clp}\n"
+                                    "  - {name: mine, program: /bin/sh}\n",
+                               NULL),
+                          MU_OK);
+    CU_ASSERT_EQUAL_FATAL(e->monitors_count, 3);
+    CU_ASSERT_STRING_EQUAL(e->monitors[0].name, "monitor");
+    CU_ASSERT_PTR_NULL(e->monitors[0].program);
+    CU_ASSERT(strncmp(e->monitors[1].rules, folder, strlen(folder)) == 0);
+    CU_ASSERT_STRING_EQUAL(e->monitors[1].name, "watch");
+    CU_ASSERT_PTR_NULL(e->monitors[2].rules);
+    CU_ASSERT_EQUAL(e->monitors[2].mark.line, 9);
+    /* A recording has no programs: nobody looks for them where it was unpacked. */
+    experiment_root(folder);
+    CU_ASSERT_EQUAL(load(BASE "monitors: [{program: /no/such/program}]\n", NULL), MU_OK);
+    experiment_root("");
+}
+
+#define MONITOR(text) BASE "monitors:\n  - {" text "}\n"
+
+static void test_monitor_faults(void)
+{
+    static const struct bad_case cases[] = {
+        {MONITOR("name: watch"), 7, 5, "expected either rules: FILE, or program: FILE"},
+        {MONITOR("rules: a.clp, program: /bin/sh"), 7, 5, "expected either rules: FILE"},
+        {MONITOR("rules: none.clp"), 7, 13, "cannot read the rules"},
+        {MONITOR("program: none"), 7, 15, "cannot read the program"},
+        {MONITOR("program: a.clp"), 7, 15, "expected a program that may be started"},
+        {MONITOR("name: a b, rules: a.clp"), 7, 12, "'a b' cannot be a monitor's name"},
+        {MONITOR("name: all, rules: a.clp"), 7, 12, "'all' cannot be a monitor's name"},
+        {MONITOR("name: red, rules: a.clp"), 7, 12, "the name 'red' is taken"},
+        {MONITOR("rules: a.clp}\n  - {rules: b.clp"), 8, 5, "the name 'monitor' is taken"},
+        {MONITOR("rule: a.clp"), 7, 6, "unknown key 'rule'; expected one of: name, rules, program"},
+    };
+    CHECK_BAD(cases);
+}
+
 static void test_overrides(void)
 {
     CU_ASSERT_EQUAL_FATAL(load(BASE "observer: [{at: 60, do: red, line: (a)}]\n", "duration=30"),
@@ -742,6 +782,8 @@ int main(void)
         {"limit: events", test_limit_events},
         {"chaos", test_chaos},
         {"chaos faults", test_chaos_faults},
+        {"monitors", test_monitors},
+        {"monitor faults", test_monitor_faults},
         {"overrides", test_overrides},
         {"faults of overrides", test_override_faults},
         {"unreadable files", test_unreadable_files},

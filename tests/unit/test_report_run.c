@@ -324,6 +324,51 @@ static void test_restarts(void)
     input.restarts_count = 0;
 }
 
+static void test_monitors(void)
+{
+    static const struct report_monitor monitors[] = {
+        {.name = "watch", .rules = "/r/<watch>.clp"},
+        {.name = "mine", .program = "/p/mine", .fate = "was killed by signal 9 (Killed)"}};
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "monitors"));
+    CU_ASSERT_FALSE(file_has("report.html", "Monitors"));
+    input.monitors = monitors;
+    input.monitors_count = 2;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"rules\": \"/r/<watch>.clp\",\n      \"log\": "
+                                       "\"watch.log\",\n      \"ended\": \"with the run\""));
+    CU_ASSERT(file_has("summary.json", "\"program\": \"/p/mine\""));
+    CU_ASSERT(file_has("report.html", "/r/&lt;watch&gt;.clp"));
+    CU_ASSERT(file_has("report.html", "<a href=\"mine.log\">mine.log</a>"));
+    CU_ASSERT(file_has("report.html", "was killed by signal 9 (Killed)"));
+    input.monitors_count = 0;
+}
+
+static void test_a_run_that_broke_off(void)
+{
+    static char statistic[] = "mail.lost";
+    static struct experiment_expectation lost = {.statistic = statistic, .at_least = -INFINITY};
+    struct experiment_expectation *before = experiment.expect;
+    unsigned count = experiment.expect_count;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "broke_off"));
+    CU_ASSERT_FALSE(file_has("report.html", "broke off"));
+    experiment.expect = &lost;
+    experiment.expect_count = 1;
+    input.broke_off = input.mail_unknown = true;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"broke_off\": true"));
+    CU_ASSERT(file_has("summary.json", "\"lost\": null"));
+    CU_ASSERT(file_has("report.html", "where it broke off"));
+    CU_ASSERT(!result.judged[0] && result.met[0]);
+    CU_ASSERT_STRING_EQUAL(result.measured[0], "not known: the brokers' counters are lost");
+    input.broke_off = input.mail_unknown = false;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(result.judged[0] && result.met[0] == (input.mail.lost == 0));
+    experiment.expect = before;
+    experiment.expect_count = count;
+}
+
 static void test_files(void)
 {
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
@@ -730,6 +775,8 @@ int main(void)
         {"colours of many", test_spread_colors},
         {"things at the end", test_things_at_the_end},
         {"restarts", test_restarts},
+        {"monitors", test_monitors},
+        {"a run that broke off", test_a_run_that_broke_off},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},
