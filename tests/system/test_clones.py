@@ -71,12 +71,24 @@ def test_rules_and_commands_clone():
         check_equal((done.returncode, summary["hash"] in done.stdout), (0, True), done.stdout + done.stderr)
 
 
+def test_without_a_body_in_free_running():
+    """The same agent lives through the steps there, too."""
+    with folder() as out:
+        (out / "born.clp").write_text('(defrule born (event on-create) => (broadcast hello))\n'
+                                      '(defrule heard (message beat ?n) (test (= ?n 10)) => '
+                                      '(printout t "heard " ?n crlf))')
+        file = team_write(out, more="observer:\n  - {at: 0.5, do: south, launch: c_1, rules: born.clp}\n")
+        done = muster("run", file, "--free", "--duration", 2, "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        check("c_1: heard 10" in done.stdout + done.stderr, f"what it heard: {done.stdout} {done.stderr}")
+
+
 class Live:
-    """A run at five times real time in which somebody has a hand."""
+    """A run at six times real time in which somebody has a hand."""
 
     def __init__(self, processes, out, file, *words):
         self.domain, self.out = new_domain(), out
-        self.run = processes.start(MUSTER, "run", file, "--quiet", "--rate", 5, "--out", out / "run",
+        self.run = processes.start(MUSTER, "run", file, "--quiet", "--rate", 6, "--out", out / "run",
                                    "--domain", self.domain, *words, stderr=subprocess.PIPE, text=True)
         wait_for(lambda: muster("console", "observer", "-c", "(agents)", "--domain",
                                 self.domain).returncode == 0, 15, "a run")
@@ -176,7 +188,7 @@ def test_a_host_with_clones_comes_back():
     with folder() as out:
         file = team_write(out, "(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 south))",
                           head=RESTARTS)
-        said = chaos_is_calm(out, file, "chaos:\n  - {at: 2, kill: south}\n  - {at: 2.5, kill: north}\n")
+        said = chaos_is_calm(out, file, "chaos:\n  - {at: 2, kill: south}\n  - {at: 2, kill: north}\n")
         check("south was killed by signal 9" in said, said)
 
 
@@ -194,7 +206,7 @@ def child_of(run, *words):
     return wait_for(find, 10, " ".join(words))
 
 
-# It is at work for a second or so before it wants to go, if it does that 4000 times.
+# It is at work for a second or so before it wants to go, if it does that some thousand times.
 MOVER = """
 (defglobal ?*text* = "abcdefghijklmnop")
 (deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
@@ -206,7 +218,7 @@ MOVER = """
 def target_dies(out, checkpoint):
     """The host to which red moves has said that it is ready, and has the name; it is killed before it has
     lived through a step: the simulator stands still meanwhile.  @return the summary"""
-    file = team_write(out, MOVER % 4000, head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
+    file = team_write(out, MOVER % 2500, head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
     with Processes() as processes:
         domain = new_domain()
         run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
