@@ -267,7 +267,7 @@ soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half 
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
 .PHONY: soak-moves
-soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way
+soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way; clones
 	@BUILD=$(BUILD) tests/soak/moves.py
 
 .PHONY: soak-verify
