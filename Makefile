@@ -286,9 +286,11 @@ soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recording
 STRANGERS := test_mcap_garbage test_story_garbage test_runtime_garbage test_bus_foreign test_bus_tap
 .PHONY: soak-strangers
 soak-strangers: ## 200,000 damaged recordings and samples, and a hundred of them to whole programs, under the sanitizers
-	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger $(STRANGERS:%=build/asan/test/%)
+	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger \
+	  $(STRANGERS:%=build/asan/test/%) build/asan/test/test_web_garbage
 	@set -e; for t in $(STRANGERS); do MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=40000 \
 	  timeout 3000 build/asan/test/$$t; done
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=4000 timeout 3000 build/asan/test/test_web_garbage
 	@BUILD=asan tests/soak/strangers.py
 
 .PHONY: soak-crush
