@@ -515,6 +515,8 @@ def test_hands_of_a_person_at_the_page():
                          ".includes('told by observer')")
             stood = viewer.until("frame", lambda f: f["step"] > 20 and f["robots"][names.index("red")][7] & 7 == 2
                                  and abs(f["robots"][names.index("red")][3]) < 5)
+            pose = "document.querySelector('.panel:not([hidden]) .pose').textContent" # x 1.50 m   y ...
+            browser.wait(f"Math.abs(parseFloat({pose}.slice(2)) - {red(stood)[0]}) < 0.05")
             # All of the world is shown; the scale is that of the narrower side.
             browser.click("#tools [data-tool=fit]")
             browser.click("#tools [data-tool=hands]")
@@ -523,6 +525,7 @@ def test_hands_of_a_person_at_the_page():
             start = (middle[0] + x * scale, middle[1] - y * scale)
             browser.drag(start, (middle[0] + 1.5 * scale, middle[1] + 2.5 * scale)) # where nothing is
             viewer.until("frame", lambda f: abs(red(f)[0] - 1.5) < 0.1 and abs(red(f)[1] + 2.5) < 0.1)
+            browser.wait(f"Math.abs(parseFloat({pose}.slice(2)) - 1.5) < 0.1")
             now = viewer.last["frame"]
             start = (middle[0] + red(now)[0] * scale, middle[1] - red(now)[1] * scale)
             browser.drag(start, (start[0], start[1] - 3 * scale), shift=True)
