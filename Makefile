@@ -74,7 +74,7 @@ LIBS_stats   := -lm
 LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lddsc -lccd -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=ReturnFact -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
 LIBS_monitor := $(LIBS_agent)
@@ -133,7 +133,8 @@ ENGINE_OWN := \
   NetworkAssert \
   EvaluateExpression EnvRtnArgCount \
   EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
-  gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList EnvCreateMultifield FlushMultifields \
+  genalloc genfree EnvReleaseMem gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList \
+  EnvCreateMultifield FlushMultifields \
   PushProcParameters PopProcParameters
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
@@ -230,8 +231,7 @@ unit: $(TESTS) ## the unit tests of every module
 	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
 
 rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/*.clp against their `; expect:` lines, tests/clips against the program clips
-	@$(O)/test/rules $(filter-out tests/rules/attack_%,$(wildcard tests/rules/*.clp))
-	@ASAN_OPTIONS=detect_leaks=0 $(O)/test/rules tests/rules/attack_*.clp # a mind that breaks loses memory
+	@$(O)/test/rules $(wildcard tests/rules/*.clp)
 	@BUILD=$(BUILD) tests/clips/run
 
 system: all helpers ## the system tests: real processes on loopback
@@ -281,6 +281,15 @@ soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files,
 .PHONY: soak-recordings
 soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+
+# The tests of what reads recordings and samples of strangers; each case is one file or sample.
+STRANGERS := test_mcap_garbage test_story_garbage test_runtime_garbage test_bus_foreign test_bus_tap
+.PHONY: soak-strangers
+soak-strangers: ## 200,000 damaged recordings and samples, and a hundred of them to whole programs, under the sanitizers
+	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger $(STRANGERS:%=build/asan/test/%)
+	@set -e; for t in $(STRANGERS); do MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=40000 \
+	  timeout 3000 build/asan/test/$$t; done
+	@BUILD=asan tests/soak/strangers.py
 
 .PHONY: soak-crush
 soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute

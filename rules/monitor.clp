@@ -34,6 +34,7 @@
 
 (deftemplate mail-seen        ; of this step; (fired NAME RULE) likewise
   (slot from) (slot to) (slot performative) (slot language)
+  (slot conversation)         ; nil without one
   (slot outside)              ; TRUE: from outside the run
   (multislot content))
 

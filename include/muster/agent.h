@@ -177,6 +177,10 @@ struct mu_handlers {
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
+    /** A control step begins, in any state, for a robot that the world has no body for, in a
+     * process that has steps: of the percept, step and time_ns alone say anything.  on_act follows.
+     */
+    void (*on_beat)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** Of a process that watches: a control step begins, and this is how every body of the world
      *  stands and moves, in the world's order, without what its sensors read.  Mail of the step
      *  comes after. */

@@ -160,18 +160,29 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
-    clips_guard_arm(m);
+    m->sheltered = true;
 }
 
 bool clips_env_leave(struct mind *m)
 {
-    clips_guard_arm(NULL);
+    m->sheltered = false;
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
     m->mode = CLIPS_MODE_QUIET;
     m->stack = NULL;
     return failed;
+}
+
+void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
+{
+    struct defmodule *current = EnvGetCurrentModule(m->env);
+    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
+         module = EnvGetNextDefmodule(m->env, module)) {
+        EnvSetCurrentModule(m->env, module);
+        visit(m, self);
+    }
+    EnvSetCurrentModule(m->env, current);
 }
 
 /* (reset) gives globals their first values: these two are kept over it. */
@@ -338,9 +349,7 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
     mu_random_seed(&m->random, options->seed, m->options.name);
-    m->env = CreateEnvironment();
-    MU_ASSERT(m->env);
-    SetEnvironmentContext(m->env, m);
+    clips_heap_make(m);
     env_install(m);
     if (CLIPS_BROKEN(m)) {
         return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT);
@@ -370,10 +379,7 @@ bool mind_is_broken(const struct mind *m)
 
 void mind_close(struct mind *m)
 {
-    if (m && m->env && !m->broken) { /* what is broken is not to be touched, not even to free it */
-        DestroyEnvironment(m->env);
-    }
-    if (m) {
-        m->env = NULL;
+    if (m && m->env) {
+        clips_heap_drop(m);
     }
 }

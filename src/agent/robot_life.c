@@ -209,7 +209,11 @@ void robot_settle(struct robot *r)
     }
     struct mind_percept percept = body_percept(&r->percept);
     r->percept_waits = false;
-    mind_percept(r->mind, &percept);
+    if (r->bodiless) {
+        mind_feel_nothing(r->mind, percept.time_ns);
+    } else {
+        mind_percept(r->mind, &percept);
+    }
 }
 
 /* What it did in this step may not have gone out: that is said again.  Else the world may have gone
@@ -227,9 +231,8 @@ static void robot_return(struct robot *r)
 
 /* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
  */
-void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p)
 {
-    struct robot *r = self;
     r->step = p->step;
     r->repeats = false;
     r->time_ns = p->time_ns;
@@ -246,6 +249,20 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
     if (mu_agent_state(a) != MU_RUNNING) {
         robot_settle(r);
     }
+}
+
+void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = false;
+    step_begin(r, a, p);
+}
+
+void robot_on_beat(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = true;
+    step_begin(r, a, p);
 }
 
 /* The rules do more harm than good: a person has to look at them. */

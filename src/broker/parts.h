@@ -27,6 +27,7 @@
  *              their mail
  *   depot      agents on their way: their capsules, and      presence, lockstep
  *              who is told what
+ *   glances    lines that only look, beside all mail          guard, places
  *   journal    what must be on disk before anybody is told    registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -40,6 +41,7 @@
 #include "broker/courier.h"
 #include "broker/depot.h"
 #include "broker/events.h"
+#include "broker/glances.h"
 #include "broker/journal.h"
 #include "broker/liaison.h"
 #include "broker/lockstep.h"
@@ -88,6 +90,7 @@ struct broker {
     struct lockstep lockstep;
     struct courier courier;
     struct depot depot;
+    struct glances glances;
     struct pages pages;
     struct resolve resolve;
     struct ages ages;

@@ -66,6 +66,7 @@ static int topics_verb(int argc, char **argv)
 
 static const struct verb verbs[] = {
     {"run", run_verb, NULL, "FILE", "run an experiment and leave a report"},
+    {"report", report_verb, NULL, "DIR", "the report of a run again, from what lies in its folder"},
     {"compare", compare_verb, NULL, "DIR...", "several runs: means with intervals, table, plots"},
     {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
     {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},

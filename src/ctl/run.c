@@ -124,6 +124,10 @@ static struct mu_option option_table[] = {
      .unit = "DIR",
      .help = "let absolute paths in the experiment start here",
      .target = &chosen.root},
+    {.name = "programs",
+     .kind = MU_OPTION_FLAG,
+     .help = "start the programs, too, that the experiment names as monitors",
+     .target = &chosen.programs},
     {.name = "domain",
      .kind = MU_OPTION_INTEGER,
      .unit = "D",
@@ -199,6 +203,23 @@ static mu_result options_parse(struct run *r, int argc, char **argv)
     return parsed;
 }
 
+/* An experiment of somebody else's does nothing here but with muster's own programs. */
+static mu_result programs_check(const struct run *r, struct mu_fault *fault)
+{
+    const struct experiment *e = r->experiment;
+    bool starts = !r->options.inputs;
+    for (unsigned i = 0; i < e->monitors_count && starts && !r->options.programs; i++) {
+        const struct experiment_monitor *m = &e->monitors[i];
+        if (m->program) {
+            return mu_fault_at(fault, e->file, m->mark.line, m->mark.column,
+                               "the monitor '%s' is a program of its own, %.120s; muster run "
+                               "--programs starts it",
+                               m->name, m->program);
+        }
+    }
+    return MU_OK;
+}
+
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
 {
     if (r->options.root) {
@@ -216,7 +237,7 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
             return MU_FAULT_FILE;
         }
     }
-    return MU_OK;
+    return programs_check(r, fault);
 }
 
 static mu_result folder_prepare(struct run *r, struct mu_fault *fault)
@@ -330,6 +351,7 @@ static mu_result network_join(struct run *r)
     run_observer_open(r);
     MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_decline_broadcasts(r->observer);
+    glances_hear(r->observer, run_observer_glance, r);
     return MU_OK;
 }
 
@@ -342,7 +364,7 @@ static mu_result directive_send(struct run *r, struct mu_mail mail)
 }
 
 /* The mail waits for them at the broker. */
-void run_wake(struct run *r, const char *child)
+void run_wake(struct run *r, const char *child, double due_s)
 {
     const struct experiment *e = r->experiment;
     for (unsigned i = 0; i < e->crews_count; i++) {
@@ -350,7 +372,9 @@ void run_wake(struct run *r, const char *child)
         bool meant = strcmp(e->robots[crew->robot].name, child) == 0;
         for (unsigned k = 0; meant && k < crew->count; k++) {
             struct mu_mail start = {.dst = e->robots[crew->robot + k].name,
-                                    .performative = "start"};
+                                    .performative = "start",
+                                    .timed = due_s >= 0,
+                                    .due_ns = due_s >= 0 ? (uint64_t)llround(due_s * 1e9) : 0};
             if (directive_send(r, start) != MU_OK) {
                 fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
             }
@@ -422,7 +446,7 @@ static void status_take(struct run *r, const muster_RunStatus *s)
     r->totals_count = s->robots._length;
     for (uint32_t i = 0; i < r->totals_count; i++) {
         r->totals[i] = s->robots._buffer[i];
-        r->totals[i].robot = NULL;
+        r->totals[i].robot = run_robot_name(r, s->robots._buffer[i].robot);
     }
     r->objects_count = s->objects._length == r->world->object_count ? s->objects._length : 0;
     for (size_t i = 0; i < r->objects_count; i++) {
@@ -530,6 +554,7 @@ static int round_live(struct run *r)
     chaos_look(r);
     supervise_look(&r->children);
     hosts_excuse(r);
+    run_monitors_look(r);
     progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
@@ -598,12 +623,24 @@ static int pages_gather(struct run *r)
     return code;
 }
 
+/* A monitor of the recorded run is not started: its name is there, and what it said. */
+static void inputs_join(struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    run_inputs_join(r->inputs, r->process, r->observer, &r->command, r->simulator);
+    for (unsigned i = 0; i < e->monitors_count; i++) {
+        if (e->monitors[i].rules) {
+            run_inputs_seat(r->inputs, e->monitors[i].name);
+        }
+    }
+}
+
 /* Hands over what a recording has from outside.  @return -1, or the exit code */
 static int inputs_gather(struct run *r)
 {
     int code = -1;
     if (r->inputs) {
-        run_inputs_join(r->inputs, r->process, r->observer, &r->command, r->simulator);
+        inputs_join(r);
     }
     while (code < 0 && r->inputs && !run_inputs_tell(r->inputs)) {
         code = round_live(r);
@@ -616,11 +653,17 @@ static int inputs_gather(struct run *r)
     return code;
 }
 
+static bool all_are_here(const struct run *r)
+{
+    return r->registered && r->state == muster_RUN_READY && resolvers_are_in(r) &&
+           run_monitors_ready(r);
+}
+
 /* Until all are there and the broker has every command. */
 static int gather(struct run *r)
 {
     int code = -1;
-    while (code < 0 && !(r->registered && r->state == muster_RUN_READY && resolvers_are_in(r))) {
+    while (code < 0 && !all_are_here(r)) {
         code = round_live(r);
         code = code < 0 ? start_patience(r) : code;
     }
@@ -653,6 +696,7 @@ static int watch(struct run *r)
     if (chaos_send(r) != MU_OK || bus_write(&r->command, &go) != MU_OK) {
         return MU_EXIT_DDS;
     }
+    r->begun = true;
     int code = -1;
     while (code < 0 && r->state != muster_RUN_DONE && r->state != muster_RUN_FAULT) {
         code = round_live(r);
@@ -700,6 +744,7 @@ static int live(struct run *r)
     int code = gather(r);
     code = code < 0 ? watch(r) : code;
     if (code < 0) {
+        run_monitors_await(r);
         counters_await(r);
         code = record_await(r);
     }

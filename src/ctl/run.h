@@ -11,6 +11,7 @@
 #include "experiment/experiment.h"
 #include "muster/agent.h"
 #include "report/report.h"
+#include "runtime/glances.h"
 #include "wire.h"
 #include "world/world.h"
 
@@ -22,13 +23,21 @@ struct run_options {
     int64_t seed, domain; /* < 0: the file's; the first free one */
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
-    bool free, quiet, json, no_spread, no_diary;
+    bool free, quiet, json, no_spread, no_diary, programs;
     const char *out, *record, *inputs, *root;
     const char *const *set;
     size_t set_count;
     const uint64_t *seeds; /* of a series */
     size_t seeds_count;    /* 0: it is one run */
     int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
+};
+
+/* A child, by what it is. */
+enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
+
+struct run_part {
+    enum run_kind kind;
+    unsigned index; /* among the brokers, resolvers, hosts, crews or monitors */
 };
 
 struct run_observer;
@@ -42,6 +51,8 @@ struct run {
     int domain;
     char folder[PATH_MAX]; /* of the report */
     struct supervise children;
+    struct run_part *parts; /* what each of them is */
+    bool begun;             /* it was told to go */
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
@@ -53,7 +64,7 @@ struct run {
     muster_RunState state;
     uint64_t time_ns, wall_ns, skipped;
     char waits_for[1024], hash[MU_FIELD_MAX + 2];
-    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot is not set: they are in the world's order */
+    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot: a name of the world, or NULL */
     uint32_t totals_count;
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */
@@ -100,12 +111,19 @@ enum { RUN_FILES_MAX = 512 };
 /** Finds the files that a run is made of, in run_files.c; takes memory at start-up. */
 const struct run_file *run_files(const struct run *r, size_t *count);
 
+/** @return a robot's name as the world has it, which lives as long; NULL: it has none of that name.
+ * Robots with a random place may stand elsewhere in the simulator's list than in ours. */
+char *run_robot_name(const struct run *r, const char *name);
+
 /** Writes the command that does the run again, without the words that change nothing in it. */
 void run_command_write(const struct run *r, char *buffer, size_t size);
 
-/** Takes the robots of a process that was started once more out of standby, as soon as they are
- * there. */
-void run_wake(struct run *r, const char *child);
+/** Takes the robots of a process that is started once more out of standby, as soon as they are
+ * there.  @param due_s  simulated time before which the word does not come; < 0: at once */
+void run_wake(struct run *r, const char *child, double due_s);
+
+/** @return whether a child that is started again goes on from its checkpoint, in run_restart.c */
+bool run_remembers(const struct run *r, const struct child *child);
 
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);
@@ -114,19 +132,27 @@ void run_mail_keep(struct run *r, const char *child);
  *  explained */
 MU_MUST_USE mu_result run_start(struct run *r);
 
-/* A child, by what it is. */
-enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_CREW };
-
-struct run_part {
-    enum run_kind kind;
-    unsigned index; /* among the brokers, resolvers or crews */
-};
-
 /** @return what a child is; it may have died */
 struct run_part run_part_of(const struct run *r, const struct child *child);
 
+/** @return whether the run starts the monitors of its experiment: a run that is done again has what
+ * they said from the recording; in run_monitors.c */
+bool run_monitors_start(const struct run *r);
+
+/** @return whether every monitor sees the run, and has its name if it is to have one */
+bool run_monitors_ready(const struct run *r);
+
+/** Says of monitors that have died while the run lives that they are no more. */
+void run_monitors_look(struct run *r);
+
+/** Lets them see the end of the run, and end by themselves. */
+void run_monitors_await(struct run *r);
+
+/** Says, once the run is over, what became of them, for the report.  @return how many there are */
+size_t run_monitors_fates(struct run *r, const struct report_monitor **out);
+
 /** Starts a child that has ended anew, robots from their checkpoints if there are to be any.
- * @return MU_OK; MU_REFUSED: it is the simulator; or a fault, explained */
+ * @return MU_OK; MU_REFUSED: a part that does not come back; or a fault, explained */
 MU_MUST_USE mu_result run_start_again(struct run *r, struct child *child);
 
 /* The folder of capsules and stores, in the report's. */
@@ -172,6 +198,9 @@ void run_observer_directive(struct run *r, const struct mu_mail *mail);
 /** @return whether a mail to the observer was an answer to such a line */
 bool run_observer_take(struct run *r, const struct mu_mail *mail);
 
+/** Takes what came of a glance of the observer's: for glances_hear.  @param self  the run */
+void run_observer_glance(void *self, uint64_t number, enum glance_end end, const char *text);
+
 /** @return how many of the mails first_seq to last_seq are of such lines */
 uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_seq,
                               enum mu_outcome outcome);
@@ -181,6 +210,13 @@ void run_observer_look(struct run *r);
 
 /** Prints the summary of a folder on one line. */
 void run_summary_print(const char *folder);
+
+/** Fills what a report is made of with what the run itself has: all but mail, chaos, restarts and
+ * monitors, and how it was made.  Takes memory at start-up. */
+void run_report_input(const struct run *r, struct report_input *input);
+
+/** Writes a report and says on standard output what came out.  @return the exit code */
+int run_report_write(const struct run *r, const struct report_input *input);
 
 /** Writes the report and says on standard output what came out.  @return the exit code */
 int run_report(struct run *r);

@@ -24,6 +24,10 @@ struct run_inputs *run_inputs_open(const char *path, struct mu_fault *fault);
 void run_inputs_join(struct run_inputs *in, mu_process *process, mu_agent *observer,
                      struct bus_writer *orders, const char *simulator);
 
+/** Takes a name that somebody had in the recorded run who may have said nothing: it is in the white
+ * pages, which rules can look at. */
+void run_inputs_seat(struct run_inputs *in, const char *name);
+
 /**
  * Hands over as much as can be under way; the next time more.
  *

@@ -57,9 +57,10 @@ static struct report_mail mail_of(const struct run *r)
 static void text_print(const struct run *r, const struct report_input *in,
                        const struct report_result *out)
 {
-    printf("%s, seed %" PRIu64 ": %.1f s simulated in %.2f s, %.0f x real time\n",
+    printf("%s, seed %" PRIu64 ": %.1f s simulated in %.2f s, %.0f x real time%s\n",
            in->experiment->name, in->seed, in->sim_time_s, in->wall_time_s,
-           in->wall_time_s > 0.0 ? in->sim_time_s / in->wall_time_s : 0.0);
+           in->wall_time_s > 0.0 ? in->sim_time_s / in->wall_time_s : 0.0,
+           in->broke_off ? ", where it broke off" : "");
     for (size_t i = 0; i < in->robots_count; i++) {
         printf("  %-12s %7.2f m  %3u stalls  %6" PRIu64 " mails sent  %6" PRIu64 " received\n",
                in->robots[i].name, out->robots[i].distance_m, out->robots[i].stalls,
@@ -72,6 +73,11 @@ static void text_print(const struct run *r, const struct report_input *in,
     }
     for (size_t i = 0; i < in->restarts_count; i++) {
         printf("  restarted %s, %" PRIu32 " times\n", in->restarts[i].name, in->restarts[i].count);
+    }
+    for (size_t i = 0; i < in->monitors_count; i++) {
+        if (in->monitors[i].fate) {
+            printf("  monitor %s %s\n", in->monitors[i].name, in->monitors[i].fate);
+        }
     }
     for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
         char when[32] = "not done";
@@ -118,6 +124,9 @@ void run_command_write(const struct run *r, char *buffer, size_t size)
     if (r->options.free) {
         mu_text_add(&t, " --free");
     }
+    if (r->options.programs) {
+        mu_text_add(&t, " --programs");
+    }
 }
 
 static bool is_in_experiment(const struct run *r, const char *name)
@@ -130,8 +139,28 @@ static bool is_in_experiment(const struct run *r, const char *name)
     return false;
 }
 
-/* run.csv and the totals have the robots of the experiment, in the order of the world; others that
- * stand there are obstacles.  @return how many */
+char *run_robot_name(const struct run *r, const char *name)
+{
+    for (size_t i = 0; i < r->world->robot_count; i++) {
+        if (strcmp(r->world->robots[i].name, name) == 0) {
+            return r->world->robots[i].name;
+        }
+    }
+    return NULL;
+}
+
+static const muster_RobotTotals *totals_find(const struct run *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->totals_count; i++) {
+        if (r->totals[i].robot == name) {
+            return &r->totals[i];
+        }
+    }
+    return NULL;
+}
+
+/* The robots of the experiment, in the order of the world; others that stand there are obstacles.
+ * @return how many */
 static size_t robots_fill(const struct run *r, struct report_robot *robots)
 {
     size_t count = 0;
@@ -141,10 +170,11 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
             continue;
         }
         robots[count] = (struct report_robot){.name = robot->name, .color = robot->color};
-        if (count < r->totals_count) {
-            robots[count].mail_sent = r->totals[count].mails_sent;
-            robots[count].mail_received = r->totals[count].mails_received;
-            robots[count].rule_firings = r->totals[count].firings;
+        const muster_RobotTotals *totals = totals_find(r, robot->name);
+        if (totals) {
+            robots[count].mail_sent = totals->mails_sent;
+            robots[count].mail_received = totals->mails_received;
+            robots[count].rule_firings = totals->firings;
         }
         count++;
     }
@@ -166,49 +196,61 @@ static size_t restarts_fill(const struct run *r, const struct report_restarts **
     return count;
 }
 
-int run_report(struct run *r)
+void run_report_input(const struct run *r, struct report_input *input)
 {
-    char command[2048], versions[128];
-    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", MU_VERSION,
-             bus_version(), MU_CLIPS_VERSION);
-    run_command_write(r, command, sizeof command);
-    struct report_result *result = mu_startup_alloc(sizeof *result);
     struct report_robot *robots = mu_startup_array(r->world->robot_count, sizeof *robots);
-    size_t robots_count = robots_fill(r, robots);
     struct report_object *objects = mu_startup_array(r->objects_count, sizeof *objects);
+    size_t robots_count = robots_fill(r, robots);
     for (size_t i = 0; i < r->objects_count; i++) {
         objects[i] = (struct report_object){r->world->objects[i].name, r->objects[i]};
     }
-    struct report_input input = {.experiment = r->experiment,
-                                 .world = r->world,
-                                 .seed = r->experiment->seed,
-                                 .hash = r->hash,
-                                 .sim_time_s = (double)r->time_ns / 1e9,
-                                 .wall_time_s = (double)r->wall_ns / 1e9,
-                                 .command = command,
-                                 .overrides = r->options.set,
-                                 .overrides_count = r->options.set_count,
-                                 .robots = robots,
-                                 .robots_count = robots_count,
-                                 .objects = objects,
-                                 .objects_count = r->objects_count,
-                                 .mail = mail_of(r),
-                                 .versions = versions,
-                                 .chaos = chaos_fates(r),
-                                 .packets_struck = chaos_packets(r)};
-    input.restarts_count = restarts_fill(r, &input.restarts);
+    *input = (struct report_input){.experiment = r->experiment,
+                                   .world = r->world,
+                                   .seed = r->experiment->seed,
+                                   .hash = r->hash,
+                                   .sim_time_s = (double)r->time_ns / 1e9,
+                                   .wall_time_s = (double)r->wall_ns / 1e9,
+                                   .overrides = r->options.set,
+                                   .overrides_count = r->options.set_count,
+                                   .robots = robots,
+                                   .robots_count = robots_count,
+                                   .objects = objects,
+                                   .objects_count = r->objects_count};
+}
+
+int run_report_write(const struct run *r, const struct report_input *input)
+{
+    struct report_result *result = mu_startup_alloc(sizeof *result);
     struct mu_fault fault;
-    mu_result written = report_write(r->folder, &input, result, &fault);
+    mu_result written = report_write(r->folder, input, result, &fault);
     if (written != MU_OK) {
-        report_folder_release(r->folder);
         mu_fault_print(&fault);
         return mu_exit_for(written);
     }
     if (r->options.json) {
         run_summary_print(r->folder);
     } else {
-        text_print(r, &input, result);
+        text_print(r, input, result);
     }
-    report_folder_release(r->folder);
     return result->all_met ? MU_EXIT_DONE : MU_EXIT_EXPECTATION;
+}
+
+int run_report(struct run *r)
+{
+    char command[2048], versions[128];
+    struct report_input input;
+    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", MU_VERSION,
+             bus_version(), MU_CLIPS_VERSION);
+    run_command_write(r, command, sizeof command);
+    run_report_input(r, &input);
+    input.command = command;
+    input.versions = versions;
+    input.mail = mail_of(r);
+    input.chaos = chaos_fates(r);
+    input.packets_struck = chaos_packets(r);
+    input.monitors_count = run_monitors_fates(r, &input.monitors);
+    input.restarts_count = restarts_fill(r, &input.restarts);
+    int code = run_report_write(r, &input);
+    report_folder_release(r->folder);
+    return code;
 }

@@ -34,13 +34,23 @@ bool run_restarts_brokers(const struct run *r)
     return r->experiment->on_crash == EXPERIMENT_RESTART && r->options.free;
 }
 
+bool run_remembers(const struct run *r, const struct child *child)
+{
+    struct run_part part = run_part_of(r, child);
+    const struct experiment *e = r->experiment;
+    return part.kind == RUN_CREW && crew_restarts(r, part.index) &&
+           e->robots[e->crews[part.index].robot].checkpoint_s > 0;
+}
+
 static bool part_restarts(const struct run *r, struct run_part part)
 {
     switch (part.kind) {
     case RUN_BROKER: return run_restarts_brokers(r);
     case RUN_RESOLVER: return r->experiment->on_crash == EXPERIMENT_RESTART;
     case RUN_CREW: return crew_restarts(r, part.index);
-    case RUN_SIMULATOR: break; /* the world is in it alone */
+    case RUN_SIMULATOR: /* the world is in it alone */
+    case RUN_HOST:
+    case RUN_MONITOR: break;
     }
     return false;
 }

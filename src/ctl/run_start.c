@@ -3,6 +3,7 @@
 #include "core/text.h"
 #include "ctl/chaos.h"
 #include "ctl/run.h"
+#include "muster/memory.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -53,6 +54,13 @@ static const char *const *words_end(void)
 {
     words.items[words.count] = NULL;
     return words.items;
+}
+
+/* What the next new child is. */
+static void part_note(struct run *r, enum run_kind kind, unsigned index)
+{
+    MU_ASSERT(r->children.count < SUPERVISE_CHILDREN_MAX);
+    r->parts[r->children.count] = (struct run_part){kind, index};
 }
 
 /* again: the child that these words are for, which has died; NULL: it is a new one */
@@ -184,7 +192,7 @@ static mu_result simulator_start(struct run *r)
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
-    if (run_restarts_any(r)) {
+    if (run_restarts_any(r) || (chaos_restarts_any(r) && !r->options.free)) {
         word_add("--return=%.17g", e->return_within_s);
     }
     if (e->hosts_count > 0) {
@@ -325,47 +333,80 @@ mu_result run_start_again(struct run *r, struct child *child)
     case RUN_BROKER: return broker_start(r, part.index, child);
     case RUN_RESOLVER: return resolver_start(r, e->resolvers[part.index], child);
     case RUN_CREW: return crew_start(r, &e->crews[part.index], child);
-    case RUN_SIMULATOR: break;
+    case RUN_SIMULATOR:
+    case RUN_HOST:
+    case RUN_MONITOR: break;
     }
     return MU_REFUSED;
 }
 
 struct run_part run_part_of(const struct run *r, const struct child *child)
 {
-    unsigned index = (unsigned)(child - r->children.children);
-    if (index < run_brokers(r)) {
-        return (struct run_part){RUN_BROKER, index};
-    }
-    index -= run_brokers(r);
-    if (index == 0) {
-        return (struct run_part){RUN_SIMULATOR, 0};
-    }
-    index--;
-    return index < r->experiment->resolvers_count
-               ? (struct run_part){RUN_RESOLVER, index}
-               : (struct run_part){RUN_CREW, index - r->experiment->resolvers_count};
+    return r->parts[child - r->children.children];
 }
 
-/* In the order that run_part_of knows. */
+/* What a program of the user's joins by, as our own have it from their command lines. */
+static mu_result program_start(struct run *r, const struct experiment_monitor *m, const char *log)
+{
+    char domain[16];
+    snprintf(domain, sizeof domain, "%d", r->domain);
+    setenv("MUSTER_DOMAIN", domain, 1);
+    setenv("MUSTER_BROKER", run_broker(r, 0), 1);
+    words_begin(m->program);
+    return supervise_start_aside(&r->children, m->name, m->program, words_end(), log);
+}
+
+static mu_result monitor_start(struct run *r, const struct experiment_monitor *m)
+{
+    char log[PATH_MAX + MU_NAME_MAX + 8];
+    snprintf(log, sizeof log, "%s/%s.log", r->folder, m->name);
+    chaos_child(r, m->name);
+    if (m->program) {
+        return program_start(r, m, log);
+    }
+    words_begin("muster-monitor");
+    word_add("--rules=%s", m->rules);
+    word_add("--name=%s", m->name);
+    word_add("--domain=%d", r->domain);
+    word_add("--broker=%s", run_broker(r, 0));
+    word_add("--seed=%lld", (long long)r->experiment->seed);
+    return supervise_start_aside(&r->children, m->name, "muster-monitor", words_end(), log);
+}
+
+static mu_result monitors_start(struct run *r)
+{
+    for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
+        part_note(r, RUN_MONITOR, i);
+        MU_TRY(monitor_start(r, &r->experiment->monitors[i]));
+    }
+    return MU_OK;
+}
+
 mu_result run_start(struct run *r)
 {
+    r->parts = mu_startup_array(SUPERVISE_CHILDREN_MAX, sizeof *r->parts);
     if (run_restarts_any(r)) {
         MU_TRY(checkpoints_make(r));
     }
     for (unsigned i = 0; i < run_brokers(r); i++) {
+        part_note(r, RUN_BROKER, i);
         MU_TRY(broker_start(r, i, NULL));
     }
+    part_note(r, RUN_SIMULATOR, 0);
     MU_TRY(simulator_start(r));
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
+        part_note(r, RUN_RESOLVER, i);
         MU_TRY(resolver_start(r, r->experiment->resolvers[i], NULL));
     }
     for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
+        part_note(r, RUN_HOST, i);
         MU_TRY(host_start(r, r->experiment->hosts[i]));
     }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
         if (!r->experiment->robots[r->experiment->crews[i].robot].host) {
+            part_note(r, RUN_CREW, i);
             MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
         }
     }
-    return MU_OK;
+    return monitors_start(r);
 }

@@ -154,6 +154,9 @@ static void words_make(struct series_words *w, const struct series *s, const str
     if (o->no_diary) {
         word_add(w, "--no-diary");
     }
+    if (o->programs) {
+        word_add(w, "--programs");
+    }
     if (o->free) {
         word_add(w, "--free");
     }

@@ -9,8 +9,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -41,9 +43,49 @@ static cpu_set_t processor_choose(const struct supervise *s, const struct child 
     return one;
 }
 
+enum { READY_FD = 3 }; /* of the child */
+#define READY_NAME "MUSTER_READY"
+
+/* Where a child's outputs go, and where it says that it is ready, if it is to. */
+struct ends {
+    int output[2], ready[2];
+};
+
+static void ends_close(const struct ends *ends, int which)
+{
+    close(ends->output[which]);
+    if (ends->ready[which] >= 0) {
+        close(ends->ready[which]);
+    }
+}
+
+static bool ends_open(struct ends *ends, bool says_ready)
+{
+    *ends = (struct ends){.ready = {-1, -1}};
+    if (pipe2(ends->output, O_CLOEXEC) != 0) {
+        return false;
+    }
+    if (says_ready && pipe2(ends->ready, O_CLOEXEC) != 0) {
+        close(ends->output[0]);
+        close(ends->output[1]);
+        return false;
+    }
+    return true;
+}
+
+/* It lives on in the program; that of another child closes with it. */
+static void fd_become(int fd, int wanted)
+{
+    if (fd == wanted) {
+        fcntl(fd, F_SETFD, 0);
+    } else {
+        dup2(fd, wanted);
+    }
+}
+
 /* In the child, between fork and exec: nothing here may allocate. */
-static _Noreturn void child_become(const char *path, const char *const *argv, int output,
-                                   pid_t parent)
+static _Noreturn void child_become(const char *path, const char *const *argv,
+                                   const struct ends *ends, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) {
@@ -52,8 +94,11 @@ static _Noreturn void child_become(const char *path, const char *const *argv, in
     setpgid(0, 0); /* Ctrl-C is the parent's business */
     int nothing = open("/dev/null", O_RDONLY);
     dup2(nothing, STDIN_FILENO);
-    dup2(output, STDOUT_FILENO);
-    dup2(output, STDERR_FILENO);
+    dup2(ends->output[1], STDOUT_FILENO);
+    dup2(ends->output[1], STDERR_FILENO);
+    if (ends->ready[1] >= 0) {
+        fd_become(ends->ready[1], READY_FD);
+    }
     execv(path, (char *const *)(const void *)argv);
     static const char said[] = "cannot start: the program is missing\n";
     ssize_t written = write(STDERR_FILENO, said, sizeof said - 1);
@@ -65,8 +110,9 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
                              const char *const *argv)
 {
     char path[PATH_MAX];
-    int ends[2];
-    if (!mu_path_program(path, sizeof path, program) || pipe2(ends, O_CLOEXEC) != 0) {
+    struct ends ends;
+    bool says_ready = child->log >= 0;
+    if (!mu_path_program(path, sizeof path, program) || !ends_open(&ends, says_ready)) {
         fprintf(stderr, "muster: cannot start %s: %s\n", program, strerror(errno));
         return MU_FAULT_OS;
     }
@@ -77,31 +123,34 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
         if (s->spread && !child->wide) {
             sched_setaffinity(0, sizeof processors, &processors);
         }
-        child_become(path, argv, ends[1], parent);
+        child_become(path, argv, &ends, parent);
     }
-    close(ends[1]);
+    ends_close(&ends, 1);
     if (pid < 0) {
-        close(ends[0]);
+        ends_close(&ends, 0);
         fprintf(stderr, "muster: cannot start %s: %s\n", program, strerror(errno));
         return MU_FAULT_OS;
     }
-    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    fcntl(ends.output[0], F_SETFL, O_NONBLOCK);
     child->pid = pid;
-    child->output = ends[0];
+    child->output = ends.output[0];
+    child->ready = ends.ready[0];
     child->ended = false;
     child->words_len = 0;
     child->words[0] = '\0';
     return MU_OK;
 }
 
+/* like: what is known of it already */
 static mu_result child_add(struct supervise *s, const char *name, const char *program,
-                           const char *const *argv, bool wide)
+                           const char *const *argv, const struct child *like)
 {
     if (s->count == SUPERVISE_CHILDREN_MAX) {
         return MU_FULL;
     }
     struct child *child = &s->children[s->count];
-    *child = (struct child){.output = -1, .wide = wide};
+    *child = *like;
+    child->output = child->ready = -1;
     mu_text_copy(child->name, sizeof child->name, name);
     mu_result started = child_start(s, child, program, argv);
     s->count += started == MU_OK;
@@ -115,13 +164,37 @@ mu_result supervise_start(struct supervise *s, const char *name, const char *pro
     if (before && before->ended) {
         return supervise_start_again(s, before, program, argv);
     }
-    return child_add(s, name, program, argv, false);
+    return child_add(s, name, program, argv, &(struct child){.log = -1});
 }
 
 mu_result supervise_start_wide(struct supervise *s, const char *name, const char *program,
                                const char *const *argv)
 {
-    return child_add(s, name, program, argv, true);
+    return child_add(s, name, program, argv, &(struct child){.log = -1, .wide = true});
+}
+
+mu_result supervise_start_aside(struct supervise *s, const char *name, const char *program,
+                                const char *const *argv, const char *log)
+{
+    int fd = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    char number[16];
+    if (fd < 0) {
+        fprintf(stderr, "muster: cannot write %s: %s\n", log, strerror(errno));
+        return MU_FAULT_OS;
+    }
+    snprintf(number, sizeof number, "%d", READY_FD);
+    setenv(READY_NAME, number, 1);
+    mu_result started = child_add(s, name, program, argv, &(struct child){.log = fd});
+    unsetenv(READY_NAME);
+    if (started != MU_OK) {
+        close(fd);
+    }
+    return started;
+}
+
+bool supervise_is_ready(const struct child *child)
+{
+    return child->ready < 0;
 }
 
 mu_result supervise_start_again(struct supervise *s, struct child *child, const char *program,
@@ -151,6 +224,36 @@ static void words_keep(struct child *child, const char *said, size_t len)
     child->words[child->words_len] = '\0';
 }
 
+/* A log that cannot be written ends there, and says so once. */
+static void log_write(struct child *child, const char *said, size_t len)
+{
+    while (len > 0) {
+        ssize_t written = write(child->log, said, len);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written < 0) {
+            fprintf(stderr, "muster: cannot write what %s says: %s\n", child->name,
+                    strerror(errno));
+            close(child->log);
+            child->log = open("/dev/null", O_WRONLY | O_CLOEXEC);
+            return;
+        }
+        said += written;
+        len -= (size_t)written;
+    }
+}
+
+/* A byte, or that nobody holds the other end any more. */
+static void ready_read(struct child *child)
+{
+    struct pollfd look = {.fd = child->ready, .events = POLLIN};
+    if (child->ready >= 0 && poll(&look, 1, 0) > 0) {
+        close(child->ready);
+        child->ready = -1;
+    }
+}
+
 static void output_read(const struct supervise *s, struct child *child)
 {
     char said[4096];
@@ -160,7 +263,9 @@ static void output_read(const struct supervise *s, struct child *child)
             return;
         }
         words_keep(child, said, (size_t)len);
-        if (!s->quiet) {
+        if (child->log >= 0) {
+            log_write(child, said, (size_t)len);
+        } else if (!s->quiet) {
             fwrite(said, 1, (size_t)len, stderr);
         }
     }
@@ -175,6 +280,7 @@ void supervise_look(struct supervise *s)
     for (uint32_t i = 0; i < s->count; i++) {
         struct child *child = &s->children[i];
         output_read(s, child);
+        ready_read(child);
         if (!child->ended && waitpid(child->pid, &child->status, WNOHANG) == child->pid) {
             child->ended = true;
             output_read(s, child);
@@ -259,15 +365,21 @@ void supervise_stop_all(struct supervise *s, int patience_ms)
     supervise_await(s, NULL, patience_ms);
 }
 
-void supervise_explain(const struct child *child)
+void supervise_fate(const struct child *child, char *text, size_t size)
 {
     if (WIFSIGNALED(child->status)) {
-        fprintf(stderr, "muster: %s was killed by signal %d (%s)\n", child->name,
-                WTERMSIG(child->status), strsignal(WTERMSIG(child->status)));
+        snprintf(text, size, "was killed by signal %d (%s)", WTERMSIG(child->status),
+                 strsignal(WTERMSIG(child->status)));
     } else {
-        fprintf(stderr, "muster: %s ended with exit code %d\n", child->name,
-                WEXITSTATUS(child->status));
+        snprintf(text, size, "ended with exit code %d", WEXITSTATUS(child->status));
     }
+}
+
+void supervise_explain(const struct child *child)
+{
+    char fate[SUPERVISE_FATE_MAX];
+    supervise_fate(child, fate, sizeof fate);
+    fprintf(stderr, "muster: %s %s\n", child->name, fate);
     if (child->words_len > 0) {
         fprintf(stderr, "its last words:\n%s%s", child->words,
                 child->words[child->words_len - 1] == '\n' ? "" : "\n");

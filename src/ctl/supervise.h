@@ -16,12 +16,18 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-enum { SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 32, SUPERVISE_WORDS_MAX = 1024 };
+enum {
+    SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 80,
+    SUPERVISE_WORDS_MAX = 1024,
+    SUPERVISE_FATE_MAX = 96
+};
 
 struct child {
     char name[MU_PROCESS_MAX + 1]; /* broker, broker.NAME, simulator, or the robot's */
     pid_t pid;
     int output;     /* both of its outputs, read end; -1: closed */
+    int log;        /* what it says goes there; -1: to standard error */
+    int ready;      /* read end of where it says that it is ready; -1: it has, or never will */
     bool wide;      /* it may use all processors */
     bool may_leave; /* its end with exit code 0 is none that matters */
     uint32_t restarts;
@@ -62,6 +68,20 @@ MU_MUST_USE mu_result supervise_start_wide(struct supervise *s, const char *name
                                            const char *program, const char *const *argv);
 
 /**
+ * The same for a program that stands beside the run: what it says goes into a file alone.  It may
+ * say when it is ready, with a byte to the descriptor that MUSTER_READY names.
+ *
+ * @param log  the file's path; one that is there is overwritten
+ */
+MU_MUST_USE mu_result supervise_start_aside(struct supervise *s, const char *name,
+                                            const char *program, const char *const *argv,
+                                            const char *log);
+
+/** @return whether a child that stands beside has said that it is ready, or never will: it has
+ * ended, or closed the descriptor */
+bool supervise_is_ready(const struct child *child);
+
+/**
  * Starts a child that has ended anew, with the same name.
  *
  * @return MU_OK; MU_FAULT_OS, explained
@@ -92,6 +112,9 @@ void supervise_stop(struct supervise *s, struct child *child, int patience_ms);
 
 /** Ends all that still live, together. */
 void supervise_stop_all(struct supervise *s, int patience_ms);
+
+/** Writes how a child that has ended did so: "ended with exit code 1". */
+void supervise_fate(const struct child *child, char *text, size_t size);
 
 /** Says on standard error how a child ended, with its last words. */
 void supervise_explain(const struct child *child);

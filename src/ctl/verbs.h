@@ -9,6 +9,7 @@
 #define MUSTER_CTL_VERBS_H
 
 int run_verb(int argc, char **argv);
+int report_verb(int argc, char **argv);
 int compare_verb(int argc, char **argv);
 
 int pages_verb_ps(int argc, char **argv);

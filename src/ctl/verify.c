@@ -11,21 +11,19 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "ctl/run.h"
+#include "ctl/unpack.h"
 #include "ctl/verbs.h"
 #include "muster/memory.h"
 #include "story/differ.h"
 
-#include <errno.h>
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { SETS_MAX = 64, FILES_OPEN = 16, STOP_PATIENCE_MS = 5000 };
+enum { SETS_MAX = 64, STOP_PATIENCE_MS = 5000 };
 
 static const struct timespec ROUND = {.tv_nsec = 10000000};
 
@@ -52,9 +50,8 @@ struct verify {
     const char *file;
     char path[PATH_MAX]; /* of the recording, absolute */
     struct recording before, after;
-    char folder[64];           /* of the second run */
-    char experiment[PATH_MAX]; /* the file of it in there */
-    char record[PATH_MAX];     /* what it leaves */
+    struct unpacked files; /* of the recording; the second run lives there, too */
+    char record[PATH_MAX]; /* what it leaves */
     char words[8][PATH_MAX + 16];
     char sets[SETS_MAX][1024];
     const char *argv[32 + 2 * SETS_MAX];
@@ -67,107 +64,14 @@ static const char *note(const struct verify *v, const char *key)
     return value ? value : "";
 }
 
-/* --- the folder ------------------------------------------------------------------------------- */
-
-static mu_result folders_make(char *path)
+/* What a recording says, fit for a terminal; good until the next call. */
+static const char *plain(const char *text)
 {
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        int made = mkdir(path, 0700);
-        *slash = '/';
-        if (made != 0 && errno != EEXIST) {
-            return MU_FAULT_OS;
-        }
-    }
-    return MU_OK;
-}
-
-/* Where a recorded file is to lie: "ROLE/PATH" below the folder that the run was started in,
- * "ROLE/_/PATH" anywhere; the library apart.  @return false: a name that leads out of the folder */
-static bool place_find(const struct verify *v, const char *name, char *path, size_t size)
-{
+    static char bytes[PATH_MAX];
     struct mu_text t;
-    const char *rest = strchr(name, '/');
-    mu_text_init(&t, path, size);
-    if (!rest || strstr(name, "..") || strncmp(name, "/", 1) == 0 ||
-        strstr(note(v, "folder"), "..")) {
-        return false;
-    }
-    mu_text_add(&t, v->folder);
-    if (strncmp(name, "library/", 8) == 0) {
-        mu_text_add(&t, "/library");
-    } else if (strncmp(rest, "/_/", 3) == 0) {
-        mu_text_add(&t, "/files");
-        rest += 2;
-    } else {
-        mu_text_format(&t, "/files%s", note(v, "folder"));
-    }
-    mu_text_add(&t, rest);
-    return !t.cut;
-}
-
-static mu_result file_unpack(struct verify *v, uint32_t index, void *room)
-{
-    const struct mcap_attachment *a = mcap_reader_attachment(v->before.reader, index);
-    char path[PATH_MAX];
-    if (!place_find(v, a->name, path, sizeof path)) {
-        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", v->file, a->name);
-        return MU_FAULT_FILE;
-    }
-    if (mcap_reader_attachment_read(v->before.reader, index, room, MU_RECORD_MESSAGE_MAX) !=
-        MU_OK) {
-        fprintf(stderr, "%s: %s in it is not whole\n", v->file, a->name);
-        return MU_FAULT_FILE;
-    }
-    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wx") : NULL;
-    bool good = out && fwrite(room, 1, (size_t)a->size, out) == a->size;
-    good = out && fclose(out) == 0 && good;
-    if (!good) {
-        fprintf(stderr, "muster verify: cannot write %s: %s\n", path, strerror(errno));
-        return MU_FAULT_OS;
-    }
-    if (strncmp(a->name, "experiment/", 11) == 0) {
-        mu_text_copy(v->experiment, sizeof v->experiment, path);
-    }
-    return MU_OK;
-}
-
-static mu_result files_unpack(struct verify *v)
-{
-    static const char template[] = "/tmp/muster-verify-XXXXXX";
-    void *room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
-    memcpy(v->folder, template, sizeof template);
-    if (!mkdtemp(v->folder)) {
-        fprintf(stderr, "muster verify: cannot make a folder in /tmp: %s\n", strerror(errno));
-        v->folder[0] = '\0';
-        return MU_FAULT_OS;
-    }
-    for (uint32_t i = 0; mcap_reader_attachment(v->before.reader, i); i++) {
-        MU_TRY(file_unpack(v, i, room));
-    }
-    if (!v->experiment[0]) {
-        fprintf(stderr, "%s: expected the files of a run, and there is no experiment in it\n",
-                v->file);
-        return MU_FAULT_FILE;
-    }
-    return MU_OK;
-}
-
-static int entry_remove(const char *path, const struct stat *is, int kind, struct FTW *place)
-{
-    (void)is;
-    (void)kind;
-    (void)place;
-    return remove(path);
-}
-
-static void folder_remove(const struct verify *v)
-{
-    if (v->folder[0] && chosen.keep) {
-        fprintf(stderr, "muster verify: the second run is in %s\n", v->folder);
-    } else if (v->folder[0]) {
-        (void)nftw(v->folder, entry_remove, FILES_OPEN, FTW_DEPTH | FTW_PHYS);
-    }
+    mu_text_init(&t, bytes, sizeof bytes);
+    mu_text_add_plain(&t, text, strlen(text));
+    return t.at;
 }
 
 /* --- the second run --------------------------------------------------------------------------- */
@@ -189,15 +93,15 @@ static void words_make(struct verify *v)
 {
     snprintf(v->words[0], sizeof v->words[0], "--seed=%s", note(v, "seed"));
     snprintf(v->words[1], sizeof v->words[1], "--duration=%.17g", duration_s(v));
-    snprintf(v->words[2], sizeof v->words[2], "--out=%s/out", v->folder);
+    snprintf(v->words[2], sizeof v->words[2], "--out=%s/out", v->files.folder);
     snprintf(v->words[3], sizeof v->words[3], "--inputs=%s", v->path);
-    snprintf(v->words[4], sizeof v->words[4], "--root=%s/files", v->folder);
+    snprintf(v->words[4], sizeof v->words[4], "--root=%s/files", v->files.folder);
     snprintf(v->words[5], sizeof v->words[5], "--record=%s",
              strcmp(note(v, "record"), "run") == 0 ? "run" : "full");
-    snprintf(v->record, sizeof v->record, "%s/out/run.mcap", v->folder);
+    snprintf(v->record, sizeof v->record, "%s/out/run.mcap", v->files.folder);
     word_add(v, "muster");
     word_add(v, "run");
-    word_add(v, v->experiment);
+    word_add(v, v->files.experiment);
     word_add(v, "--quiet");
     for (size_t i = 0; i < 6; i++) {
         word_add(v, v->words[i]);
@@ -218,7 +122,7 @@ static int run_again(struct verify *v)
 {
     static struct supervise children;
     char library[128];
-    snprintf(library, sizeof library, "%s/library", v->folder);
+    snprintf(library, sizeof library, "%s/library", v->files.folder);
     setenv("MUSTER_RULES", library, 1);
     words_make(v);
     supervise_init(&children, !chosen.verbose, false);
@@ -288,9 +192,11 @@ static void result_print(struct verify *v, const struct difference *d)
         printf("the recording has been changed: a checksum in it is wrong\n");
     }
     if (d) {
-        printf("different at step %lld (%.1f s): %s%s%s is %s in the recording, and %s now\n",
-               (long long)d->step, (double)d->step * (double)v->before.step_ns * 1e-9, d->who,
-               d->who[0] ? " " : "", d->what, d->one, d->other);
+        printf("different at step %lld (%.1f s): %s%s%s is ", (long long)d->step,
+               (double)d->step * (double)v->before.step_ns * 1e-9, plain(d->who),
+               d->who[0] ? " " : "", d->what);
+        printf("%s in the recording, ", plain(d->one));
+        printf("and %s now\n", plain(d->other));
     } else {
         printf("equal  %zu steps\n", v->before.steps_count);
         printf("hash   %s\n", hash_of(&v->after));
@@ -313,6 +219,11 @@ static int compare(struct verify *v)
         result_print(v, differ ? &d : NULL);
     }
     return differ || is_changed(v) ? MU_EXIT_EXPECTATION : MU_EXIT_DONE;
+}
+
+static mu_result files_unpack(struct verify *v)
+{
+    return unpack_open(&v->files, v->before.reader, v->file, chosen.keep);
 }
 
 /* --- the verb --------------------------------------------------------------------------------- */
@@ -377,6 +288,9 @@ int verify_verb(int argc, char **argv)
     code = code == MU_EXIT_DONE ? mu_exit_for(files_unpack(v)) : code;
     code = code == MU_EXIT_DONE ? run_again(v) : code;
     code = code == MU_EXIT_DONE ? compare(v) : code;
-    folder_remove(v);
+    if (v->files.folder[0] && chosen.keep) {
+        fprintf(stderr, "muster verify: the second run is in %s\n", v->files.folder);
+    }
+    unpack_close(&v->files);
     return code;
 }

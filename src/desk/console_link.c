@@ -57,20 +57,44 @@ static mu_result directive_send(struct console_link *l, const char *performative
 
 /* --- lines and their answers ------------------------------------------------------------------ */
 
-mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number)
+static mu_result line_send(struct console_link *l, struct console_pending *p, const char *line)
 {
     char label[24];
+    snprintf(label, sizeof label, "line-%llu", (unsigned long long)p->number);
+    return directive_send(l, "do", line, label, &p->seq);
+}
+
+/* What was typed before it is to be done before it. */
+static bool may_look(const struct console_link *l)
+{
+    bool may = true;
+    for (size_t i = 0; i < l->pending_count; i++) {
+        may = may && l->pending[i].glance > 0;
+    }
+    return may;
+}
+
+static bool look_send(struct console_link *l, struct console_pending *p, const char *line)
+{
+    bool sent = may_look(l) && glances_ask(l->asker, l->agent, line, &p->glance) == MU_OK;
+    return sent && mu_text_copy(p->look, sizeof p->look, line);
+}
+
+mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number)
+{
     struct console_pending *p = &l->pending[l->pending_count];
     if (l->pending_count >= l->pending_max) {
         return MU_FULL;
     }
     *p = (struct console_pending){.number = l->lines + 1};
-    snprintf(label, sizeof label, "line-%llu", (unsigned long long)p->number);
-    MU_TRY(directive_send(l, "do", line, label, &p->seq));
+    bool looks = look_send(l, p, line);
+    if (!looks) {
+        MU_TRY(line_send(l, p, line));
+    }
     l->lines++;
     l->heard_ns = mu_clock_ns();
     l->pending_count++;
-    l->words_stale = true;
+    l->words_stale = l->words_stale || !looks;
     if (number) {
         *number = p->number;
     }
@@ -139,6 +163,51 @@ static void answer_take(struct console_link *l, const struct mu_mail *mail, uint
         l->failures += fails;
         pending_drop(l, 1, !fails);
     }
+}
+
+static struct console_pending *glance_find(struct console_link *l, uint64_t number)
+{
+    for (size_t i = 0; i < l->pending_count; i++) {
+        if (l->pending[i].glance == number) {
+            return &l->pending[i];
+        }
+    }
+    return NULL;
+}
+
+/* The line goes as any other does, behind what was typed since. */
+static void glance_declined(struct console_link *l, const struct console_pending *p)
+{
+    struct console_pending again = {.number = p->number};
+    mu_result sent = line_send(l, &again, p->look);
+    size_t behind = (size_t)(&l->pending[l->pending_count] - p) - 1;
+    memmove(&l->pending[p - l->pending], p + 1, behind * sizeof *p);
+    if (sent == MU_OK) {
+        l->pending[l->pending_count - 1] = again;
+        return;
+    }
+    l->pending_count--;
+    show_note(l, again.number, "[a line is lost: %s]", mu_result_text(sent));
+    tell_end(l, &again, false);
+}
+
+void console_link_glance(struct console_link *l, uint64_t number, enum glance_end end,
+                         const char *text)
+{
+    struct console_pending *p = l->agent ? glance_find(l, number) : NULL;
+    if (!p) {
+        return; /* given up, or another link's */
+    }
+    l->heard_ns = mu_clock_ns();
+    if (end == GLANCE_DECLINED) {
+        glance_declined(l, p);
+        return;
+    }
+    bool fails = end == GLANCE_FAILED;
+    p = pending_meet(l, p->number);
+    show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, p->number, text);
+    l->failures += fails;
+    pending_drop(l, 1, !fails);
 }
 
 /* --- what is watched, and words --------------------------------------------------------------- */
@@ -246,7 +315,7 @@ void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t l
     size_t kept = 0;
     for (size_t i = 0; i < l->pending_count && !is_good(outcome); i++) {
         struct console_pending p = l->pending[i];
-        if (p.seq < first_seq || p.seq > last_seq) {
+        if (p.glance > 0 || p.seq < first_seq || p.seq > last_seq) {
             l->pending[kept++] = p;
             continue;
         }

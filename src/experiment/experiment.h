@@ -21,6 +21,7 @@ enum {
     EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
     EXPERIMENT_RESOLVERS_MAX = 16,
     EXPERIMENT_HOSTS_MAX = 32,
+    EXPERIMENT_MONITORS_MAX = 16,
     EXPERIMENT_BROKERS_MAX = 4,  /* as many as one host can have */
     EXPERIMENT_THREADS_MAX = 64, /* as many as the simulator takes */
     EXPERIMENT_CHAOS_MAX = 64,
@@ -75,6 +76,19 @@ struct experiment_crew {
     bool numbered;         /* names are NAME_0, NAME_1, ...; else it is one robot, NAME */
 };
 
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
+};
+
+/* Who looks at the run while it lives, and is none of it. */
+struct experiment_monitor {
+    char *name;    /* of the agent, and of its log; "monitor" unless it says otherwise */
+    char *rules;   /* absolute path; in the file, relative to it */
+    char *program; /* or, likewise: one of the user's own */
+    struct experiment_mark mark; /* of it in the file */
+};
+
 /* What the observer commands, and when. */
 struct experiment_command {
     double at;      /* s of simulated time */
@@ -102,11 +116,6 @@ struct experiment_expectation {
     unsigned sequence_count;
     double within_s; /* the last so soon after the first; 0: whenever */
     char *never;     /* or: a condition that never comes true */
-};
-
-/* A place in the file. */
-struct experiment_mark {
-    int line, column;
 };
 
 enum experiment_chaos_kind {
@@ -138,12 +147,13 @@ struct experiment_chaos {
     char *sensor;                 /* sonar, laser, camera, fiducials, all */
     double share;                 /* of the packets that are lost */
     double by_ms;                 /* that each is late */
-    double for_s;                 /* after that it is undone; 0: it is not.  In the world it is
-                                     simulated time, else that of the clock on the wall */
+    double for_s;                 /* after that it is undone; 0: it is not.  Simulated time */
+    double wall_s;                /* or: after so much of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    struct experiment_mark mark; /* of it in the file */
-    char text[160];              /* what it does, for people */
+    struct experiment_mark mark;     /* of it in the file, */
+    struct experiment_mark for_mark; /* and of its `for`, or of all of it */
+    char text[160];                  /* what it does, for people */
 };
 
 /* What the run's broker is told. */
@@ -182,6 +192,8 @@ struct experiment {
     unsigned robots_count;
     struct experiment_crew *crews; /* in the robots' order */
     unsigned crews_count;
+    struct experiment_monitor *monitors;
+    unsigned monitors_count;
     struct experiment_command *observer;
     unsigned observer_count;
     struct experiment_expectation *expect;

@@ -64,8 +64,13 @@ void experiment_root(const char *folder)
     files_root = folder;
 }
 
-/* Replaces a path by the absolute one of an existing, readable file. */
-static mu_result check_file(struct experiment_source *s, char **path, int node, const char *what)
+bool experiment_is_recorded(void)
+{
+    return files_root[0] != '\0';
+}
+
+mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
+                                const char *what)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     bool relative = (*path)[0] != '/';
@@ -115,7 +120,7 @@ static mu_result check_resolvers(struct experiment_source *s)
 }
 
 /* @return the index of a host, or how many there are */
-static unsigned check_find_host(const struct experiment *e, const char *name)
+unsigned experiment_find_host(const struct experiment *e, const char *name)
 {
     unsigned i = 0;
     while (i < e->hosts_count && strcmp(e->hosts[i], name) != 0) {
@@ -133,7 +138,7 @@ static mu_result check_hosts(struct experiment_source *s)
             return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
                                     "'%.80s' cannot be a host's name", name);
         }
-        if (check_find_host(e, name) != i || experiment_find_robot(e, name)) {
+        if (experiment_find_host(e, name) != i || experiment_find_robot(e, name)) {
             return experiment_fault(s, NULL, experiment_item(s, "hosts", i),
                                     "a second host, or a robot, has the name '%s'", name);
         }
@@ -236,9 +241,11 @@ static mu_result check_top(struct experiment_source *s)
     }
     MU_TRY(check_restart(s));
     mu_result checked =
-        e->policy ? check_file(s, &e->policy, experiment_section(s, "policy"), "policy") : MU_OK;
-    return checked != MU_OK ? checked
-                            : check_file(s, &e->world, experiment_section(s, "world"), "world");
+        e->policy ? experiment_check_file(s, &e->policy, experiment_section(s, "policy"), "policy")
+                  : MU_OK;
+    return checked != MU_OK
+               ? checked
+               : experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */
@@ -342,7 +349,7 @@ static mu_result check_host(struct experiment_source *s, const struct experiment
     if (!robot->host) {
         return MU_OK;
     }
-    if (check_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
+    if (experiment_find_host(s->experiment, robot->host) == s->experiment->hosts_count) {
         return experiment_fault(s, NULL, host, "no host '%.80s' in this experiment's hosts",
                                 robot->host);
     }
@@ -413,9 +420,9 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     result = result == MU_OK ? check_broker(s, robot, node) : result;
     result = result == MU_OK ? check_death(s, robot, node) : result;
     result = result == MU_OK ? check_host(s, robot, node) : result;
-    return result == MU_OK
-               ? check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"), "rules")
-               : result;
+    return result == MU_OK ? experiment_check_file(s, &robot->rules,
+                                                   yaml_tree_child(s->tree, node, "rules"), "rules")
+                           : result;
 }
 
 static bool check_target(const struct experiment *e, const char *target)
@@ -440,7 +447,7 @@ static mu_result check_deed(struct experiment_source *s, const struct experiment
     if (!command->line == !command->move) {
         return experiment_fault(s, NULL, node, "expected a line, or move: HOST");
     }
-    if (command->move && check_find_host(e, command->move) == e->hosts_count) {
+    if (command->move && experiment_find_host(e, command->move) == e->hosts_count) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "move"),
                                 "no host '%.80s' in this experiment's hosts", command->move);
     }
@@ -485,6 +492,9 @@ mu_result experiment_check(struct experiment_source *source)
     }
     result = result == MU_OK ? check_hosts(source) : result;
     result = result == MU_OK ? experiment_multiply(source) : result;
+    for (size_t i = 0; i < e->monitors_count && result == MU_OK; i++) {
+        result = experiment_check_monitor(source, i);
+    }
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = check_command(source, i);
     }

@@ -151,6 +151,9 @@ mu_result experiment_fill(struct experiment_source *source)
     for (size_t i = 0; i < e->expect_count && result == MU_OK; i++) {
         result = fill_expectation(source, &e->expect[i], fill_section(source, "expect", i));
     }
+    for (size_t i = 0; i < e->monitors_count; i++) {
+        experiment_fill_monitor(source, i);
+    }
     for (size_t i = 0; i < e->chaos_count && result == MU_OK; i++) {
         result = experiment_fill_chaos(source, i);
     }

@@ -51,6 +51,14 @@ _Static_assert(sizeof(struct experiment_place) == 2 * sizeof(double), "a place i
 static const cyaml_schema_value_t schema_robot = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_robot, schema_robot_fields)};
 
+static const cyaml_schema_field_t schema_monitor_fields[] = {
+    TEXT("name", MAY, struct experiment_monitor, name),
+    TEXT("rules", MAY, struct experiment_monitor, rules),
+    TEXT("program", MAY, struct experiment_monitor, program), CYAML_FIELD_END};
+
+static const cyaml_schema_value_t schema_monitor = {
+    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_monitor, schema_monitor_fields)};
+
 static const cyaml_schema_field_t schema_command_fields[] = {
     CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
     CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
@@ -126,6 +134,7 @@ static const cyaml_schema_field_t schema_chaos_fields[] = {
     CYAML_FIELD_IGNORE("delay", CYAML_FLAG_OPTIONAL),
     NUMBER("by_ms", by_ms),
     NUMBER("for", for_s),
+    NUMBER("wall_s", wall_s),
     CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_chaos = {
@@ -165,6 +174,8 @@ static const cyaml_schema_field_t schema_fields[] = {
     TEXT("policy", MAY, struct experiment, policy),
     CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
                          MU_ROBOTS_MAX),
+    CYAML_FIELD_SEQUENCE("monitors", MAY, struct experiment, monitors, &schema_monitor, 0,
+                         EXPERIMENT_MONITORS_MAX),
     CYAML_FIELD_SEQUENCE("observer", MAY, struct experiment, observer, &schema_command, 0,
                          EXPERIMENT_COMMANDS_MAX),
     CYAML_FIELD_SEQUENCE("expect", MAY, struct experiment, expect, &schema_expectation, 0,

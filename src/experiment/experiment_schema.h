@@ -44,16 +44,33 @@ MU_MUST_USE mu_result experiment_multiply(struct experiment_source *source);
 /** Checks what no schema can: names, ranges, times, files; makes paths absolute. */
 MU_MUST_USE mu_result experiment_check(struct experiment_source *source);
 
-/* What checks share: a section of the file, an item of it, a robot by name, a broker by name (its
- * index, or how many there are), and whether --set has set a field. */
+/* What checks share: a section of the file, an item of it, a robot by name, a broker or a host by
+ * name (its index, or how many there are), and whether --set has set a field. */
 int experiment_section(struct experiment_source *s, const char *key);
 int experiment_item(struct experiment_source *s, const char *key, size_t index);
 const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name);
 unsigned experiment_find_broker(const struct experiment *e, const char *name);
+unsigned experiment_find_host(const struct experiment *e, const char *name);
 bool experiment_overridden(const struct experiment_source *s, const void *field);
+
+/**
+ * Replaces a path by the absolute one of an existing, readable file.
+ *
+ * @param what  the file is, for people
+ */
+MU_MUST_USE mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
+                                            const char *what);
+
+/** @return whether the experiment was recorded: it lies elsewhere, with its rules and worlds, and
+ * with no program */
+bool experiment_is_recorded(void);
 
 /** Checks one expectation, in experiment_expect.c, and notes the events that it is about. */
 MU_MUST_USE mu_result experiment_check_expectation(struct experiment_source *s, size_t index);
+
+/** Fills and checks one monitor, in experiment_monitor.c. */
+void experiment_fill_monitor(struct experiment_source *s, size_t index);
+MU_MUST_USE mu_result experiment_check_monitor(struct experiment_source *s, size_t index);
 
 /** Fills and checks one piece of chaos, in experiment_chaos.c. */
 MU_MUST_USE mu_result experiment_fill_chaos(struct experiment_source *s, size_t index);

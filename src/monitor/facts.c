@@ -189,6 +189,8 @@ void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outsid
     slot_word(t, "to", mail->dst);
     slot_word(t, "performative", mail->performative);
     slot_word(t, "language", mail->language);
+    slot_word(t, "conversation",
+              mail->conversation && mail->conversation[0] ? mail->conversation : "nil");
     slot_truth(t, "outside", outside);
     mu_text_add(t, " (content ");
     facts_add_content(t, mail->language, mail->content);

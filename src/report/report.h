@@ -38,6 +38,13 @@ struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
 
+/* Who looked at the run. */
+struct report_monitor {
+    const char *name;            /* what it said is in NAME.log */
+    const char *rules, *program; /* one of them; the other is NULL */
+    const char *fate;            /* how it ended; NULL: with the run */
+};
+
 /* What became of a piece of chaos, in the order of the experiment. */
 struct report_chaos {
     bool done;
@@ -51,6 +58,7 @@ struct report_input {
     uint64_t seed;
     const char *hash;               /* or "none" */
     double sim_time_s, wall_time_s; /* from the first to the last step */
+    bool broke_off;                 /* it did not come to its end; what there is, is here */
     const char *command;            /* how to run it again */
     const char *const *overrides;   /* of --set, "key=value" */
     size_t overrides_count;
@@ -59,8 +67,11 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
+    bool mail_unknown; /* nobody has the brokers' counters */
     const struct report_restarts *restarts;
     size_t restarts_count;
+    const struct report_monitor *monitors;
+    size_t monitors_count;
     const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
     uint64_t packets_struck;          /* lost or late by it */
     const char *versions;             /* of what the run is made of */
@@ -100,6 +111,9 @@ struct report_result {
  */
 MU_MUST_USE mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
                                     struct mu_fault *fault);
+
+/** @return whether a live run has the folder */
+bool report_folder_lives(const char *folder);
 
 /** Says that the report is complete; the folder may be moved away from now on. */
 void report_folder_release(const char *folder);

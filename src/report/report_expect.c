@@ -182,8 +182,10 @@ static void expect_judge_objects(const struct report_expect *x, unsigned i,
     struct mu_text text, measured;
     mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
     mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
-    mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted, expect->objects,
-                   expect->within_m, expect->at->x_m, expect->at->y_m);
+    bool all = strcmp(expect->objects, "*") == 0;
+    mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted,
+                   all ? "all things" : expect->objects, expect->within_m, expect->at->x_m,
+                   expect->at->y_m);
     /* As with near: what is expected from a time on says nothing of a run that was cut short. */
     result->judged[i] = expect->from_s < x->input->experiment->duration;
     result->met[i] = !result->judged[i] || (meant > 0 && there >= wanted);
@@ -227,6 +229,13 @@ static void expect_judge_statistic(const struct report_data *data, unsigned i)
     }
     result->met[i] = value >= expect->at_least && value <= expect->at_most;
     snprintf(result->measured[i], sizeof result->measured[i], "%.6g", value);
+    expect_judge_cut(data, i);
+    if (isnan(value)) {
+        result->judged[i] = false;
+        result->met[i] = true;
+        mu_text_copy(result->measured[i], sizeof result->measured[i],
+                     "not known: the brokers' counters are lost");
+    }
 }
 
 /* Follows a sequence from one occurrence of its first event on, always to the next that fits.
@@ -326,7 +335,6 @@ static void expect_judge(struct report_expect *x, const struct report_data *data
         expect_judge_inside(x, i, result);
     } else if (expect->statistic) {
         expect_judge_statistic(data, i);
-        expect_judge_cut(data, i);
     } else if (expect->never) {
         expect_judge_never(data, i);
         expect_judge_cut(data, i);

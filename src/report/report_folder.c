@@ -226,6 +226,16 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     return done;
 }
 
+bool report_folder_lives(const char *folder)
+{
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool lives = fd >= 0 && folder_look(fd) == FOLDER_LIVE;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return lives;
+}
+
 void report_folder_release(const char *folder)
 {
     char path[REPORT_PATH_MAX];

@@ -6,7 +6,23 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 #include <unistd.h>
+
+static const char *verdict(const struct report_data *data)
+{
+    return data->input->experiment->expect_count == 0        ? "nothing was expected of it"
+           : data->result->all_met && data->input->broke_off ? "everything as expected so far"
+           : data->result->all_met                           ? "everything as expected"
+                                                             : "not everything as expected";
+}
+
+static const char *verdict_class(const struct report_data *data)
+{
+    return data->input->experiment->expect_count == 0 ? "soft"
+           : data->result->all_met                    ? "met"
+                                                      : "failed";
+}
 
 static void html_head(FILE *file, const struct report_data *data)
 {
@@ -16,9 +32,11 @@ static void html_head(FILE *file, const struct report_data *data)
     page_open(file, title, input->experiment->name);
     fprintf(file, "<p class=\"soft\">seed %" PRIu64 ", %.1f s of simulated time, ", input->seed,
             input->sim_time_s);
+    if (input->broke_off) {
+        fputs("<span class=\"failed\">where it broke off</span>, ", file);
+    }
     fprintf(file, "%zu robot%s: <span class=\"%s\">%s</span></p>\n", input->robots_count,
-            input->robots_count == 1 ? "" : "s", data->result->all_met ? "met" : "failed",
-            data->result->all_met ? "everything as expected" : "not everything as expected");
+            input->robots_count == 1 ? "" : "s", verdict_class(data), verdict(data));
 }
 
 static void html_expectations(FILE *file, const struct report_data *data)
@@ -46,7 +64,8 @@ static void html_expectations(FILE *file, const struct report_data *data)
 
 static void html_robots(FILE *file, const struct report_data *data)
 {
-    fputs("<h2>Robots</h2>\n<div class=\"wide\"><table>\n<tr><th>robot</th><th>distance</th>"
+    fputs("<h2>Robots</h2>\n<div class=\"wide\"><table "
+          "class=\"many\">\n<tr><th>robot</th><th>distance</th>"
           "<th>mean speed</th><th>stalls</th><th>stalled</th><th>longest stall</th>"
           "<th>mail sent</th><th>received</th><th>rule firings</th><th>stands at</th>"
           "<th>heading</th></tr>\n",
@@ -98,7 +117,8 @@ static void html_facts(FILE *file, const struct report_data *data)
              " expired, %" PRIu64 " refused, %" PRIu64 " lost, %" PRIu64 " duplicated",
              mail->sent, mail->delivered, mail->waiting, mail->expired, mail->refused, mail->lost,
              mail->duplicated);
-    html_fact(file, "mail", text);
+    html_fact(file, "mail",
+              input->mail_unknown ? "not known: the brokers' counters are lost" : text);
     if (data->events->left_out > 0) {
         snprintf(text, sizeof text, "%zu; %zu that came later are not judged", data->events->count,
                  data->events->left_out);
@@ -109,7 +129,10 @@ static void html_facts(FILE *file, const struct report_data *data)
     html_fact(file, "made with", input->versions ? input->versions : "");
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
-    fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);
+    fprintf(file, "</pre>\n<p class=\"soft\">%s</p>\n",
+            strcmp(input->hash, "none") != 0
+                ? "The same seed gives the same hash."
+                : "This run has no hash: it ran free, or did not come to its end.");
 }
 
 static void html_files(FILE *file, const char *folder)
@@ -163,6 +186,27 @@ static void html_chaos(FILE *file, const struct report_data *data)
     fputs("</table>\n", file);
 }
 
+/* Who looked, where that is written down, and whether it lived to the end. */
+static void html_monitors(FILE *file, const struct report_input *input)
+{
+    if (input->monitors_count == 0) {
+        return;
+    }
+    fputs("<h2>Monitors</h2>\n<table class=\"text\">\n<tr><th>name</th><th>rules or program</th>"
+          "<th>what it said</th><th>ended</th></tr>\n",
+          file);
+    for (size_t i = 0; i < input->monitors_count; i++) {
+        const struct report_monitor *m = &input->monitors[i];
+        fprintf(file, "<tr><td>%s</td><td>", m->name);
+        svg_escape(file, m->rules ? m->rules : m->program);
+        fprintf(file, "</td><td><a href=\"%s.log\">%s.log</a></td><td class=\"%s\">", m->name,
+                m->name, m->fate ? "failed" : "met");
+        svg_escape(file, m->fate ? m->fate : "with the run");
+        fputs("</td></tr>\n", file);
+    }
+    fputs("</table>\n", file);
+}
+
 void report_write_html(FILE *file, const struct report_data *data, const char *folder)
 {
     html_head(file, data);
@@ -175,6 +219,7 @@ void report_write_html(FILE *file, const struct report_data *data, const char *f
     report_write_bearing(file, data);
     fputs("</figure>\n", file);
     html_robots(file, data);
+    html_monitors(file, data->input);
     html_facts(file, data);
     html_files(file, folder);
     page_close(file);

@@ -47,16 +47,27 @@ static void json_write_objects(struct mu_json *j, const struct report_input *inp
     mu_json_end(j);
 }
 
-static void json_write_mail(struct mu_json *j, const struct report_mail *mail)
+static void json_write_mail(struct mu_json *j, const struct report_input *input)
 {
+    const struct report_mail *mail = &input->mail;
+    const struct {
+        const char *key;
+        uint64_t count;
+    } counters[] = {{"sent", mail->sent},
+                    {"delivered", mail->delivered},
+                    {"waiting", mail->waiting},
+                    {"expired", mail->expired},
+                    {"refused", mail->refused},
+                    {"lost", mail->lost},
+                    {"duplicated", mail->duplicated}};
     mu_json_object(j, "mail");
-    mu_json_uint(j, "sent", mail->sent);
-    mu_json_uint(j, "delivered", mail->delivered);
-    mu_json_uint(j, "waiting", mail->waiting);
-    mu_json_uint(j, "expired", mail->expired);
-    mu_json_uint(j, "refused", mail->refused);
-    mu_json_uint(j, "lost", mail->lost);
-    mu_json_uint(j, "duplicated", mail->duplicated);
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
+        if (input->mail_unknown) {
+            mu_json_real(j, counters[i].key, (double)NAN);
+        } else {
+            mu_json_uint(j, counters[i].key, counters[i].count);
+        }
+    }
     mu_json_end(j);
 }
 
@@ -70,6 +81,26 @@ static void json_write_restarts(struct mu_json *j, const struct report_input *in
         mu_json_object(j, NULL);
         mu_json_string(j, "process", input->restarts[i].name);
         mu_json_uint(j, "count", input->restarts[i].count);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_monitors(struct mu_json *j, const struct report_input *input)
+{
+    if (input->monitors_count == 0) {
+        return;
+    }
+    mu_json_list(j, "monitors");
+    for (size_t i = 0; i < input->monitors_count; i++) {
+        const struct report_monitor *m = &input->monitors[i];
+        char log[MU_NAME_MAX + sizeof ".log"];
+        snprintf(log, sizeof log, "%s.log", m->name);
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", m->name);
+        mu_json_string(j, m->rules ? "rules" : "program", m->rules ? m->rules : m->program);
+        mu_json_string(j, "log", log);
+        mu_json_string(j, "ended", m->fate ? m->fate : "with the run");
         mu_json_end(j);
     }
     mu_json_end(j);
@@ -127,6 +158,9 @@ void report_write_json(FILE *file, const struct report_data *data)
         mu_json_string(&j, NULL, input->overrides[i]);
     }
     mu_json_end(&j);
+    if (input->broke_off) {
+        mu_json_bool(&j, "broke_off", true);
+    }
     mu_json_real(&j, "sim_time_s", input->sim_time_s);
     mu_json_real(&j, "wall_time_s", input->wall_time_s);
     mu_json_real(&j, "real_time_factor",
@@ -135,8 +169,9 @@ void report_write_json(FILE *file, const struct report_data *data)
     json_write_objects(&j, input);
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
-    json_write_mail(&j, &input->mail);
+    json_write_mail(&j, input);
     json_write_restarts(&j, input);
+    json_write_monitors(&j, input);
     json_write_chaos(&j, input);
     json_write_expectations(&j, data);
     mu_json_end(&j);

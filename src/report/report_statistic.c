@@ -42,7 +42,8 @@ static double of_run(const struct report_data *data, enum experiment_statistic s
         [STATISTIC_LOST] = (double)in->mail.lost,
         [STATISTIC_DUPLICATED] = (double)in->mail.duplicated,
     };
-    return values[statistic];
+    bool of_mail = statistic >= STATISTIC_SENT && statistic <= STATISTIC_DUPLICATED;
+    return of_mail && in->mail_unknown ? (double)NAN : values[statistic];
 }
 
 double report_statistic(const struct report_data *data, enum experiment_statistic statistic,

@@ -43,6 +43,7 @@ static bool name_is_held(mu_process *p, const char *name)
     const struct mu_agent *holder = agent_find(p, name);
     if (holder && holder->gone) {
         (void)mu_table_remove(&p->names, name);
+        p->agents[holder - p->agents].departed = true; /* who comes now answers for the name */
     }
     return holder && !holder->gone;
 }
@@ -296,6 +297,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
         directory_forget(&a->process->directory, a);
+        glances_forget(a);
     } else {
         roll_mark(a);
     }

@@ -6,8 +6,11 @@
 #include "muster/memory.h"
 #include "runtime/process.h"
 
+#include <limits.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A Scene is there before Frames are; who never gets one sees Frames all the same after this. */
 static const uint64_t SCENE_PATIENCE_NS = 1000000000;
@@ -32,6 +35,7 @@ struct mu_watch {
     struct watch_room *room;
     char simulator[MU_PROCESS_MAX + 1]; /* whose Scene was the last */
     bool has_scene;
+    bool announced;   /* whoever waits for it knows that it sees a run */
     bool met;         /* a simulator was there since the last end */
     uint64_t met_ns;  /* since when */
     int64_t step;     /* of the last Frame; STEPS_NONE */
@@ -54,7 +58,9 @@ static mu_result readers_open(mu_watch *w, bool latest)
 {
     MU_TRY(bus_reader_open(w->bus, BUS_SCENE, NULL, &w->scenes));
     MU_TRY(bus_reader_open(w->bus, BUS_RUN_STATUS, NULL, &w->statuses));
-    return bus_reader_open(w->bus, BUS_FRAME, latest ? "latest" : "every", &w->frames);
+    return latest
+               ? bus_reader_open(w->bus, BUS_FRAME, "latest", &w->frames)
+               : bus_reader_open_deep(w->bus, BUS_FRAME, "every", MU_WATCH_BEHIND_MAX, &w->frames);
 }
 
 static void run_forget(mu_watch *w)
@@ -114,7 +120,7 @@ static void frame_take(mu_watch *w, const muster_Frame *f)
         return;
     }
     struct mu_frame *frame = watch_frame(w->room, f);
-    frame->missed = (uint64_t)(f->step - w->step - 1);
+    frame->missed = (uint64_t)f->step - (uint64_t)(w->step + 1);
     w->missed += frame->missed;
     w->step = f->step;
     w->time_ns = f->time_ns;
@@ -138,6 +144,19 @@ static void status_take(mu_watch *w, const muster_RunStatus *s)
     w->duration_ns = s->duration_ns;
     mu_text_copy(w->hash, sizeof w->hash, s->hash);
     (void)mu_text_copy(w->reason, sizeof w->reason, w->end == MU_RUN_FAULT ? s->waits_for : "");
+}
+
+/* Whoever started this process beside a run may wait for the word that it sees the run. */
+static void ready_tell(mu_watch *w)
+{
+    const char *name = getenv("MUSTER_READY");
+    char *end = NULL;
+    long fd = name ? strtol(name, &end, 10) : -1;
+    w->announced = true;
+    if (name && end != name && *end == '\0' && fd > STDERR_FILENO && fd <= INT_MAX) {
+        ssize_t written = write((int)fd, "\n", 1);
+        (void)written; /* he has given up */
+    }
 }
 
 /* --- rounds ----------------------------------------------------------------------------------- */
@@ -228,6 +247,9 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
         simulator_met(w);
     }
     scenes_look(w); /* before how its run goes */
+    if (w->has_scene && !w->announced) {
+        ready_tell(w);
+    }
     statuses_look(w);
     frames_look(w, FRAMES_NS);
     end_look(w);

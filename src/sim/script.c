@@ -9,16 +9,9 @@
 
 enum { SCRIPT_EVENTS_MAX = 64, SCRIPT_BUFFER = 64 * 1024 };
 
-/* A condition that is looked at every step. */
-struct watch {
-    struct condition condition;
-    bool happened; /* a mail or a rule of this step fits */
-    bool was;      /* it was so at the step before */
-};
-
 struct later {
     struct order order;
-    struct watch watch; /* if the order has a condition */
+    struct condition_watch watch; /* if the order has a condition */
     bool waits, due;
 };
 
@@ -26,7 +19,7 @@ struct script {
     const struct condition_names *names;
     struct later later[MU_ORDERS_LATER_MAX];
     size_t later_count; /* slots that have been used */
-    struct watch events[SCRIPT_EVENTS_MAX];
+    struct condition_watch events[SCRIPT_EVENTS_MAX];
     const char *texts[SCRIPT_EVENTS_MAX];
     size_t events_count;
     FILE *file;
@@ -85,7 +78,7 @@ static struct later *later_take(struct script *s)
 
 mu_result script_put(struct script *s, const muster_RunCommand *command, char *why)
 {
-    struct watch watch = {.was = false};
+    struct condition_watch watch = {.was = false};
     if (command->when[0]) {
         mu_result read = condition_read(&watch.condition, command->when, s->names, why);
         if (read != MU_OK) {
@@ -103,7 +96,7 @@ mu_result script_put(struct script *s, const muster_RunCommand *command, char *w
     return MU_OK;
 }
 
-static void watch_act(struct watch *w, int robot, const muster_Act *act)
+static void watch_act(struct condition_watch *w, int robot, const muster_Act *act)
 {
     const struct condition *c = &w->condition;
     if (c->body != robot || w->happened) {
@@ -128,21 +121,10 @@ void script_act(struct script *s, int robot, const muster_Act *act)
     }
 }
 
-/* Looks whether it holds, which stays in was.  @return whether it has come true just now */
-static bool watch_look(struct watch *w, const struct condition_view *view)
-{
-    bool momentary = w->condition.kind == CONDITION_TOLD || w->condition.kind == CONDITION_FIRED;
-    bool holds = condition_holds(&w->condition, view, w->happened);
-    bool came = holds && (!w->was || (momentary && !w->condition.negated));
-    w->was = holds;
-    w->happened = false;
-    return came;
-}
-
 void script_look(struct script *s, uint64_t time_ns, const struct condition_view *view)
 {
     for (size_t i = 0; i < s->events_count; i++) {
-        if (watch_look(&s->events[i], view)) {
+        if (condition_watch_look(&s->events[i], view)) {
             fprintf(s->file, "%.3f,%s\n", (double)time_ns * 1e-9, s->texts[i]);
         }
     }
@@ -151,7 +133,7 @@ void script_look(struct script *s, uint64_t time_ns, const struct condition_view
         const muster_RunCommand *c = &later->order.command;
         if (later->waits && !later->due) {
             if (c->when[0]) {
-                (void)watch_look(&later->watch, view);
+                (void)condition_watch_look(&later->watch, view);
             }
             later->due = (!c->when[0] || later->watch.was) && time_ns >= c->due_ns;
         }

@@ -142,6 +142,16 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
+static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    struct consoles *c = self;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used) {
+            console_link_glance(&c->all[i].link, number, end, text);
+        }
+    }
+}
+
 /* What was sent in another name has its answers there. */
 static void links_hand_over(struct consoles *c)
 {
@@ -168,6 +178,7 @@ static void agent_join(struct consoles *c)
         return;
     }
     mu_agent_decline_broadcasts(c->agent);
+    glances_hear(c->agent, on_glance, c);
     links_hand_over(c);
     c->state = CONSOLES_JOINING;
 }

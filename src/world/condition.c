@@ -310,3 +310,13 @@ bool condition_fired(const struct condition *c, const char *rules)
     }
     return false;
 }
+
+bool condition_watch_look(struct condition_watch *w, const struct condition_view *view)
+{
+    bool momentary = w->condition.kind == CONDITION_TOLD || w->condition.kind == CONDITION_FIRED;
+    bool holds = condition_holds(&w->condition, view, w->happened);
+    bool came = holds && (!w->was || (momentary && !w->condition.negated));
+    w->was = holds;
+    w->happened = false;
+    return came;
+}

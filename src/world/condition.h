@@ -99,6 +99,21 @@ struct condition_view {
 /** @return whether it is so.  @param happened  of told and fired: an act of this step fits */
 bool condition_holds(const struct condition *c, const struct condition_view *view, bool happened);
 
+/* A condition that is looked at once a step. */
+struct condition_watch {
+    struct condition condition;
+    bool happened; /* a mail or a rule of this step fits */
+    bool was;      /* it was so at the step before */
+};
+
+/**
+ * Looks whether it holds, which stays in was, at the end of a step.
+ *
+ * @return whether it has come true just now: a state when it begins, and a mail or a rule in every
+ *         step that has one
+ */
+bool condition_watch_look(struct condition_watch *w, const struct condition_view *view);
+
 /**
  * Says whether a mail fits `told`.
  *

@@ -44,6 +44,10 @@ def test_every_job_of_the_contract_net_is_done_once():
         check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
         jobs = re.findall(r"job (\d) is done by (\w+)", done.stderr)
         check_equal(sorted(job for job, _ in jobs), ["1", "2", "3", "4", "5"], "jobs")
+        books = (out / "r/contracts.log").read_text()
+        check_equal(sorted(re.findall(r"job-(\d) is done by (\w+)", books)), sorted(jobs),
+                    "the monitor's books")
+        check("5 jobs are done, 0 are under way" in books, books)
         check({who for _, who in jobs} <= {"blue", "green", "yellow"}, f"who did them: {jobs}")
 
 

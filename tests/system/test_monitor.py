@@ -2,6 +2,7 @@
 """Monitors and `muster top`: the figures of the report while a run goes on, and no other run."""
 import fcntl
 import json
+import pathlib
 import re
 import signal
 import struct
@@ -9,7 +10,8 @@ import subprocess
 import termios
 import time
 
-from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
+from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
+                     experiment_run, folder,
                      members, muster, new_domain, wait_for)
 from terminal import Terminal
 
@@ -292,6 +294,101 @@ def test_the_example_rules_say_who_is_stalled():
                     f"each stall is told: {lines}")
         check_equal(lines[-1], f"done after 30.0 s: {red['distance_m']:.1f} m, most efficient red, "
                                f"longest stalled red, {red['stalled_s']:.1f} s", "the summary")
+
+
+# A team with monitors of its own: %s are items of the list.
+WATCHED = f"""
+name: watched
+world: {ROOT}/worlds/arena.world
+duration: 30
+robots:
+  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
+  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red,  line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+"""
+
+
+def watched(out, name, monitors, *words):
+    file = out / f"{name}.yaml"
+    file.write_text(WATCHED + monitors)
+    return experiment_run(out / name, *words, file=file)
+
+
+def test_monitors_of_an_experiment_see_all_and_change_nothing():
+    with folder() as out:
+        (out / "all.clp").write_text(RULES)
+        _, plain = watched(out, "plain", "")
+        monitors = f"""
+monitors:
+  - {{rules: all.clp}}
+  - {{name: mine, program: {WATCHER}}}
+"""
+        done, _ = watched(out, "refused", monitors)
+        check_equal(done.returncode, 3, "a program runs when somebody says so, and else not")
+        check("refused.yaml:14:5: the monitor 'mine' is a program" in done.stderr, done.stderr)
+        done, summary = watched(out, "seen", monitors, "--programs")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal(summary["hash"], plain["hash"], "the hash with and without them")
+        check_equal([(m["name"], m["log"], m["ended"]) for m in summary["monitors"]],
+                    [("monitor", "monitor.log", "with the run"), ("mine", "mine.log", "with the run")],
+                    "the report names them")
+        lines = text_of(out / "seen/monitor.log").splitlines()
+        check_equal(lines[0], "first 0 arena.world", "from the first step on")
+        check_equal(lines[-1].split()[:2], ["done", plain["hash"]], "to the end")
+        check_equal(lines[-1].split()[4], "301", "every step, at full speed")
+        check(f"hash {plain['hash']}, 0 steps missed" in text_of(out / "seen/mine.log"),
+              text_of(out / "seen/mine.log"))
+        again = muster("verify", out / "seen/run.mcap")
+        check_equal(again.returncode, 0, f"the recording, done again: {again.stdout}")
+
+
+def test_the_death_of_a_monitor_ends_nothing():
+    with folder() as out, Processes() as processes:
+        (out / "dies.clp").write_text(
+            "(defrule see (step) => (printout t seen crlf))\n")
+        _, plain = watched(out, "plain", "")
+        file = out / "killed.yaml"
+        file.write_text(WATCHED + "monitors: [{name: eye, rules: dies.clp}]\n")
+        with open(out / "said", "w") as said:
+            run = processes.start(MUSTER, "run", file, "--quiet", "--out", out / "killed", "--rate",
+                                  "10", stderr=said)
+        wait_for(lambda: "seen" in text_of(out / "killed/eye.log"), 20, "it sees the run")
+        pids = [pid for pid in children_of(run.pid)
+                if b"--name=eye" in (pathlib.Path("/proc") / str(pid) / "cmdline").read_bytes()]
+        check_equal(len(pids), 1, "the monitor's process")
+        subprocess.run(["kill", "-KILL", str(pids[0])], check=True)
+        check_equal(run.wait(60), 0, "the run ends well")
+        summary = json.loads((out / "killed/summary.json").read_text())
+        check_equal(summary["hash"], plain["hash"], "the same hash")
+        check_equal(summary["monitors"][0]["ended"], "was killed by signal 9 (Killed)", "its end")
+        check("the monitor eye was killed by signal 9 (Killed); the run goes on" in
+              text_of(out / "said"), text_of(out / "said"))
+
+
+def test_wrong_rules_of_a_monitor_are_a_wrong_file():
+    with folder() as out:
+        (out / "wrong.clp").write_text("\n(defrule x (step) => (no-such-function))\n")
+        done, summary = watched(out, "a", "monitors: [{rules: none.clp}]\n")
+        check_equal((done.returncode, summary), (3, None), "no such file")
+        check("a.yaml:11:20: cannot read the rules" in done.stderr, done.stderr)
+        done, summary = watched(out, "b", "monitors: [{rules: wrong.clp}]\n")
+        check_equal((done.returncode, summary), (3, None), "a mistake in it")
+        check("wrong.clp:2" in done.stderr and "no-such-function" in done.stderr, done.stderr)
+
+
+def test_what_a_monitor_asked_is_asked_again_by_verify():
+    with folder() as out:
+        (out / "asks.clp").write_text(INTRUSIVE)
+        _, plain = watched(out, "plain", "")
+        _, summary = watched(out, "asked", "monitors: [{name: eye, rules: asks.clp}]\n",
+                             "--rate", "20")
+        check(summary["hash"] != plain["hash"], "its mails are in the hash")
+        check_equal(text_of(out / "asked/eye.log"), "red says (goal safe-wander)\n", "its log")
+        again = muster("verify", out / "asked/run.mcap")
+        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
+        check(summary["hash"] in again.stdout, again.stdout)
 
 
 def test_an_intrusive_monitor_asks_robots():

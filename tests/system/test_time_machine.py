@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A recorded run goes the same way again, and says why its robots did what they did."""
+import contextlib
 import json
+import os
+import pathlib
+import signal
 import struct
 import zlib
 
@@ -158,6 +162,36 @@ def test_a_cut_recording():
         code, said, _ = verify(out / "cut.mcap")
         check_equal(code, 0, f"exit code: {said}")
         check("without its end" in said and "equal" in said, said)
+
+
+def unpacked(pid):
+    """The folder of a process that verifies: the lock in it is open there."""
+    for link in (pathlib.Path("/proc") / str(pid) / "fd").iterdir():
+        with contextlib.suppress(OSError):
+            target = pathlib.Path(os.readlink(link))
+            if target.name == ".owner":
+                return target.parent
+    return None
+
+
+def test_a_killed_verify_is_cleared_away_by_the_next():
+    with folder() as out, Processes() as processes:
+        recording, _ = record(out / "run", "--duration", 60)
+        killed = processes.start(MUSTER, "verify", recording)
+        left = wait_for(lambda: unpacked(killed.pid), 20, "its folder")
+        living = processes.start(MUSTER, "verify", recording)
+        kept = wait_for(lambda: unpacked(living.pid), 20, "another one's folder")
+        living.send_signal(signal.SIGSTOP)
+        killed.kill()
+        killed.wait()
+        check(left.exists(), "a killed one leaves its folder")
+        code, said, why = verify(recording)
+        check_equal(code, 0, f"exit code: {said} {why}")
+        check(not left.exists(), "the next one clears it")
+        check(kept.exists(), "and leaves what somebody has")
+        living.send_signal(signal.SIGCONT)
+        check_equal(living.wait(60), 0, "who has it goes on")
+        check(not kept.exists(), "and clears it itself")
 
 
 def test_what_cannot_be_verified():

@@ -228,6 +228,21 @@ static void test_limit(void)
     mind_close(m);
 }
 
+/* Instances have names, not indices: a rule may stand on both. */
+static void test_instances(void)
+{
+    struct mind *m = mind_with(
+        true, "(defclass BALL (is-a USER) (role concrete) (pattern-match reactive))\n"
+              "(defrule kick (go) (object (is-a BALL)) (not (tired)) => (assert (kicked)))\n");
+    line(m, "(make-instance [ball] of BALL)");
+    line(m, "(assert (go))");
+    diary(m);
+    step(m, 1);
+    diary(m);
+    CU_ASSERT(has("\nR kick 1,[ball],*\n"));
+    mind_close(m);
+}
+
 /* --- what it wants ---------------------------------------------------------------------------- */
 
 static const char *goal(struct mind *m)
@@ -272,6 +287,7 @@ int main(void)
         {"mail", test_mail},
         {"agenda", test_agenda},
         {"garbage", test_garbage},
+        {"instances", test_instances},
         {"limit: bytes", test_limit},
         {"goal", test_goal},
         {"a goal with slots is none", test_goal_with_slots_is_none},

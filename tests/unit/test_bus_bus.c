@@ -7,6 +7,7 @@
 #include "../support/suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
+#include "muster/limits.h"
 #include "wire.h"
 
 #include <arpa/inet.h>
@@ -344,6 +345,29 @@ static void test_frames_that_nobody_takes(void)
     bus_writer_close(&every);
 }
 
+/* What a watch on every step has that was away: as many Frames as it may be behind. */
+static void test_frames_that_wait_in_a_deep_reader(void)
+{
+    enum { COUNT = MU_WATCH_BEHIND_MAX + 100 };
+    struct bus_writer every;
+    struct bus_reader reader;
+    CU_ASSERT_EQUAL_FATAL(
+        bus_reader_open_deep(&bus, BUS_FRAME, "every", MU_WATCH_BEHIND_MAX, &reader), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_FRAME, "every", NULL, &every), MU_OK);
+    for (int64_t step = 0; step < COUNT; step++) {
+        muster_Frame frame = {.simulator = words("deep"), .step = step};
+        CU_ASSERT_EQUAL_FATAL(bus_write(&every, &frame), MU_OK);
+    }
+    for (int64_t step = COUNT - MU_WATCH_BEHIND_MAX; step < COUNT; step++) {
+        const void *sample;
+        enum bus_life life;
+        CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+        CU_ASSERT_EQUAL_FATAL(((const muster_Frame *)sample)->step, step);
+    }
+    expect_nothing(&reader);
+    bus_writer_close(&every);
+}
+
 static muster_Registration registration(const char *process, uint32_t pid)
 {
     return (muster_Registration){
@@ -449,6 +473,7 @@ int main(void)
         {"samples as bytes", test_samples_as_bytes},
         {"bytes as samples", test_bytes_as_samples},
         {"frames that nobody takes", test_frames_that_nobody_takes},
+        {"frames that wait in a deep reader", test_frames_that_wait_in_a_deep_reader},
         {"registrations", test_registrations},
         {"sockets stay on loopback", test_sockets_stay_on_loopback},
         {"closing", test_closing},

@@ -325,6 +325,83 @@ static void test_a_second_life(void)
     CU_ASSERT_FALSE(blue->ended);
 }
 
+/* Fills text with a file.  @return how long it is; -1: it is not there */
+static long file_text(const char *path, char *text, size_t size)
+{
+    FILE *file = fopen(path, "r");
+    size_t len = file ? fread(text, 1, size - 1, file) : 0;
+    text[len] = '\0';
+    return file && fclose(file) == 0 ? (long)len : -1;
+}
+
+static struct child *start_aside(const char *name, const char *script, const char *log)
+{
+    const char *const argv[] = {"sh", "-c", script, NULL};
+    CU_ASSERT_EQUAL_FATAL(supervise_start_aside(&all, name, "/bin/sh", argv, log), MU_OK);
+    return &all.children[all.count - 1];
+}
+
+static void await_ready(const struct child *child)
+{
+    uint64_t until_ns = patience_end_ns();
+    while (!supervise_is_ready(child) && mu_clock_ns() < until_ns) {
+        supervise_look(&all);
+        nap();
+    }
+    CU_ASSERT_TRUE_FATAL(supervise_is_ready(child));
+}
+
+static void test_who_stands_beside_has_a_log(void)
+{
+    char log[] = "/tmp/muster-supervise-XXXXXX", text[256];
+    close(mkstemp(log));
+    all.quiet = false;
+    capture_begin();
+    struct child *red = start_aside("red", "echo one; echo two >&2; exit 2", log);
+    await_end(red);
+    capture_end();
+    all.quiet = true;
+    CU_ASSERT_STRING_EQUAL(captured, "");
+    CU_ASSERT_STRING_EQUAL(red->words, "one\ntwo\n");
+    CU_ASSERT_EQUAL(file_text(log, text, sizeof text), 8);
+    CU_ASSERT_STRING_EQUAL(text, "one\ntwo\n");
+    struct child *plain = start("plain", "echo -$MUSTER_READY-");
+    await_end(plain);
+    CU_ASSERT_STRING_EQUAL(plain->words, "--\n"); /* for the others there is nothing to say */
+    supervise_fate(red, text, sizeof text);
+    CU_ASSERT_STRING_EQUAL(text, "ended with exit code 2");
+    unlink(log);
+    CU_ASSERT_EQUAL(supervise_start_aside(&all, "blue", "/bin/sh", (const char *[]){"sh", NULL},
+                                          "/no/such/folder/blue.log"),
+                    MU_FAULT_OS);
+}
+
+static void test_who_stands_beside_says_that_it_is_ready(void)
+{
+    struct child *slow =
+        start_aside("slow", "while ! [ -e $0.go ]; do sleep 0.01; done", "/dev/null");
+    struct child *good = start_aside("good", "echo >&$MUSTER_READY; exec sleep 60", "/dev/null");
+    struct child *closes = start_aside("closes", "exec 3>&-; exec sleep 60", "/dev/null");
+    struct child *dies = start_aside("dies", "exit 1", "/dev/null");
+    await_ready(good);
+    await_ready(closes);
+    await_ready(dies);
+    CU_ASSERT_FALSE(supervise_is_ready(slow));
+    CU_ASSERT_FALSE(good->ended);
+    CU_ASSERT_FALSE(closes->ended);
+}
+
+static void test_a_log_on_a_full_disk_ends_there(void)
+{
+    capture_begin();
+    struct child *red = start_aside("red", "echo one; sleep 0.05; echo two", "/dev/full");
+    await_end(red);
+    capture_end();
+    CU_ASSERT_STRING_EQUAL(captured,
+                           "muster: cannot write what red says: No space left on device\n");
+    CU_ASSERT_STRING_EQUAL(red->words, "one\ntwo\n");
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -343,6 +420,9 @@ int main(void)
         {"limit: children", test_limit_children},
         {"children die with their parent", test_children_die_with_their_parent},
         {"a second life", test_a_second_life},
+        {"a log", test_who_stands_beside_has_a_log},
+        {"ready", test_who_stands_beside_says_that_it_is_ready},
+        {"a log on a full disk", test_a_log_on_a_full_disk_ends_there},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"ctl/supervise", NULL, NULL, set_up, tear_down, tests},

@@ -29,8 +29,9 @@ static const char rules[] =
     "(defrule seen (step (number ?n) (world ?w)) (robot (name ?r) (x ?x) (heading ?h) (stalled ?s)"
     " (nearest ?who) (goal-time ?g)) => (printout t ?n \" \" ?w \" \" ?r \" \" ?x \" \" ?h \" \" ?s"
     " \" \" ?who \" \" ?g crlf))"
-    "(defrule mail (mail-seen (from ?f) (to ?t) (performative ?p) (outside ?o) (content $?c))"
-    " => (printout t ?f \" \" ?t \" \" ?p \" \" ?o \" \" (length$ ?c) \" \" ?c crlf))"
+    "(defrule mail (mail-seen (from ?f) (to ?t) (performative ?p) (conversation ?v) (outside ?o)"
+    " (content $?c)) => (printout t ?f \" \" ?t \" \" ?p \" \" ?v \" \" ?o \" \" (length$ ?c) \" "
+    "\" ?c crlf))"
     "(defrule fired (fired ?r ?rule) => (printout t ?r \" fired \" ?rule crlf))"
     "(defrule over (run-ended (how ?h) (hash ?x)) => (printout t ?h \" \" ?x crlf))";
 
@@ -89,6 +90,7 @@ static struct mu_mail mails[4] = {
      .dst = "a,b",
      .performative = "tell",
      .language = "json",
+     .conversation = "job-1",
      .content = "{\"a\": 1}"},
     {.src = "red", .dst = "blue", .performative = "tell", .language = "", .content = "(no fields"},
     {.src = "red",
@@ -131,10 +133,10 @@ static void test_a_step_reaches_rules(void)
     mind_fire(mind, &act);
     static const char *const lines[] = {"3 arena red 1500.0 180.0 FALSE blue nil\n",
                                         "3 arena blue 2500.0 0.0 TRUE red nil\n",
-                                        "red all nil FALSE 4 (mate-pos red 1 2)\n",
-                                        "red a,b tell FALSE 1 (\"{\"a\": 1}\")\n",
-                                        "red a,b tell TRUE 1 (\"{\"a\": 1}\")\n",
-                                        "red blue tell FALSE 1 (\"(no fields\")\n",
+                                        "red all nil nil FALSE 4 (mate-pos red 1 2)\n",
+                                        "red a,b tell job-1 FALSE 1 (\"{\"a\": 1}\")\n",
+                                        "red a,b tell job-1 TRUE 1 (\"{\"a\": 1}\")\n",
+                                        "red blue tell nil FALSE 1 (\"(no fields\")\n",
                                         "red fired go\n",
                                         "red fired MAIN::stay\n"};
     size_t bytes_wanted = 0;

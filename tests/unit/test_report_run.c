@@ -3,7 +3,6 @@
 #include "report/color.h"
 #include "report/report.h"
 #include "report/report_data.h"
-#include "report/svg.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
@@ -322,6 +321,78 @@ static void test_restarts(void)
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
     CU_ASSERT(file_has("summary.json", "\"process\": \"red\",\n      \"count\": 2\n"));
     input.restarts_count = 0;
+}
+
+static void test_monitors(void)
+{
+    static const struct report_monitor monitors[] = {
+        {.name = "watch", .rules = "/r/<watch>.clp"},
+        {.name = "mine", .program = "/p/mine", .fate = "was killed by signal 9 (Killed)"}};
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "monitors"));
+    CU_ASSERT_FALSE(file_has("report.html", "Monitors"));
+    input.monitors = monitors;
+    input.monitors_count = 2;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"rules\": \"/r/<watch>.clp\",\n      \"log\": "
+                                       "\"watch.log\",\n      \"ended\": \"with the run\""));
+    CU_ASSERT(file_has("summary.json", "\"program\": \"/p/mine\""));
+    CU_ASSERT(file_has("report.html", "/r/&lt;watch&gt;.clp"));
+    CU_ASSERT(file_has("report.html", "<a href=\"mine.log\">mine.log</a>"));
+    CU_ASSERT(file_has("report.html", "was killed by signal 9 (Killed)"));
+    input.monitors_count = 0;
+}
+
+static void test_words_of_the_page(void)
+{
+    static char south[] = "south", any[] = "*";
+    static struct experiment_place home = {0, 0};
+    static struct experiment_expectation things = {.objects = any, .at = &home, .within_m = 1};
+    const struct experiment before = experiment;
+    struct experiment_command moves = {
+        .at = 1, .targets = targets, .targets_count = 1, .move = south};
+    experiment.observer = &moves;
+    experiment.observer_count = 1;
+    experiment.expect_count = 0;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "red: move to south"));
+    CU_ASSERT_FALSE(file_has("report.html", "(null)"));
+    CU_ASSERT(file_has("report.html", "nothing was expected of it"));
+    CU_ASSERT(file_has("report.html", "This run has no hash"));
+    experiment.expect = &things;
+    experiment.expect_count = 1;
+    input.hash = "0123";
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "not everything as expected"));
+    CU_ASSERT(file_has("report.html", "The same seed gives the same hash."));
+    CU_ASSERT_STRING_EQUAL(result.texts[0], "0 of all things within 1 m of 0, 0 at the end");
+    input.hash = "none";
+    experiment = before;
+}
+
+static void test_a_run_that_broke_off(void)
+{
+    static char statistic[] = "mail.lost";
+    static struct experiment_expectation lost = {.statistic = statistic, .at_least = -INFINITY};
+    struct experiment_expectation *before = experiment.expect;
+    unsigned count = experiment.expect_count;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT_FALSE(file_has("summary.json", "broke_off"));
+    CU_ASSERT_FALSE(file_has("report.html", "broke off"));
+    experiment.expect = &lost;
+    experiment.expect_count = 1;
+    input.broke_off = input.mail_unknown = true;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("summary.json", "\"broke_off\": true"));
+    CU_ASSERT(file_has("summary.json", "\"lost\": null"));
+    CU_ASSERT(file_has("report.html", "where it broke off"));
+    CU_ASSERT(!result.judged[0] && result.met[0]);
+    CU_ASSERT_STRING_EQUAL(result.measured[0], "not known: the brokers' counters are lost");
+    input.broke_off = input.mail_unknown = false;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(result.judged[0] && result.met[0] == (input.mail.lost == 0));
+    experiment.expect = before;
+    experiment.expect_count = count;
 }
 
 static void test_files(void)
@@ -677,32 +748,6 @@ static void test_limit_expectations(void)
     experiment.expect_count = 4;
 }
 
-static void test_colors(void)
-{
-    CU_ASSERT_STRING_EQUAL(color_of_track("yellow", "r", 0), "#d4a900");
-    CU_ASSERT_STRING_EQUAL(color_of_track(NULL, "green", 0), "#2ca02c");
-    CU_ASSERT_STRING_EQUAL(color_of_track("DarkOliveGreen", "r", 0), "DarkOliveGreen");
-    CU_ASSERT_STRING_EQUAL(color_of_track("#0a4", "r", 0), "#0a4");
-    CU_ASSERT_STRING_EQUAL(color_of_track("DarkOliveGreen2", "blue", 0), "#1f77b4");
-    CU_ASSERT_STRING_NOT_EQUAL(color_of_track("", "r1", 1), color_of_track(NULL, "r2", 2));
-    CU_ASSERT_FALSE(color_is_css("#12345"));
-    CU_ASSERT_FALSE(color_is_css("url(x)"));
-    CU_ASSERT(color_is_css("aliceblue") && color_is_css("yellowgreen") && color_is_css("#ABCDEF"));
-}
-
-static void test_ticks(void)
-{
-    char label[SVG_TICK_MAX];
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(16, 8), 2, 1e-12);
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(120, 10), 10, 1e-12);
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(0.4, 8), 0.05, 1e-12);
-    svg_tick_label(label, -0.0);
-    CU_ASSERT_STRING_EQUAL(label, "0");
-    svg_tick_label(label, -2.5);
-    CU_ASSERT_STRING_EQUAL(label, "\xe2\x88\x92"
-                                  "2.5");
-}
-
 static int folder_make(void)
 {
     return mkdtemp(folder) ? 0 : 1;
@@ -730,6 +775,9 @@ int main(void)
         {"colours of many", test_spread_colors},
         {"things at the end", test_things_at_the_end},
         {"restarts", test_restarts},
+        {"monitors", test_monitors},
+        {"words of the page", test_words_of_the_page},
+        {"a run that broke off", test_a_run_that_broke_off},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
         {"names cannot break a file", test_names_cannot_break_a_file},
@@ -743,8 +791,6 @@ int main(void)
         {"races for a folder", test_races_for_a_folder},
         {"limit: samples and robots", test_limit_samples_and_robots},
         {"limit: expectations", test_limit_expectations},
-        {"colours", test_colors},
-        {"ticks", test_ticks},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"report/report", folder_make, folder_remove, NULL, NULL, tests},

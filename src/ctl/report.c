@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * muster report: a run's pages and pictures once more, from what lies in its folder.
+ *
+ * The experiment and its world come out of run.mcap.  What the brokers counted is in summary.json
+ * alone; without one the run broke off, and what there is to know is in the recording.
+ */
+#include "ctl/remake.h"
+#include "ctl/summary.h"
+#include "ctl/unpack.h"
+#include "ctl/verbs.h"
+
+#include "core/exits.h"
+#include "core/options.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static struct {
+    bool json;
+} chosen;
+
+static struct mu_option option_table[] = {{.name = "json",
+                                           .kind = MU_OPTION_FLAG,
+                                           .help = "say what came out as one line of JSON",
+                                           .target = &chosen.json}};
+
+struct remaking {
+    struct run *run; /* as far as a report needs one */
+    struct recording recording;
+    struct unpacked files;
+    struct summary *summary;
+    const char *sets[EXPERIMENT_OVERRIDES_MAX];
+    char path[PATH_MAX + 16]; /* of the recording */
+};
+
+static const char *note(const struct remaking *m, const char *key)
+{
+    const char *value = mcap_reader_value(m->recording.reader, "run", key);
+    return value ? value : "";
+}
+
+/* --- the experiment and its world ------------------------------------------------------------- */
+
+static size_t sets_read(struct remaking *m)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < EXPERIMENT_OVERRIDES_MAX; i++) {
+        char key[16];
+        snprintf(key, sizeof key, "set.%zu", i + 1);
+        if (note(m, key)[0]) {
+            m->sets[count++] = note(m, key);
+        }
+    }
+    return count;
+}
+
+/* The file as it was named on the command line, or where it was. */
+static const char *file_named(const struct remaking *m, const char *path)
+{
+    static const char begin[] = "muster run ", end[] = " --seed ";
+    const char *command = note(m, "command"), *behind = strstr(command, end);
+    if (strncmp(command, begin, sizeof begin - 1) != 0 || !behind) {
+        return unpack_path(&m->files, path);
+    }
+    char *named = mu_startup_string(command + sizeof begin - 1);
+    named[behind - command - (ptrdiff_t)(sizeof begin - 1)] = '\0';
+    return named;
+}
+
+/* Paths as they were, for people. */
+static void paths_restore(struct remaking *m)
+{
+    struct experiment *e = m->run->experiment;
+    char path[sizeof m->run->world->file];
+    e->file = mu_startup_string(file_named(m, e->file));
+    if (mu_text_copy(path, sizeof path, unpack_path(&m->files, m->run->world->file))) {
+        mu_text_copy(m->run->world->file, sizeof m->run->world->file, path);
+    }
+}
+
+static mu_result experiment_take(struct remaking *m, struct mu_fault *fault)
+{
+    static char root[sizeof m->files.folder + sizeof "/files"];
+    struct run *r = m->run;
+    snprintf(root, sizeof root, "%s/files", m->files.folder);
+    experiment_root(root);
+    MU_TRY(experiment_load(&r->experiment, m->files.experiment, m->sets, sets_read(m), fault));
+    r->options.set = m->sets;
+    r->options.set_count = sets_read(m);
+    r->options.free = strcmp(note(m, "lockstep"), "no") == 0;
+    r->experiment->seed = strtoull(note(m, "seed"), NULL, 10);
+    r->experiment->duration = strtod(note(m, "duration_s"), NULL);
+    MU_TRY(run_place(r, fault));
+    paths_restore(m);
+    return MU_OK;
+}
+
+static mu_result recording_take(struct remaking *m, struct mu_fault *fault)
+{
+    snprintf(m->path, sizeof m->path, "%s/run.mcap", m->run->folder);
+    mu_result opened = recording_create(&m->recording, m->path, fault);
+    opened = opened == MU_OK ? recording_open(&m->recording, m->path, fault) : opened;
+    if (opened != MU_OK) {
+        return opened;
+    }
+    if (m->recording.steps_count == 0 || !m->recording.scene || !note(m, "seed")[0]) {
+        return mu_fault_at(fault, m->path, 0, 0,
+                           "expected a recording of `muster run`, of a step "
+                           "at least");
+    }
+    return MU_OK;
+}
+
+/* --- what came of it -------------------------------------------------------------------------- */
+
+static void summary_use(const struct remaking *m, struct report_input *in)
+{
+    const struct summary *s = m->summary;
+    in->hash = s->hash;
+    in->sim_time_s = s->sim_time_s;
+    in->wall_time_s = s->wall_time_s;
+    in->command = s->command;
+    in->versions = s->made_with;
+    in->mail = s->mail;
+    in->mail_unknown = s->mail_unknown;
+    in->restarts = s->restarts;
+    in->restarts_count = s->restarts_count;
+    in->monitors = s->monitors;
+    in->monitors_count = s->monitors_count;
+    in->packets_struck = s->packets_struck;
+    if (s->objects_count > 0) {
+        in->objects = s->objects;
+        in->objects_count = s->objects_count;
+    }
+}
+
+/* The brokers' counters died with the run; robots' own are in the recording. */
+static void recording_use(const struct remaking *m, struct report_input *in)
+{
+    static char versions[256];
+    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", note(m, "muster"),
+             note(m, "cyclonedds"), note(m, "clips"));
+    in->command = note(m, "command");
+    in->versions = versions;
+    in->mail_unknown = true;
+}
+
+/* In free running totals are those of the summary: a Frame has what it was told in time. */
+static void robots_use(const struct summary *s, struct report_input *in)
+{
+    struct report_robot *robots = mu_startup_array(in->robots_count, sizeof *robots);
+    for (size_t i = 0; i < in->robots_count; i++) {
+        robots[i] = in->robots[i];
+        for (size_t k = 0; k < s->robots_count; k++) {
+            if (strcmp(s->robots[k].name, robots[i].name) == 0) {
+                robots[i].mail_sent = s->robots[k].mail_sent;
+                robots[i].mail_received = s->robots[k].mail_received;
+                robots[i].rule_firings = s->robots[k].rule_firings;
+            }
+        }
+    }
+    in->robots = robots;
+}
+
+/* Chaos that was done to the world stands in the Frames; what became of the rest nobody knows. */
+static void orders_note(struct remaking *m)
+{
+    const struct experiment *e = m->run->experiment;
+    recording_rewind(&m->recording);
+    for (const muster_Frame *f = recording_next(&m->recording); f;
+         f = recording_next(&m->recording)) {
+        for (uint32_t i = 0; i < f->orders._length; i++) {
+            unsigned index;
+            bool ours = sscanf(f->orders._buffer[i].source, "chaos.%u", &index) == 1;
+            if (ours && index < e->chaos_count && !m->summary->chaos[index].done) {
+                m->summary->chaos[index].done = true;
+                m->summary->chaos[index].at_s = (double)f->time_ns * 1e-9;
+            }
+        }
+    }
+}
+
+static bool broke_off(const struct remaking *m)
+{
+    return m->summary->there ? m->summary->broke_off : !remake_is_done(&m->recording);
+}
+
+/* What run.csv and events.csv lack when a run breaks off stands in the recording. */
+static mu_result files_make(struct remaking *m, struct mu_fault *fault)
+{
+    struct run *r = m->run;
+    char csv[PATH_MAX + 16];
+    remake_end(&m->recording, r);
+    if (broke_off(m)) { /* what was to come later is not judged */
+        r->experiment->duration = fmin(r->experiment->duration, (double)r->time_ns * 1e-9);
+    }
+    snprintf(csv, sizeof csv, "%s/run.csv", r->folder);
+    if (m->summary->there && access(csv, F_OK) == 0) {
+        return MU_OK;
+    }
+    if (!m->summary->there) {
+        orders_note(m);
+    }
+    MU_TRY(remake_csv(&m->recording, r->folder, fault));
+    return remake_events(&m->recording, r, fault);
+}
+
+static int report_make(struct remaking *m)
+{
+    struct report_input input;
+    run_report_input(m->run, &input);
+    input.chaos = m->summary->chaos;
+    input.broke_off = broke_off(m);
+    if (m->summary->there) {
+        summary_use(m, &input);
+        robots_use(m->summary, &input);
+    } else {
+        recording_use(m, &input);
+    }
+    m->run->options.json = chosen.json;
+    int code = run_report_write(m->run, &input);
+    report_folder_release(m->run->folder);
+    return code;
+}
+
+/* --- the verb --------------------------------------------------------------------------------- */
+
+static mu_result folder_take(struct remaking *m, const char *folder, struct mu_fault *fault)
+{
+    size_t len = strlen(folder);
+    while (len > 1 && folder[len - 1] == '/') {
+        len--;
+    }
+    snprintf(m->run->folder, sizeof m->run->folder, "%.*s", (int)len, folder);
+    if (report_folder_lives(m->run->folder)) {
+        (void)mu_fault_at(fault, m->run->folder, 0, 0,
+                          "a run is writing there: it makes its report "
+                          "when it has ended");
+        return MU_FAULT_OS;
+    }
+    return summary_read(&m->summary, m->run->folder, fault);
+}
+
+static int report_run(const char *folder)
+{
+    struct mu_fault fault;
+    struct remaking *m = mu_startup_alloc(sizeof *m);
+    m->run = mu_startup_alloc(sizeof *m->run);
+    mu_result done = folder_take(m, folder, &fault);
+    done = done == MU_OK ? recording_take(m, &fault) : done;
+    if (done != MU_OK) {
+        mu_fault_print(&fault);
+        return mu_exit_for(done);
+    }
+    done = unpack_open(&m->files, m->recording.reader, m->path, false);
+    if (done == MU_OK) {
+        done = experiment_take(m, &fault);
+        done = done == MU_OK ? files_make(m, &fault) : done;
+        if (done != MU_OK) {
+            mu_fault_print(&fault);
+        }
+    }
+    int code = done == MU_OK ? report_make(m) : mu_exit_for(done);
+    unpack_close(&m->files);
+    return code;
+}
+
+int report_verb(int argc, char **argv)
+{
+    static struct mu_options o = {
+        .program = "muster report",
+        .usage = "DIR [OPTION...]",
+        .about = "Makes the report of a run again from what lies in its folder; of a run that "
+                 "broke off, as far as its run.mcap goes.",
+        .table = option_table,
+        .count = sizeof option_table / sizeof option_table[0]};
+    mu_result parsed = mu_options_parse(&o, argc, argv);
+    if (parsed == MU_OK && o.words_count != 1) {
+        fprintf(stderr,
+                "muster report: name one folder, for example: muster report out/follow-1\n");
+        parsed = MU_FAULT_USAGE;
+    }
+    return parsed == MU_OK ? report_run(o.words[0]) : mu_exit_for(parsed);
+}

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ctl/unpack.h"
+
+#include "core/text.h"
+#include "muster/limits.h"
+#include "muster/memory.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Folders of ours are called so; what is kept has another name, so that nobody clears it. */
+#define UNPACK_OURS "muster-verify-"
+#define UNPACK_KEPT "muster-kept-"
+#define UNPACK_LOCK ".owner"
+
+enum { FILES_OPEN = 16, NEW_S = 3600 };
+
+/* --- clearing --------------------------------------------------------------------------------- */
+
+static int entry_remove(const char *path, const struct stat *is, int kind, struct FTW *place)
+{
+    (void)is;
+    (void)kind;
+    (void)place;
+    return remove(path);
+}
+
+static void folder_remove(const char *folder)
+{
+    (void)nftw(folder, entry_remove, FILES_OPEN, FTW_DEPTH | FTW_PHYS);
+}
+
+/* @return whether it is a folder of this user that nobody has any more.  One without a lock is just
+ * being made, unless it is old. */
+static bool is_left_behind(const char *folder)
+{
+    char path[PATH_MAX];
+    struct stat is;
+    if (lstat(folder, &is) != 0 || !S_ISDIR(is.st_mode) || is.st_uid != geteuid()) {
+        return false;
+    }
+    snprintf(path, sizeof path, "%s/" UNPACK_LOCK, folder);
+    int lock = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (lock < 0) {
+        return errno == ENOENT && time(NULL) - is.st_mtime > NEW_S;
+    }
+    bool free = flock(lock, LOCK_EX | LOCK_NB) == 0;
+    close(lock);
+    return free;
+}
+
+static void left_behind_clear(void)
+{
+    DIR *all = opendir("/tmp");
+    for (const struct dirent *entry; all && (entry = readdir(all));) {
+        char folder[sizeof "/tmp/" + sizeof entry->d_name];
+        snprintf(folder, sizeof folder, "/tmp/%s", entry->d_name);
+        bool ours = strncmp(entry->d_name, UNPACK_OURS, strlen(UNPACK_OURS)) == 0;
+        if (ours && is_left_behind(folder)) {
+            folder_remove(folder);
+        }
+    }
+    if (all) {
+        closedir(all);
+    }
+}
+
+/* The lock lives as long as this process: its descriptor stays open.  It has its name when it is
+ * held, so that nobody finds it free. */
+static bool folder_lock(const char *folder)
+{
+    char draft[PATH_MAX], path[PATH_MAX];
+    snprintf(draft, sizeof draft, "%s/" UNPACK_LOCK ".new", folder);
+    snprintf(path, sizeof path, "%s/" UNPACK_LOCK, folder);
+    int lock = open(draft, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    return lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && rename(draft, path) == 0;
+}
+
+static mu_result folder_make(struct unpacked *u)
+{
+    snprintf(u->folder, sizeof u->folder, "/tmp/%sXXXXXX", u->keeps ? UNPACK_KEPT : UNPACK_OURS);
+    if (!mkdtemp(u->folder)) {
+        fprintf(stderr, "muster: cannot make a folder in /tmp: %s\n", strerror(errno));
+        u->folder[0] = '\0';
+        return MU_FAULT_OS;
+    }
+    if (!u->keeps && !folder_lock(u->folder)) {
+        fprintf(stderr, "muster: cannot lock %s: %s\n", u->folder, strerror(errno));
+        return MU_FAULT_OS;
+    }
+    return MU_OK;
+}
+
+void unpack_close(struct unpacked *u)
+{
+    if (u->folder[0] && !u->keeps) {
+        folder_remove(u->folder);
+    }
+}
+
+/* --- the files -------------------------------------------------------------------------------- */
+
+static const char *origin(struct mcap_reader *reader)
+{
+    const char *folder = mcap_reader_value(reader, "run", "folder");
+    return folder ? folder : "";
+}
+
+static mu_result folders_make(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        int made = mkdir(path, 0700);
+        *slash = '/';
+        if (made != 0 && errno != EEXIST) {
+            return MU_FAULT_OS;
+        }
+    }
+    return MU_OK;
+}
+
+/* Where a recorded file is to lie: "ROLE/PATH" below the folder that the run was started in,
+ * "ROLE/_/PATH" anywhere; the library apart.  @return false: a name that leads out of the folder */
+static bool place_find(const struct unpacked *u, const char *from, const char *name,
+                       struct mu_text *path)
+{
+    const char *rest = strchr(name, '/');
+    if (!rest || strstr(name, "..") || strncmp(name, "/", 1) == 0 || strstr(from, "..")) {
+        return false;
+    }
+    mu_text_add(path, u->folder);
+    if (strncmp(name, "library/", 8) == 0) {
+        mu_text_add(path, "/library");
+    } else if (strncmp(rest, "/_/", 3) == 0) {
+        mu_text_add(path, "/files");
+        rest += 2;
+    } else {
+        mu_text_format(path, "/files%s", from);
+    }
+    mu_text_add(path, rest);
+    return !path->cut;
+}
+
+static mu_result file_write(char *path, const void *bytes, size_t size)
+{
+    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wx") : NULL;
+    bool good = out && fwrite(bytes, 1, size, out) == size;
+    good = out && fclose(out) == 0 && good;
+    if (!good) {
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr, "muster: cannot write %s: %s\n", mu_text_show(shown, path),
+                strerror(errno));
+        return MU_FAULT_OS;
+    }
+    return MU_OK;
+}
+
+static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uint32_t index,
+                             const char *file, void *room)
+{
+    const struct mcap_attachment *a = mcap_reader_attachment(reader, index);
+    char bytes[PATH_MAX];
+    char shown[MU_TEXT_SHOWN];
+    struct mu_text path;
+    mu_text_init(&path, bytes, sizeof bytes);
+    if (!place_find(u, origin(reader), a->name, &path)) {
+        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", file,
+                mu_text_show(shown, a->name));
+        return MU_FAULT_FILE;
+    }
+    if (mcap_reader_attachment_read(reader, index, room, MU_RECORD_MESSAGE_MAX) != MU_OK) {
+        fprintf(stderr, "%s: %s in it is not whole\n", file, mu_text_show(shown, a->name));
+        return MU_FAULT_FILE;
+    }
+    if (strncmp(a->name, "experiment/", 11) == 0) {
+        mu_text_copy(u->experiment, sizeof u->experiment, bytes);
+    }
+    return file_write(bytes, room, (size_t)a->size);
+}
+
+mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char *file, bool keeps)
+{
+    *u = (struct unpacked){.keeps = keeps};
+    void *room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
+    left_behind_clear();
+    MU_TRY(folder_make(u));
+    for (uint32_t i = 0; mcap_reader_attachment(reader, i); i++) {
+        MU_TRY(file_unpack(u, reader, i, file, room));
+    }
+    if (!u->experiment[0]) {
+        fprintf(stderr, "%s: expected the files of a run, and there is no experiment in it\n",
+                file);
+        return MU_FAULT_FILE;
+    }
+    return MU_OK;
+}
+
+const char *unpack_path(const struct unpacked *u, const char *path)
+{
+    size_t len = strlen(u->folder);
+    bool ours =
+        len > 0 && strncmp(path, u->folder, len) == 0 && strncmp(path + len, "/files/", 7) == 0;
+    return ours ? path + len + 6 : path;
+}

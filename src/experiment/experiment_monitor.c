@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Who looks at a run: rules, or a program of the user's. */
+#include "core/name.h"
+#include "experiment/experiment_schema.h"
+#include "muster/memory.h"
+
+#include <string.h>
+#include <unistd.h>
+
+void experiment_fill_monitor(struct experiment_source *s, size_t index)
+{
+    struct experiment_monitor *m = &s->experiment->monitors[index];
+    struct mu_fault here;
+    (void)yaml_tree_fault(s->tree, experiment_item(s, "monitors", index), &here, "%s", "");
+    m->mark = (struct experiment_mark){here.line, here.column};
+    if (!m->name) {
+        m->name = mu_startup_string("monitor");
+    }
+}
+
+/* @return whether somebody of the run, or a monitor before this one, has the name */
+static bool name_is_taken(const struct experiment *e, size_t index)
+{
+    const char *name = e->monitors[index].name;
+    bool taken =
+        experiment_find_robot(e, name) != NULL || experiment_find_host(e, name) < e->hosts_count;
+    for (size_t i = 0; i < index; i++) {
+        taken = taken || strcmp(e->monitors[i].name, name) == 0;
+    }
+    return taken;
+}
+
+static mu_result name_check(struct experiment_source *s, size_t index, int node)
+{
+    const struct experiment_monitor *m = &s->experiment->monitors[index];
+    int name = yaml_tree_child(s->tree, node, "name");
+    name = name ? name : node;
+    if (!mu_name_valid(m->name) || mu_name_reserved(m->name)) {
+        return experiment_fault(s, NULL, name, "'%.80s' cannot be a monitor's name", m->name);
+    }
+    return name_is_taken(s->experiment, index)
+               ? experiment_fault(s, NULL, name,
+                                  "the name '%s' is taken; expected a name that no robot, host or "
+                                  "other monitor has",
+                                  m->name)
+               : MU_OK;
+}
+
+/* A recording has no programs, and who does a recorded run again starts none. */
+static mu_result program_check(struct experiment_source *s, struct experiment_monitor *m, int node)
+{
+    if (experiment_is_recorded()) {
+        return MU_OK;
+    }
+    MU_TRY(experiment_check_file(s, &m->program, node, "program"));
+    return access(m->program, X_OK) == 0
+               ? MU_OK
+               : experiment_fault(s, NULL, node, "expected a program that may be started, not '%s'",
+                                  m->program);
+}
+
+mu_result experiment_check_monitor(struct experiment_source *s, size_t index)
+{
+    struct experiment_monitor *m = &s->experiment->monitors[index];
+    int node = experiment_item(s, "monitors", index);
+    if (!m->rules == !m->program) {
+        return experiment_fault(s, NULL, node, "expected either rules: FILE, or program: FILE");
+    }
+    mu_result checked = name_check(s, index, node);
+    if (checked != MU_OK) {
+        return checked;
+    }
+    return m->program ? program_check(s, m, yaml_tree_child(s->tree, node, "program"))
+                      : experiment_check_file(s, &m->rules, yaml_tree_child(s->tree, node, "rules"),
+                                              "rules");
+}

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""muster report: the report of a run once more, from what lies in its folder."""
+import json
+import os
+import signal
+
+from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
+                     experiment_run, folder, muster, wait_for)
+
+PAGES = ("tracks.svg", "bearing.svg", "report.html")
+EVENTS = """
+expect:
+  - {sequence: ["red told mate-pos", "blue near red 3", "time > 5"]}
+  - {never: "red near blue 0.1"}
+  - {statistic: mail.lost, at_most: 0}
+  - {statistic: red.distance_m, at_least: 1, from: 15}
+"""
+TEAM = f"""
+name: again
+world: {ROOT}/worlds/collect.world
+duration: 20
+robots:
+  - {{name: blue, rules: {ROOT}/rules/follower.clp, body: pioneer_gripper, place: random}}
+  - {{name: red,  rules: {ROOT}/rules/follower.clp, body: pioneer_gripper, pose: [0, 0, 0]}}
+observer:
+  - {{at: 0, do: red,  line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+chaos:
+  - {{at: 3, push: red, force: [20, 5], for: 0.5}}
+  - {{when: "red told nothing", push: red, force: [1, 0]}}
+"""
+
+
+def texts(path):
+    return {f.name: f.read_bytes() for f in path.iterdir() if f.suffix in (".json", ".csv", ".svg",
+                                                                           ".html")}
+
+
+def same(before, after, names):
+    for name in names:
+        check(before[name] == after[name], f"{name} is another one")
+
+
+def test_a_report_again_is_the_same():
+    with folder() as out:
+        for name, file, words in (("follow", FOLLOW, ("--duration", "40")),
+                                  ("free", FOLLOW, ("--free", "--duration", "2"))):
+            done, _ = experiment_run(out / name, *words, file=file)
+            check_equal(done.returncode, 0, done.stderr)
+            before = texts(out / name)
+            for gone in PAGES:
+                (out / name / gone).unlink()
+            again = muster("report", out / name)
+            check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
+            check_equal(sorted(texts(out / name)), sorted(before), "the files")
+            same(before, texts(out / name), before)
+
+
+def test_a_report_from_the_recording_alone():
+    with folder() as out:
+        file = out / "again.yaml"
+        file.write_text(TEAM + EVENTS)
+        done, summary = experiment_run(out / "run", "--set", "seed=3", file=file)
+        before = texts(out / "run")
+        for name in before:
+            (out / "run" / name).unlink()
+        again = muster("report", out / "run", "--json")
+        check_equal(again.returncode, done.returncode, f"{again.stdout} {again.stderr}")
+        after = texts(out / "run")
+        same(before, after, ("run.csv", "events.csv", "tracks.svg", "bearing.svg"))
+        made = json.loads(after["summary.json"])
+        check_equal(made, json.loads(again.stdout), "what is said is what is written")
+        for key in ("experiment", "seed", "hash", "command", "overrides", "sim_time_s",
+                    "wall_time_s", "robots", "objects", "explored_fraction", "most_efficient"):
+            check_equal(made[key], summary[key], key)
+        check_equal([c["done"] for c in made["chaos"]], [True, False], "what was pushed")
+        check_equal(made["mail"]["sent"], None, "the brokers have told nobody")
+        kept = [e for e in summary["expectations"] if "mail" not in e["text"]]
+        check_equal(made["expectations"], kept, "what can be judged is judged alike")
+
+
+def test_every_robot_has_its_own_counters():
+    """One with a random place stands behind one with a pose, wherever the file has it."""
+    with folder() as out:
+        (out / "silent.clp").write_text("(defrule s (position $?) => (update-sensors))\n")
+        (out / "talks.clp").write_text(
+            "(defrule t (position $?) => (broadcast hi there) (update-sensors))\n")
+        file = out / "order.yaml"
+        file.write_text(f"""
+world: {ROOT}/worlds/arena.world
+duration: 5
+robots:
+  - {{name: silent, rules: silent.clp, body: pioneer, place: random}}
+  - {{name: talks, rules: talks.clp, body: pioneer, pose: [0, 0, 0]}}
+""")
+        _, summary = experiment_run(out / "run", file=file)
+        sent = {r["name"]: r["mail_sent"] for r in summary["robots"]}
+        check_equal(sent, {"talks": 50, "silent": 0}, "mails sent")
+        (out / "run/summary.json").unlink()
+        check_equal(muster("report", out / "run").returncode, 0, "from the recording")
+        made = json.loads((out / "run/summary.json").read_text())
+        check_equal(made["robots"], summary["robots"], "the recording's counters")
+
+
+def simulator_of(pid):
+    for child in children_of(pid):
+        with open(f"/proc/{child}/comm") as f:
+            if f.read().strip() == "muster-sim":
+                return child
+    return None
+
+
+def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
+    with folder() as out, Processes() as processes:
+        run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--rate", "10", "--out", out / "r")
+        simulator = wait_for(lambda: simulator_of(run.pid), 20, "the simulator")
+        recording = out / "r/run.mcap"
+        wait_for(lambda: recording.exists() and recording.stat().st_size > 500000, 30, "steps")
+        live = muster("report", out / "r")
+        check_equal(live.returncode, 9, "a live run makes its report itself")
+        check("a run is writing there" in live.stderr, live.stderr)
+        os.kill(simulator, signal.SIGKILL)
+        check_equal(run.wait(30), 5, "the run has crashed")
+        check(not (out / "r/summary.json").exists(), "and has no report")
+        done = muster("report", out / "r")
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check("where it broke off" in done.stdout, done.stdout)
+        summary = json.loads((out / "r/summary.json").read_text())
+        check_equal((summary["broke_off"], summary["hash"]), (True, "none"), "how it ended")
+        check(summary["sim_time_s"] > 1, f"how far it came: {summary['sim_time_s']}")
+        rows = (out / "r/run.csv").read_text().splitlines()
+        check_equal(float(rows[-1].split(",")[0]), summary["sim_time_s"], "the last row")
+        check("where it broke off" in (out / "r/report.html").read_text(), "the page says so")
+        before = texts(out / "r")
+        check_equal(muster("report", out / "r").returncode, 0, "once more")
+        same(before, texts(out / "r"), before)
+
+
+def test_what_is_no_folder_of_a_run():
+    with folder() as out:
+        check_equal(muster("report").returncode, 2, "no folder named")
+        check_equal(muster("report", out / "none").returncode, 3, "no such folder")
+        check_equal(muster("report", out).returncode, 3, "nothing in it")
+        (out / "run.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(range(200)))
+        check_equal(muster("report", out).returncode, 3, "no recording")
+        (out / "summary.json").write_text("{\"seed\": }")
+        broken = muster("report", out)
+        check_equal(broken.returncode, 3, "a broken summary")
+        check("summary.json:1:" in broken.stderr, broken.stderr)
