@@ -528,9 +528,9 @@ def test_hands_of_a_person_at_the_page():
             browser.wait(f"Math.abs(parseFloat({pose}.slice(2)) - 1.5) < 0.1")
             now = viewer.last["frame"]
             start = (middle[0] + red(now)[0] * scale, middle[1] - red(now)[1] * scale)
-            browser.drag(start, (start[0], start[1] - 3 * scale), shift=True)
+            browser.drag(start, (start[0], start[1] - 1.2 * scale), shift=True)
             pushed = viewer.until("frame", lambda f: abs(red(f)[1] - red(now)[1]) > 0.01)
-            check(abs(red(pushed)[1] - red(now)[1]) < 3, "it was pushed, not placed")
+            check(abs(red(pushed)[1] - red(now)[1]) < 1, "it was pushed, not placed")
             browser.click_at(*start)
             browser.click("[data-tab='World']")
             browser.wait("document.querySelectorAll('.panel:not([hidden]) .output .answer').length === 2")
@@ -546,7 +546,7 @@ def test_hands_of_a_person_at_the_page():
             browser.wait("document.querySelectorAll('.panel:not([hidden]) .output :is(.answer, .failure)').length === 5")
             said = browser.value("document.querySelector('.panel:not([hidden]) .output').textContent")
             check_equal(said.count("done at step"), 5, said)
-            for word in ("place red", "push red 0 3", "sensor red all off"):
+            for word in ("place red", "push red 0 1", "sensor red all off"):
                 check(f"world> {word}" in said, said)
             check_equal(browser.said, [], "the page had no fault")
         viewer.close()
