@@ -599,6 +599,13 @@ def test_script_in_a_fact_is_text():
             browser.click(".panel:not([hidden]) [data-view=Facts]")
             browser.wait("document.querySelector('.panel:not([hidden]) .output').textContent"
                          f".includes('(note \"{SCRIPT}\")')")
+            browser.click("[data-tab=World]")
+            browser.click(".panel:not([hidden]) .line input")
+            browser.type("reset <b>x</b>")
+            browser.key("Enter")
+            browser.wait("document.querySelector('.panel:not([hidden]) .failure')?.textContent"
+                         ".includes('reset <b>x</b>: ')")
+            check_equal(browser.value("document.querySelectorAll('.output b, #said b').length"), 0, "no markup")
             check_equal(browser.value("document.images.length"), 0, "no picture came of it")
             check_equal(browser.value("window.hacked"), None, "nothing ran")
             check_equal(browser.said, [], "nor tried to")
