@@ -74,7 +74,7 @@ LIBS_stats   := -lm
 LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=malloc,--wrap=ReturnFact -lddsc -lccd -lpng -lm
+LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=ReturnFact -lddsc -lccd -lpng -lm
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
 LIBS_monitor := $(LIBS_agent)
@@ -133,7 +133,8 @@ ENGINE_OWN := \
   NetworkAssert \
   EvaluateExpression EnvRtnArgCount \
   EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
-  gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList EnvCreateMultifield FlushMultifields \
+  genalloc genfree EnvReleaseMem gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList \
+  EnvCreateMultifield FlushMultifields \
   PushProcParameters PopProcParameters
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
@@ -230,8 +231,7 @@ unit: $(TESTS) ## the unit tests of every module
 	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
 
 rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/*.clp against their `; expect:` lines, tests/clips against the program clips
-	@$(O)/test/rules $(filter-out tests/rules/attack_%,$(wildcard tests/rules/*.clp))
-	@ASAN_OPTIONS=detect_leaks=0 $(O)/test/rules tests/rules/attack_*.clp # a mind that breaks loses memory
+	@$(O)/test/rules $(wildcard tests/rules/*.clp)
 	@BUILD=$(BUILD) tests/clips/run
 
 system: all helpers ## the system tests: real processes on loopback

@@ -45,7 +45,9 @@ void load_die(const char *format, ...)
 const char *load_me(void)
 {
     static char name[32];
-    snprintf(name, sizeof name, "sender%ld", (long)getpid());
+    if (!name[0]) {
+        snprintf(name, sizeof name, "sender%ld", (long)getpid());
+    }
     return name;
 }
 
@@ -68,8 +70,9 @@ void load_read(struct load_mail *mail, const char *text)
 
 void load_send(const char *to, const char *text, int level)
 {
-    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    uint64_t until_ns = 0;
     while (!peer_send(to, text, (enum mu_level)level)) {
+        until_ns = until_ns ? until_ns : mu_clock_ns() + PATIENCE_NS;
         peer_spin(1000000);
         if (mu_clock_ns() > until_ns) {
             load_die("no room for a mail to %s", to);
@@ -80,10 +83,10 @@ void load_send(const char *to, const char *text, int level)
 void load_await(const uint64_t *count, uint64_t wanted)
 {
     uint64_t seen = *count;
-    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    uint64_t until_ns = 0;
     while (*count < wanted) {
         peer_spin(10000000);
-        if (*count != seen) {
+        if (*count != seen || until_ns == 0) {
             seen = *count;
             until_ns = mu_clock_ns() + PATIENCE_NS;
         }

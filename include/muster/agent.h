@@ -177,6 +177,10 @@ struct mu_handlers {
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
+    /** A control step begins, in any state, for a robot that the world has no body for, in a
+     * process that has steps: of the percept, step and time_ns alone say anything.  on_act follows.
+     */
+    void (*on_beat)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** Of a process that watches: a control step begins, and this is how every body of the world
      *  stands and moves, in the world's order, without what its sensors read.  Mail of the step
      *  comes after. */
@@ -351,6 +355,13 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
  * in the run's hash.  A step has room for MU_NOTE_MAX bytes; what does not fit is cut off.
  */
 void mu_agent_note(mu_agent *a, const char *text);
+
+/**
+ * Says what the agent wants from now on, for people who look on; it is not in the run's hash.
+ *
+ * @param goal  in words, copied: "gohome 3000.0 0.0"; what is longer than MU_FIELD_MAX bytes is cut
+ */
+void mu_agent_want(mu_agent *a, const char *goal);
 
 /** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);

@@ -141,6 +141,18 @@
 /** A capsule with its passport, in bytes with the terminating zero. */
 #define MU_CAPSULE_MAX (1u << 20)
 
+/** Lines that only look, and have no answer yet, at one broker; and those of one process. */
+#ifndef MU_GLANCES_MAX
+#define MU_GLANCES_MAX 64
+#endif
+#define MU_GLANCES_EACH 16
+
+/** Longest line that only looks, in bytes. */
+#define MU_GLANCE_LINE_MAX 255
+
+/** What such a line shows, in bytes with the terminating zero. */
+#define MU_GLANCE_BYTES_MAX (256u << 10)
+
 /** Places in all boxes together: a mail takes one in the box of each of its receivers. */
 #ifndef MU_POSTS_MAX
 #define MU_POSTS_MAX (1u << 20)

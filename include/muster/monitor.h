@@ -52,6 +52,7 @@ struct mu_robot_view {
     double x_m, y_m, heading_rad;   /* where it truly is */
     double forward_m_s, turn_rad_s; /* how it moves */
     double command_forward_m_s, command_turn_rad_s;
+    const char *goal; /* what it wants, as it said last: "gohome 3000.0 0.0"; "": it does not say */
     bool stalled;
     bool fault; /* the simulator had to put it back */
     double distance_m, stalled_s;

@@ -110,7 +110,7 @@ static inline void atom_count_float(void *env, struct mind *m)
 
 void *EnvAddDouble(void *env, double number)
 {
-    struct mind *m = ((struct environmentData *)env)->context;
+    struct mind *m = clips_engine_mind(env);
     unsigned long bucket = atom_tally(number) % FLOAT_HASH_SIZE;
     struct floatHashNode **end = atom_float_list(env, bucket, atom_places(m));
     for (; *end; end = &(*end)->next) {
@@ -241,7 +241,7 @@ static void atom_end_address(void *env, atom *a)
 
 static void atom_sweep_floats(void *env, struct ephemeron **list)
 {
-    struct mind *m = ((struct environmentData *)env)->context;
+    struct mind *m = clips_engine_mind(env);
     uint32_t gone = atom_sweep(env, list, (atom **)SymbolData(env)->FloatTable, atom_places(m) - 1,
                                sizeof(struct floatHashNode), NULL);
     if (m) {

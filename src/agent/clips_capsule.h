@@ -12,7 +12,7 @@
 
 #include "agent/clips_mind.h"
 
-enum { CLIPS_CAPSULE_NONE = -1, CLIPS_CAPSULE_KEY_MAX = 1024, CLIPS_CAPSULE_WORD_MAX = 256 };
+enum { CLIPS_CAPSULE_NONE = -1, CLIPS_CAPSULE_KEY_MAX = 1024 };
 
 /* A capsule that is read, from its first line to its last. */
 struct capsule {
@@ -20,7 +20,7 @@ struct capsule {
     const char *at;
     struct mu_fault *fault;
     int line;
-    char word[CLIPS_CAPSULE_WORD_MAX];
+    const char *word; /* that was read last: a symbol */
 };
 
 /* clips_capsule_text.c: the fields */
@@ -46,7 +46,7 @@ bool clips_capsule_field(struct capsule *c, struct field *out);
 /** Reads the fields up to the line's end or a parenthesis.  @return NULL: one is wrong */
 struct multifield *clips_capsule_fields(struct capsule *c);
 
-/** Reads a symbol into c->word.  @return NULL: there is none, or it is too long */
+/** Reads a symbol, to c->word, too.  @return NULL: there is none */
 const char *clips_capsule_word(struct capsule *c);
 
 bool clips_capsule_whole(struct capsule *c, long long *out);
@@ -59,8 +59,7 @@ bool clips_capsule_line(struct capsule *c, const char *word);
 /** Moves to the next line.  @return false: something is left on this one */
 bool clips_capsule_end(struct capsule *c);
 
-/** @return the fact of an index, one that is garbage when it is no more; NULL: CLIPS_CAPSULE_NONE
- */
+/** @return the fact of an index; NULL: there is none, or the index is CLIPS_CAPSULE_NONE */
 struct fact *clips_capsule_fact(const struct capsule *c, long long index);
 
 /** @return the index of a fact that is there, else CLIPS_CAPSULE_NONE */

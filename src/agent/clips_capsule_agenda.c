@@ -5,6 +5,8 @@
  * the same in both, and what is not in the list is taken off.
  */
 #include "agent/clips_capsule.h"
+#include "agent/clips_value.h"
+#include "core/hash.h"
 
 #include <string.h>
 
@@ -27,12 +29,9 @@ static void basis_add(struct mu_text *key, const struct partialMatch *basis)
 {
     for (unsigned i = 0; i < basis->bcount; i++) {
         const struct alphaMatch *match = basis->binds[i].gm.theMatch;
-        if (!match || !match->matchingItem) {
-            mu_text_add(key, ",*");
-            continue;
-        }
-        mu_text_format(key, ",%lld", ((const struct fact *)match->matchingItem)->factIndex);
-        for (const struct multifieldMarker *k = match->markers; k; k = k->next) {
+        mu_text_add(key, ",");
+        clips_value_add_match(key, match);
+        for (const struct multifieldMarker *k = match ? match->markers : NULL; k; k = k->next) {
             mu_text_format(key, ":%d/%ld-%ld", k->whichField, k->startPosition, k->endPosition);
         }
     }
@@ -88,34 +87,69 @@ void clips_capsule_save_agenda(struct mind *m, struct mu_text *out)
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-/* The lines of the agenda, and how many of them were found again. */
-struct agenda {
-    const char *lines;
-    uint64_t found;
-};
-
-/* Looks for the line of a key.  @return whether it is there, with what it says of the activation */
-static bool agenda_find(const char *lines, const char *key, struct activation *a)
-{
-    size_t len = strlen(key);
+/* What a line says of the activation with that key; key NULL: no line is there. */
+struct agenda_line {
+    const char *key;
+    size_t len;
     int salience, random;
     unsigned long long timetag;
-    for (const char *at = lines; strncmp(at, "act ", 4) == 0; at = strchr(at, '\n') + 1) {
-        int head = 0;
-        bool read = sscanf(at, "act %d %llu %d%n", &salience, &timetag, &random, &head) == 3;
-        if (read && strncmp(at + head, key, len) == 0 && at[head + len] == '\n') {
-            a->salience = salience;
-            a->timetag = timetag;
-            a->randomID = random;
-            return true;
-        }
+};
+
+/* The lines, found by their keys, and how many of them came about again. */
+struct agenda {
+    struct agenda_line *lines;
+    size_t places; /* a power of two, twice as many as lines at least */
+    uint64_t count, found;
+};
+
+static struct agenda_line *agenda_place(const struct agenda *g, const char *key, size_t len)
+{
+    size_t at = mu_hash_bytes(MU_HASH_EMPTY, key, len) & (g->places - 1);
+    while (g->lines[at].key &&
+           (g->lines[at].len != len || memcmp(g->lines[at].key, key, len) != 0)) {
+        at = (at + 1) & (g->places - 1);
     }
-    return false;
+    return &g->lines[at];
+}
+
+static void agenda_make(struct mind *m, struct agenda *g, const char *text)
+{
+    *g = (struct agenda){.places = 2};
+    while (strncmp(text, "act ", 4) == 0) {
+        text = strchr(text, '\n') + 1;
+        g->count++;
+    }
+    while (g->places < 2 * g->count) {
+        g->places *= 2;
+    }
+    g->lines = gm2(m->env, g->places * sizeof *g->lines);
+    memset(g->lines, 0, g->places * sizeof *g->lines);
+}
+
+static bool agenda_read(struct capsule *c, struct agenda *g)
+{
+    while (clips_capsule_line(c, "act")) {
+        long long salience, random;
+        uint64_t timetag;
+        if (!clips_capsule_whole(c, &salience) || !clips_capsule_count(c, &timetag) ||
+            !clips_capsule_whole(c, &random)) {
+            return false;
+        }
+        struct agenda_line line = {.key = c->at,
+                                   .len = strcspn(c->at, "\n"),
+                                   .salience = (int)salience,
+                                   .random = (int)random,
+                                   .timetag = timetag};
+        *agenda_place(g, line.key, line.len) = line;
+        c->at += line.len + 1;
+        c->line++;
+    }
+    return true;
 }
 
 static void module_load(struct mind *m, void *self)
 {
-    struct agenda *agenda = self;
+    struct agenda *g = self;
     char bytes[CLIPS_CAPSULE_KEY_MAX];
     struct mu_text key;
     mu_text_init(&key, bytes, sizeof bytes);
@@ -123,49 +157,62 @@ static void module_load(struct mind *m, void *self)
     for (struct activation *a = EnvGetNextActivation(m->env, NULL); a; a = next) {
         next = EnvGetNextActivation(m->env, a);
         key_make(&key, a);
-        if (agenda_find(agenda->lines, key.at, a)) {
-            agenda->found++;
-        } else {
+        const struct agenda_line *line = agenda_place(g, key.at, key.len);
+        if (!line->key) {
             EnvDeleteActivation(m->env, a); /* it has fired */
+            continue;
         }
+        a->salience = line->salience;
+        a->timetag = line->timetag;
+        a->randomID = line->random;
+        g->found++;
     }
     EnvReorderAgenda(m->env, EnvGetCurrentModule(m->env));
+}
+
+static mu_result activations_load(struct capsule *c)
+{
+    struct mind *m = c->mind;
+    struct agenda g;
+    agenda_make(m, &g, c->at);
+    bool read = agenda_read(c, &g);
+    if (read) {
+        modules_each(m, &g, module_load);
+    }
+    rm(m->env, g.lines, g.places * sizeof *g.lines);
+    if (!read) {
+        return clips_capsule_wrong(c, "an activation");
+    }
+    return g.found == g.count
+               ? MU_OK
+               : mu_fault_at(c->fault, "capsule", c->line, 0,
+                             "%llu of %llu activations do not come about again",
+                             (unsigned long long)(g.count - g.found), (unsigned long long)g.count);
 }
 
 /* The stack was written from its top: the last comes first. */
 static mu_result focus_load(struct capsule *c)
 {
-    struct capsule rest = *c;
-    if (!clips_capsule_more(c)) {
-        return MU_OK;
+    void *env = c->mind->env;
+    struct multifield *names = clips_capsule_fields(c);
+    bool good = names != NULL;
+    for (long i = good ? names->multifieldLength : 0; i > 0 && good; i--) {
+        const struct field *f = &names->theFields[i - 1];
+        void *module = f->type == SYMBOL ? EnvFindDefmodule(env, ValueToString(f->value)) : NULL;
+        good = module != NULL;
+        if (good) {
+            EnvFocus(env, module);
+        }
     }
-    const char *word = clips_capsule_word(&rest);
-    struct defmodule *module = word ? EnvFindDefmodule(c->mind->env, word) : NULL;
-    if (!module) {
-        return clips_capsule_wrong(c, "a module of the rules");
-    }
-    *c = rest;
-    MU_TRY(focus_load(c));
-    EnvFocus(c->mind->env, module);
-    return MU_OK;
+    ReturnMultifield(env, names);
+    return good ? MU_OK : clips_capsule_wrong(c, "modules of the rules");
 }
 
 mu_result clips_capsule_load_agenda(struct capsule *c)
 {
     struct mind *m = c->mind;
-    struct agenda agenda = {.lines = c->at};
-    uint64_t lines = 0, timetag;
-    modules_each(m, &agenda, module_load);
-    while (strncmp(c->at, "act ", 4) == 0) {
-        c->at = strchr(c->at, '\n') + 1;
-        c->line++;
-        lines++;
-    }
-    if (agenda.found != lines) {
-        return mu_fault_at(c->fault, "capsule", c->line, 0,
-                           "%llu of %llu activations do not come about again",
-                           (unsigned long long)(lines - agenda.found), (unsigned long long)lines);
-    }
+    uint64_t timetag;
+    MU_TRY(activations_load(c));
     if (!clips_capsule_line(c, "agenda-end") || !clips_capsule_count(c, &timetag) ||
         !clips_capsule_end(c) || !clips_capsule_line(c, "focus")) {
         return clips_capsule_wrong(c, "the end of the agenda");

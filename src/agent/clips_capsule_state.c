@@ -257,7 +257,6 @@ static bool mail_fact_load(struct capsule *c)
     return clips_capsule_end(c);
 }
 
-/* The content stays in the mind's scratch until it is parked. */
 static bool parked_load(struct capsule *c)
 {
     struct mind_mail mail = {.id = 0};

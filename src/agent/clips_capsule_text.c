@@ -86,34 +86,45 @@ struct fact *clips_capsule_fact(const struct capsule *c, long long index)
     return f;
 }
 
-/* Reads what stands in quotes into the mind's scratch.  @return false: no quotes, or too long */
-static bool text_read(struct capsule *c)
+/* @return room enough for the text that begins here */
+static size_t text_bytes(const char *at)
 {
-    char *to = c->mind->scratch;
-    char *end = to + MU_CONTENT_MAX;
+    const char *end = at + (*at == '"');
+    while (*end && *end != '"' && *end != '\n') {
+        end += *end == '\\' && end[1] ? 2 : 1;
+    }
+    return (size_t)(end - at) + 1;
+}
+
+/* Reads what stands in quotes.  @return false: no quotes */
+static bool text_read(struct capsule *c, char *to)
+{
     const char *at = c->at;
     if (*at++ != '"') {
         return false;
     }
-    while (*at && *at != '"' && *at != '\n' && to < end) {
-        bool escaped = *at == '\\' && at[1] != '\0';
+    while (*at && *at != '"' && *at != '\n') {
+        bool escaped = *at == '\\' && at[1];
         at += escaped;
         *to++ = escaped && *at == 'n' ? '\n' : escaped && *at == 'r' ? '\r' : *at;
         at++;
     }
     *to = '\0';
-    if (*at != '"') {
-        return false;
-    }
-    c->at = at + 1;
-    return true;
+    bool good = *at == '"';
+    c->at = at + good;
+    return good;
 }
 
+/* A text may be as long as the capsule has room. */
 static bool field_text(struct capsule *c, unsigned short type, struct field *out)
 {
+    void *env = c->mind->env;
+    size_t bytes = text_bytes(c->at);
+    char *text = gm2(env, bytes);
+    bool good = text_read(c, text);
     out->type = type;
-    bool good = text_read(c);
-    out->value = good ? EnvAddSymbol(c->mind->env, c->mind->scratch) : NULL;
+    out->value = good ? EnvAddSymbol(env, text) : NULL;
+    rm(env, text, bytes);
     return good;
 }
 
@@ -188,13 +199,9 @@ struct multifield *clips_capsule_fields(struct capsule *c)
 
 const char *clips_capsule_word(struct capsule *c)
 {
-    skip_spaces(c);
-    if (*c->at != 'y') {
-        return NULL;
-    }
-    c->at++;
-    bool good = text_read(c);
-    return good && mu_text_copy(c->word, sizeof c->word, c->mind->scratch) ? c->word : NULL;
+    struct field f;
+    c->word = clips_capsule_field(c, &f) && f.type == SYMBOL ? ValueToString(f.value) : NULL;
+    return c->word;
 }
 
 bool clips_capsule_whole(struct capsule *c, long long *out)

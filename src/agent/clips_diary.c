@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What goes on in a mind, line by line, for recordings: docs/observing.md has the lines. */
-#include "agent/clips_mind.h"
+#include "agent/clips_value.h"
 
 #include <math.h>
 #include <string.h>
@@ -111,17 +111,12 @@ static void line_add_fact(struct mind *m, const struct fact *f)
     mu_text_add(&m->diary, ")");
 }
 
-/* The facts that patterns have matched; * for one that must not be there. */
+/* What patterns have matched. */
 static void line_add_basis(struct mu_text *out, const struct partialMatch *basis)
 {
     for (unsigned i = 0; basis && i < basis->bcount; i++) {
-        const struct alphaMatch *match = basis->binds[i].gm.theMatch;
         mu_text_add(out, i > 0 ? "," : " ");
-        if (match && match->matchingItem) {
-            mu_text_format(out, "%lld", ((const struct fact *)match->matchingItem)->factIndex);
-        } else {
-            mu_text_add(out, "*");
-        }
+        clips_value_add_match(out, basis->binds[i].gm.theMatch);
     }
 }
 

@@ -14,6 +14,12 @@
 
 #include "agent/clips_mind.h"
 
+/* Whose environment it is; NULL: it is being made. */
+static inline struct mind *clips_engine_mind(void *env)
+{
+    return ((struct environmentData *)env)->context;
+}
+
 /* Takes a structure of the engine's from the pool of that size. */
 static inline void *clips_engine_take(void *env, size_t bytes)
 {

@@ -160,12 +160,12 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
-    clips_guard_arm(m);
+    m->sheltered = true;
 }
 
 bool clips_env_leave(struct mind *m)
 {
-    clips_guard_arm(NULL);
+    m->sheltered = false;
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
@@ -338,9 +338,7 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
     mu_random_seed(&m->random, options->seed, m->options.name);
-    m->env = CreateEnvironment();
-    MU_ASSERT(m->env);
-    SetEnvironmentContext(m->env, m);
+    clips_heap_make(m);
     env_install(m);
     if (CLIPS_BROKEN(m)) {
         return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT);
@@ -370,10 +368,7 @@ bool mind_is_broken(const struct mind *m)
 
 void mind_close(struct mind *m)
 {
-    if (m && m->env && !m->broken) { /* what is broken is not to be touched, not even to free it */
-        DestroyEnvironment(m->env);
-    }
-    if (m) {
-        m->env = NULL;
+    if (m && m->env) {
+        clips_heap_drop(m);
     }
 }

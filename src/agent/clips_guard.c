@@ -23,21 +23,15 @@ static void guard_stop(struct mind *m, const char *why)
     SetHaltExecution(m->env, TRUE);
 }
 
-/* The mind that is in CLIPS just now; minds of a process share a thread. */
-static struct mind *guard_armed;
-
-void clips_guard_arm(struct mind *m)
-{
-    guard_armed = m;
-}
-
 /*
  * One expression can want any amount of memory, and one fact can complete any number of matches,
  * before CLIPS comes to a tick.  There is no way back out of the middle of that but this one.
  */
-static void guard_burst(struct mind *m)
+void clips_guard_burst(struct mind *m)
 {
-    guard_armed = NULL;
+    MU_ASSERT(m->sheltered); /* else the machine has no memory, and nobody can go on without */
+    clips_heap_drop(m);
+    m->sheltered = false;
     m->stopped = "memory";
     m->broken = true;
     m->firing = false;
@@ -46,27 +40,11 @@ static void guard_burst(struct mind *m)
     longjmp(m->shelter, 1);
 }
 
-/* The linker's --wrap brings all that CLIPS allocates through here. */
-void *__real_malloc(size_t bytes);
-void *__wrap_malloc(size_t bytes);
-
-void *__wrap_malloc(size_t bytes)
+void clips_guard_allocated(struct mind *m)
 {
-    struct mind *m = guard_armed;
-    if (!m) {
-        return __real_malloc(bytes);
-    }
-    size_t held = (size_t)EnvMemUsed(m->env);
-    void *given = bytes > CLIPS_MEMORY_BURST || held > CLIPS_MEMORY_BURST - bytes
-                      ? NULL
-                      : __real_malloc(bytes);
-    if (!given) {
-        guard_burst(m);
-    }
-    if (++m->allocations % GUARD_WORK_ALLOCATIONS == 0) { /* matching has no ticks */
+    if (m->sheltered && ++m->allocations % GUARD_WORK_ALLOCATIONS == 0) {
         guard_work(m);
     }
-    return given;
 }
 
 /* CLIPS calls this at each turn of a loop, at each return of a function and after each rule. */

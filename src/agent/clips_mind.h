@@ -92,6 +92,14 @@ struct clips_failing {
 
 struct clips_places; /* clips_place.c */
 
+/* What a mind's engine has of memory: clips_heap.c. */
+struct clips_heap {
+    struct clips_region *regions;
+    struct clips_piece *pieces;
+    char *at, *end; /* what is left of the chunk that is open */
+    size_t held;    /* bytes of chunks and pieces */
+};
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -102,7 +110,8 @@ enum clips_global {
 };
 
 struct mind {
-    void *env;
+    void *env; /* NULL: there is none, or it broke */
+    struct clips_heap heap;
     uint32_t floats, float_places; /* atoms of them, and over how many lists they are spread */
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
@@ -161,8 +170,9 @@ struct mind {
     const char *stopped;  /* which guard, or NULL */
     const char *stack;    /* at the entry */
     jmp_buf shelter;      /* in the function of mind.h that called into CLIPS */
+    bool sheltered;       /* it is in CLIPS, and the shelter is good */
     uint32_t allocations; /* of CLIPS, so far */
-    bool broken;          /* its environment must not be touched any more */
+    bool broken;          /* it wanted too much memory: its environment is gone */
     struct clips_failing failing[CLIPS_FAILING_MAX];
     size_t failing_count;
     uint64_t stops; /* by guards */
@@ -210,6 +220,14 @@ bool clips_env_leave(struct mind *m);
 /** @return the number that a global is set to; its first value when it is set to none */
 double clips_env_global(const struct mind *m, enum clips_global which);
 
+/* clips_heap.c */
+
+/** Makes the environment of a mind; from here on, clips_env_mind knows whose it is. */
+void clips_heap_make(struct mind *m);
+
+/** Gives back all memory of the environment, without a look at what stands in it. */
+void clips_heap_drop(struct mind *m);
+
 /* clips_atom.c */
 void clips_atom_install(struct mind *m);
 
@@ -217,17 +235,21 @@ void clips_atom_install(struct mind *m);
 
 /**
  * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
- * ever have ends here a second time: CLIPS is left in the middle of what it did, and is not touched
- * again.
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
+ * had is gone.
  */
 #define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
 
 /** The answer of a broken mind. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
 
-/** From enter to leave, memory is refused beyond the limit.  m: NULL ends it. */
-void clips_guard_arm(struct mind *m);
 void clips_guard_install(struct mind *m);
+
+/** CLIPS is given no more memory: the mind is broken.  Goes back to the shelter. */
+_Noreturn void clips_guard_burst(struct mind *m);
+
+/** CLIPS was given memory: it may be long at work without a turn of a loop. */
+void clips_guard_allocated(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
 
 /** Counts what C code has done for a rule as so many turns of a loop. */

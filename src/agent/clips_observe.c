@@ -43,7 +43,6 @@ mu_result mind_tell(struct mind *m, const char *fact)
 
 bool mind_looks_at(const struct mind *m, const char *relation)
 {
-    const struct deftemplate *t =
-        m->env && !m->broken ? EnvFindDeftemplate(m->env, relation) : NULL;
+    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, relation) : NULL;
     return t && clips_sense_is_used(t);
 }

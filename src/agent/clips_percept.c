@@ -231,3 +231,20 @@ void mind_percept(struct mind *m, const struct mind_percept *percept)
     EnvDecrementGCLocks(m->env);
     clips_env_leave(m);
 }
+
+void mind_feel_nothing(struct mind *m, uint64_t time_ns)
+{
+    const struct mind_percept nothing = {.time_ns = time_ns, .battery_share = -1};
+    m->step++;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    percept_retract_all(m);
+    percept_copy(m, &nothing);
+    m->sensed = m->ring_unseen = false;
+    clips_event_assert(m);
+    clips_message_age(m);
+    clips_env_leave(m);
+}

@@ -78,6 +78,9 @@ bool clips_sense_is_used(const struct deftemplate *template)
 
 uint32_t mind_senses(const struct mind *m)
 {
+    if (!m->env) {
+        return m->senses_named;
+    }
     uint32_t used = (clips_sense_is_used(m->ring) ? MU_SENSE_SONAR : 0u) |
                     (clips_sense_is_used(m->laser) ? MU_SENSE_LASER : 0u) |
                     (clips_sense_is_used(m->blob) ? MU_SENSE_CAMERA : 0u) |

@@ -156,6 +156,19 @@ bool clips_value_whole(void *env, const char *function, int index, long long *ou
     return true;
 }
 
+void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match)
+{
+    const struct patternEntity *item = match ? match->matchingItem : NULL;
+    if (!item) {
+        mu_text_add(out, "*");
+    } else if (item->theInfo->base.type == FACT_ADDRESS) {
+        mu_text_format(out, "%lld", ((const struct fact *)item)->factIndex);
+    } else {
+        const char *name = ValueToString(((const INSTANCE_TYPE *)item)->name);
+        mu_text_format(out, "[%s]", strpbrk(name, " ,\n\r") ? "?" : name);
+    }
+}
+
 bool clips_value_word(void *env, const char *function, int index, const char **out)
 {
     DATA_OBJECT value;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file clips_value.h
- * Arguments and results of the functions that rules call.
+ * Values of CLIPS: arguments and results of the functions that rules call, and what rules match.
  */
 #ifndef MUSTER_AGENT_CLIPS_VALUE_H
 #define MUSTER_AGENT_CLIPS_VALUE_H
@@ -38,6 +38,10 @@ bool clips_value_whole(void *env, const char *function, int index, long long *ou
 
 /** Evaluates an argument that must be a symbol or a string. */
 bool clips_value_word(void *env, const char *function, int index, const char **out);
+
+/** Adds what a pattern has matched: 12, a fact's index; [ball], an instance; *, nothing is there.
+ */
+void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match);
 
 /** @return the number that a field is; 0 when it is none */
 double clips_value_of(unsigned short type, const void *value);

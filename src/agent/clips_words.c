@@ -33,6 +33,9 @@ static void words_functions(struct mind *m, struct mu_text *out)
 
 void mind_words(struct mind *m, struct mu_text *out)
 {
+    if (!m->env) {
+        return;
+    }
     words_functions(m, out);
     for (void *r = EnvGetNextDefrule(m->env, NULL); r; r = EnvGetNextDefrule(m->env, r)) {
         words_add(out, 'r', EnvGetDefruleName(m->env, r));

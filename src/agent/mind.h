@@ -216,6 +216,9 @@ uint32_t mind_senses(const struct mind *m);
  * step. */
 void mind_percept(struct mind *m, const struct mind_percept *percept);
 
+/** The same for a mind that has no body, or has lost it: its percept facts go. */
+void mind_feel_nothing(struct mind *m, uint64_t time_ns);
+
 /**
  * Opens a step of a mind that has no body, and is told what it sees: as mind_percept.
  *
@@ -304,6 +307,16 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
  */
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
 
+/**
+ * Answers a line that only looks (core/glance.h), from what the mind is between two steps, and
+ * leaves it as it was: the same capsule, and the same run, as if nobody had looked.
+ *
+ * @param out   what it printed, or its value, or the error
+ * @return MU_OK; MU_MALFORMED: CLIPS refused it; MU_ABSENT: it does not only look, or means
+ *         something else to these rules, and nothing was done
+ */
+MU_MUST_USE mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out);
+
 /** What rules have failed at is forgotten: they may try again. */
 void mind_forgive(struct mind *m);
 
@@ -329,6 +342,9 @@ void mind_words(struct mind *m, struct mu_text *out);
  * the options want a diary.  At most 16 KiB; lines without room are counted in the last one.
  */
 void mind_diary(struct mind *m, struct mu_text *out);
+
+/** Writes what it wants: the words of its youngest fact (goal ...); "": it has none. */
+void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1]);
 
 /** Takes where rules or a line want it to go; the first that they said since this was asked. */
 struct mind_travel mind_travel(struct mind *m);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What stands before a capsule, and the pieces that both cross in. */
+/* What stands before a capsule. */
 #include "agent/trip.h"
 #include "core/name.h"
 

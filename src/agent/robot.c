@@ -30,8 +30,16 @@ static struct mu_handlers robot_handlers_of(struct robot *r)
                                 .on_directive = robot_on_directive,
                                 .on_state = robot_on_state,
                                 .on_step = robot_on_step,
+                                .on_beat = robot_on_beat,
                                 .on_act = robot_on_act,
                                 .on_refusal = robot_on_refusal};
+}
+
+static void robot_begin(struct robot *r)
+{
+    mu_agent_be(r->agent, &robot_kind);
+    glances_answer(r->agent, robot_console_look);
+    body_ask(r->agent, r->mind);
 }
 
 mu_result robot_join(struct robot *r)
@@ -46,8 +54,7 @@ mu_result robot_join(struct robot *r)
         fprintf(stderr, "%s: %s\n", r->name, mu_result_text(joined));
         return joined < 0 ? joined : MU_FAULT_USAGE;
     }
-    mu_agent_be(r->agent, &robot_kind);
-    body_ask(r->agent, r->mind);
+    robot_begin(r);
     return MU_OK;
 }
 
@@ -61,8 +68,7 @@ mu_result robot_arrive(struct robot *r, const struct mu_passage *from, enum mu_e
     }
     r->arrives = true;
     r->out = false;
-    mu_agent_be(r->agent, &robot_kind);
-    body_ask(r->agent, r->mind);
+    robot_begin(r);
     return MU_OK;
 }
 

@@ -15,6 +15,7 @@
 #include "agent/settings.h"
 #include "agent/trip.h"
 #include "muster/muster.h"
+#include "runtime/glances.h"
 
 enum {
     ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
@@ -70,6 +71,7 @@ struct robot {
     mu_agent *agent;
     struct mu_percept percept; /* of this step, */
     bool percept_waits;        /* which the mind has not taken yet */
+    bool bodiless;             /* in this step; the percept says what time it is */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
     bool arrives;              /* it has not got its name here yet; then it goes on */
     bool returns;              /* its mind was made of a checkpoint: it goes on where that ends, */
@@ -167,6 +169,9 @@ void robot_console_end(struct robot *r);
 bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
                           mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));
 
+/** Answers a line that only looks, between two steps: for glances_answer. */
+enum glance_end robot_console_look(void *self, const char *line, const char **text);
+
 /** Answers with the words that a line may have, as mind_words has them. */
 void robot_console_words(struct robot *r, const struct mu_mail *asked);
 
@@ -220,6 +225,8 @@ void robot_do_wish(struct robot *r, mu_agent *a);
 
 void robot_on_state(void *self, mu_agent *a, enum mu_state state);
 void robot_on_step(void *self, mu_agent *a, const struct mu_percept *percept);
+/** A step of one without a body. */
+void robot_on_beat(void *self, mu_agent *a, const struct mu_percept *percept);
 void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept);
 
 #endif

@@ -153,6 +153,17 @@ static void listing_send(struct robot *r, const struct mu_mail *asked, bool done
 
 static const char listing_cut[] = "\n[the answer is longer than 256 KiB: the rest is left out]\n";
 
+_Static_assert((unsigned)ROBOT_LISTING_MAX <= MU_GLANCE_BYTES_MAX, "a glance shows all of it");
+
+static void listing_end(struct mu_text *listing)
+{
+    if (listing->cut) {
+        listing->len -= sizeof listing_cut;
+        listing->at[listing->len] = '\0';
+        mu_text_add(listing, listing_cut);
+    }
+}
+
 bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
                           mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out))
 {
@@ -160,13 +171,24 @@ bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
     robot_console_flush(r); /* what happened before comes before */
     mu_text_clear(listing);
     bool done = ask(r->mind, asked->content, listing) == MU_OK;
-    if (listing->cut) {
-        listing->len -= sizeof listing_cut;
-        listing->at[listing->len] = '\0';
-        mu_text_add(listing, listing_cut);
-    }
+    listing_end(listing);
     listing_send(r, asked, done);
     return done;
+}
+
+/* Nothing else of the robot has a part in it: no percept that waits, no console that watches. */
+enum glance_end robot_console_look(void *self, const char *line, const char **text)
+{
+    struct robot *r = self;
+    struct mu_text *listing = &r->crew->listing;
+    mu_text_clear(listing);
+    mu_result looked = r->out ? MU_ABSENT : mind_glance(r->mind, line, listing);
+    listing_end(listing);
+    *text = listing->at;
+    if (looked == MU_ABSENT) {
+        return GLANCE_DECLINED;
+    }
+    return looked == MU_OK ? GLANCE_DONE : GLANCE_FAILED;
 }
 
 static mu_result words_list(struct mind *m, const char *line, struct mu_text *out)

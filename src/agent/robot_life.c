@@ -190,10 +190,13 @@ void robot_travel(struct robot *r)
     }
 }
 
-/* What has gone on in its mind goes out with its answer to this step. */
-static void diary_hand(struct robot *r, mu_agent *a)
+/* What it wants, and what has gone on in its mind, goes out with its answer to this step. */
+static void mind_hand(struct robot *r, mu_agent *a)
 {
+    char goal[MU_FIELD_MAX + 1];
     struct mu_text *diary = &r->crew->diary;
+    mind_goal(r->mind, goal);
+    mu_agent_want(a, goal);
     mu_text_clear(diary);
     mind_diary(r->mind, diary);
     mu_agent_note(a, diary->at);
@@ -206,7 +209,11 @@ void robot_settle(struct robot *r)
     }
     struct mind_percept percept = body_percept(&r->percept);
     r->percept_waits = false;
-    mind_percept(r->mind, &percept);
+    if (r->bodiless) {
+        mind_feel_nothing(r->mind, percept.time_ns);
+    } else {
+        mind_percept(r->mind, &percept);
+    }
 }
 
 /* What it did in this step may not have gone out: that is said again.  Else the world may have gone
@@ -224,9 +231,8 @@ static void robot_return(struct robot *r)
 
 /* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
  */
-void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p)
 {
-    struct robot *r = self;
     r->step = p->step;
     r->repeats = false;
     r->time_ns = p->time_ns;
@@ -234,7 +240,7 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
         robot_return(r);
     }
     robot_console_offer(r); /* what happened to one that does not act */
-    diary_hand(r, a);
+    mind_hand(r, a);
     if (mu_agent_state(a) == MU_SUSPENDED || trip_holds(r) || r->out || r->repeats) {
         return;
     }
@@ -243,6 +249,20 @@ void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
     if (mu_agent_state(a) != MU_RUNNING) {
         robot_settle(r);
     }
+}
+
+void robot_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = false;
+    step_begin(r, a, p);
+}
+
+void robot_on_beat(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = true;
+    step_begin(r, a, p);
 }
 
 /* The rules do more harm than good: a person has to look at them. */
@@ -256,11 +276,12 @@ static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
 /* Stands before a rule, as somebody wanted; the world goes on without it. */
 static void robot_break(struct robot *r, mu_agent *a, const char *rule)
 {
-    char said[MU_FIELD_MAX + 64];
+    char said[MU_FIELD_MAX + 64], why[MU_FIELD_MAX + 1];
     snprintf(said, sizeof said, "break: %s is about to fire; suspended\n", rule);
+    snprintf(why, sizeof why, "break: %.55s", rule);
     mu_log(MU_LOG_INFO, "break", "name=%s rule=%s", mu_agent_name(a), rule);
     (void)robot_console_print(r, said);
-    mu_agent_set_state(a, MU_SUSPENDED);
+    mu_agent_suspend(a, why);
 }
 
 /* At most so many rules, and then it is suspended. */
@@ -279,7 +300,7 @@ void robot_do_wish(struct robot *r, mu_agent *a)
     if (lives && (wish == MIND_WISH_RUN || wish == MIND_WISH_STEP)) {
         robot_run(r, a, wish == MIND_WISH_STEP ? rules : 0);
     } else if (wish == MIND_WISH_SUSPEND && state == MU_RUNNING) {
-        mu_agent_set_state(a, MU_SUSPENDED);
+        mu_agent_suspend(a, "(suspend) was called");
     }
 }
 
@@ -310,10 +331,10 @@ void robot_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     } else if (left > 0 && act.firings < left) {
         r->rules_left = left - act.firings;
     } else if (left > 0) {
-        mu_agent_set_state(a, MU_SUSPENDED);
+        mu_agent_suspend(a, "as many rules fired as it was told");
     }
     robot_do_wish(r, a);
     robot_travel(r);
     robot_console_offer(r);
-    diary_hand(r, a);
+    mind_hand(r, a);
 }

@@ -57,13 +57,13 @@ static mu_agent *envoy(struct crew *c)
 }
 
 /* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
- * comes, and an agent without a host speaks for itself, when it stays; when it goes the other host
- * does. */
+ * comes, and an agent without a host speaks for itself when nothing comes of it; else the host does
+ * to which it, or its copy, has come. */
 static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
                       const char *text)
 {
     bool lockstep = mu_process_in_lockstep(c->process);
-    if (!reply_with[0] || (lockstep && done && c->trip.purpose == TRIP_MOVE)) {
+    if (!reply_with[0] || (lockstep && done)) {
         return;
     }
     mu_agent *speaker = lockstep && !c->envoy ? c->trip.robot->agent : envoy(c);
@@ -103,7 +103,7 @@ static void trip_fail(struct crew *c, const char *reason)
              t->purpose == TRIP_MOVE ? t->host : t->name);
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
-    bool deposited = t->phase == TRIP_DEPOSITED;
+    bool deposited = t->phase == TRIP_DEPOSITED && t->purpose == TRIP_MOVE;
     trip_end(c, false, said);
     if (deposited) { /* the broker's copy is one journey ahead */
         mu_agent_set_out(r->agent);
@@ -122,9 +122,6 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
     const struct mu_member *taken = mu_process_lookup(c->process, w->name);
     if (c->trip.phase != TRIP_NONE) {
         return "busy";
-    }
-    if (mu_process_in_lockstep(c->process) && w->kind != MIND_MOVES) {
-        return "lock-step";
     }
     if (!host[0] || !m || m->kind != MU_KIND_HOST) {
         return "unknown-host";
@@ -171,15 +168,28 @@ const char *trip_write(struct robot *r, const struct passport *p, struct mu_text
 }
 
 /* Hands the capsule to the broker. */
-static mu_result capsule_deposit(struct trip *t, uint64_t epoch)
+static mu_result capsule_deposit(struct trip *t)
 {
     struct robot *r = t->robot;
-    muster_Trip word = {.word = muster_TRIP_DEPOSIT,
-                        .agent = r->name,
-                        .epoch = epoch,
+    static char nobody[1];
+    bool moves = t->purpose == TRIP_MOVE;
+    muster_Trip word = {.word = moves ? muster_TRIP_DEPOSIT : muster_TRIP_NEW,
+                        .agent = moves ? r->name : t->name,
+                        .asker = moves ? nobody : r->name,
+                        .state = (muster_State)t->was,
+                        .epoch = moves ? t->passage.epoch : 0,
                         .host = t->host,
                         .text = t->text.at};
     return trips_say(r->crew->process, &word);
+}
+
+/* In lock step the host answers for one that has come to it. */
+static void asker_pass(const struct trip *t, struct passport *p)
+{
+    if (t->reply_with[0] && mu_process_in_lockstep(t->robot->crew->process)) {
+        (void)mu_text_copy(p->asker, sizeof p->asker, t->asker);
+        (void)mu_text_copy(p->reply_with, sizeof p->reply_with, t->reply_with);
+    }
 }
 
 /* --- departure -------------------------------------------------------------------------------- */
@@ -197,11 +207,28 @@ static const char *departure_write(struct trip *t, struct mu_fault *fault)
                          .mails = r->mails,
                          .rules_left = r->rules_left};
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
-    if (t->reply_with[0] && mu_process_in_lockstep(r->crew->process)) {
-        (void)mu_text_copy(p.asker, sizeof p.asker, t->asker);
-        (void)mu_text_copy(p.reply_with, sizeof p.reply_with, t->reply_with);
-    }
+    asker_pass(t, &p);
     return trip_write(r, &p, &t->text, fault);
+}
+
+/* Who is copied stays what it is. */
+static const char *copy_write(struct trip *t, struct mu_fault *fault)
+{
+    t->was = mu_agent_state(t->robot->agent);
+    struct passport p = {.purpose = TRIP_CLONE, .state = t->was, .mails = t->robot->mails};
+    (void)mu_text_copy(p.name, sizeof p.name, t->name);
+    asker_pass(t, &p);
+    return trip_write(t->robot, &p, &t->text, fault);
+}
+
+static void deposit(struct crew *c, const char *objection)
+{
+    struct trip *t = &c->trip;
+    if (objection || capsule_deposit(t) != MU_OK) {
+        trip_fail(c, objection ? objection : "busy");
+        return;
+    }
+    t->phase = TRIP_DEPOSITED;
 }
 
 static void depart(struct crew *c)
@@ -215,12 +242,7 @@ static void depart(struct crew *c)
     if (!trips_fits_answer(t->robot->agent)) {
         return; /* its last words need a step more */
     }
-    const char *why = departure_write(t, &fault);
-    if (why || capsule_deposit(t, t->passage.epoch) != MU_OK) {
-        trip_fail(c, why ? why : "busy");
-        return;
-    }
-    t->phase = TRIP_DEPOSITED;
+    deposit(c, departure_write(t, &fault));
 }
 
 void trip_step_end(struct crew *c)
@@ -231,6 +253,9 @@ void trip_step_end(struct crew *c)
     }
     if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
         trip_end(c, false, "gone");
+    } else if (t->purpose == TRIP_CLONE) {
+        struct mu_fault fault;
+        deposit(c, copy_write(t, &fault));
     } else if (t->left || trips_fits_answer(t->robot->agent)) {
         depart(c);
     }
@@ -239,7 +264,8 @@ void trip_step_end(struct crew *c)
 void trip_step_answered(struct crew *c)
 {
     struct trip *t = &c->trip;
-    if (t->phase != TRIP_DEPOSITED || mu_process_in_lockstep(c->process)) {
+    if (t->phase != TRIP_DEPOSITED || t->purpose != TRIP_MOVE ||
+        mu_process_in_lockstep(c->process)) {
         return;
     }
     mu_agent_set_out(t->robot->agent);
@@ -264,10 +290,14 @@ static void depart_now(struct crew *c)
     }
 }
 
-/* In lock step the host has it, and answers for it from the next step on. */
+/* In lock step the host has it, or its copy, and answers for that from the next step on. */
 static void departed(struct crew *c)
 {
     struct trip *t = &c->trip;
+    if (t->purpose == TRIP_CLONE) {
+        trip_end(c, true, t->name);
+        return;
+    }
     mu_agent_leave(t->robot->agent);
     trip_end(c, true, "");
     robot_drop(t->robot);
@@ -277,9 +307,7 @@ static void clone_begin(struct crew *c)
 {
     struct trip *t = &c->trip;
     struct mu_fault fault;
-    struct passport p = {.purpose = TRIP_CLONE, .state = t->was, .mails = t->robot->mails};
-    (void)mu_text_copy(p.name, sizeof p.name, t->name);
-    const char *why = trip_write(t->robot, &p, &t->text, &fault);
+    const char *why = copy_write(t, &fault);
     trips_set_under_way(c->process, true);
     t->phase = TRIP_SENDS;
     t->until_ns = mu_clock_ns() + ANSWER_NS;
@@ -313,7 +341,7 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);
-    if (c->trip.purpose == TRIP_CLONE) {
+    if (c->trip.purpose == TRIP_CLONE && !mu_process_in_lockstep(c->process)) {
         clone_begin(c);
         return MU_OK;
     }
@@ -459,10 +487,20 @@ static void refused(struct crew *c, const char *reason)
     }
 }
 
+static bool trip_is_meant(const struct trip *t, const muster_Trip *word)
+{
+    if (t->phase == TRIP_NONE) {
+        return false;
+    }
+    bool moves = t->purpose == TRIP_MOVE;
+    return strcmp(word->agent, moves ? t->robot->name : t->name) == 0 &&
+           strcmp(word->asker, moves ? "" : t->robot->name) == 0;
+}
+
 void trip_hear(struct crew *c, const muster_Trip *word)
 {
     struct trip *t = &c->trip;
-    if (t->phase == TRIP_NONE || strcmp(word->agent, t->robot->name) != 0) {
+    if (!trip_is_meant(t, word)) {
         return;
     }
     if (word->word == muster_TRIP_REFUSED) {

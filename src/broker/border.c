@@ -85,8 +85,16 @@ static bool border_act(const muster_Act *act)
 static bool border_trip(const muster_Trip *t)
 {
     return border_string(t->agent, MU_NAME_MAX) && border_string(t->host, MU_NAME_MAX) &&
+           border_string(t->asker, MU_NAME_MAX) && registry_state_word(t->state) &&
            border_string(t->reason, MU_FIELD_MAX) && border_string(t->text, MU_CAPSULE_MAX - 1) &&
            t->slot < MU_LOCAL_AGENTS_MAX;
+}
+
+static bool border_glance(const muster_Glance *g)
+{
+    size_t most = g->word == muster_GLANCE_ASK ? MU_GLANCE_LINE_MAX : MU_GLANCE_BYTES_MAX - 1;
+    return (unsigned)g->word <= muster_GLANCE_DECLINED && border_string(g->asker, MU_NAME_MAX) &&
+           border_string(g->agent, MU_NAME_MAX) && border_string(g->text, most);
 }
 
 bool border_up(const muster_Up *up)
@@ -94,8 +102,14 @@ bool border_up(const muster_Up *up)
     if (!border_process(up->process) ||
         !border_sequence(up->acts._length, up->acts._buffer, MU_LOCAL_AGENTS_MAX) ||
         !border_sequence(up->acks._length, up->acks._buffer, MU_LOCAL_AGENTS_MAX) ||
-        !border_sequence(up->trips._length, up->trips._buffer, MU_LOCAL_AGENTS_MAX)) {
+        !border_sequence(up->trips._length, up->trips._buffer, MU_LOCAL_AGENTS_MAX) ||
+        !border_sequence(up->glances._length, up->glances._buffer, MU_GLANCES_MAX)) {
         return false;
+    }
+    for (uint32_t i = 0; i < up->glances._length; i++) {
+        if (!border_glance(&up->glances._buffer[i])) {
+            return false;
+        }
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {
         if (!border_trip(&up->trips._buffer[i])) {

@@ -64,6 +64,7 @@ struct broker *broker_open(const struct broker_options *options)
     lockstep_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
     depot_init(&b->depot);
+    glances_init(&b->glances);
     pages_init(&b->pages);
     resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
@@ -260,6 +261,9 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {
         depot_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
+    }
+    for (uint32_t i = 0; i < up->glances._length; i++) {
+        glances_hear(b, place, &up->glances._buffer[i]);
     }
     if (effect == EFFECT_STEP) {
         lockstep_answered(b, place);
@@ -494,10 +498,10 @@ static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LI
     struct mu_text t;
     registry_line(&b->registry, agent, b->name, &m);
     mu_text_init(&t, to, BROKER_LINE_MAX);
-    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu", m.name, registry_kind_word(m.kind),
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, registry_kind_word(m.kind),
                    registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
                    m.host[0] ? m.host : "-", (unsigned long)m.pid,
-                   (unsigned long long)m.since_wall_ns);
+                   (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
 }
 
 bool broker_page_news(struct broker *b, muster_Page *out)
@@ -536,5 +540,5 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 
 uint32_t broker_samples_wanted(const struct broker *b)
 {
-    return lockstep_missing(&b->lockstep);
+    return b->glances.count > 0 ? 1 : lockstep_missing(&b->lockstep);
 }

@@ -219,15 +219,17 @@ static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d
     }
 }
 
-/* In lock step the pages are of its members, and of who was there when it began: who else comes and
- * goes does so by the wall clock.  Onlookers, who want no broadcasts, are not shown at all. */
+/* In lock step the pages are of its members, those who have ended, too, and of who was there when
+ * it began: who else comes and goes does so by the wall clock.  Onlookers, who want no broadcasts,
+ * are not shown at all. */
 static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
         changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !b->courier.open_lockstep || from_the_start || presence_in_lockstep(b, agent);
+    return !b->courier.open_lockstep || from_the_start || a->ended ||
+           presence_in_lockstep(b, agent);
 }
 
 static int member_compare(const void *x, const void *y, const void *context)
@@ -409,12 +411,32 @@ static bool trip_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     return c->open_trip;
 }
 
-static void trip_end(struct broker *b)
+/* Nor does who only looks, and what he sees. */
+static bool glance_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
-    depot_sent(b);
-    places_wake(&b->places, b->courier.open);
-    b->courier.open = MU_NONE;
-    b->courier.open_trip = false;
+    struct courier *c = &b->courier;
+    c->open_glance = glances_next(b, place, &c->glance);
+    if (c->open_glance) {
+        delivery_begin(b, &b->places.at[place], d);
+        d->roll_call = false;
+        d->glances._buffer = &c->glance;
+        d->glances._length = d->glances._maximum = 1;
+    }
+    return c->open_glance;
+}
+
+/* A Delivery with a word of one of these two is out. */
+static void word_end(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    if (c->open_trip) {
+        depot_sent(b);
+    } else {
+        glances_sent(b);
+    }
+    places_wake(&b->places, c->open);
+    c->open = MU_NONE;
+    c->open_trip = c->open_glance = false;
 }
 
 bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
@@ -427,7 +449,7 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
             continue;
         }
         b->courier.open = place;
-        if (trip_fill(b, place, d)) {
+        if (trip_fill(b, place, d) || glance_fill(b, place, d)) {
             *process = at->name;
             return true;
         }
@@ -482,8 +504,8 @@ void courier_delivered(struct broker *b)
 {
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
-    if (c->open_trip) {
-        trip_end(b);
+    if (c->open_trip || c->open_glance) {
+        word_end(b);
         return;
     }
     struct place *at = &b->places.at[c->open];
@@ -521,7 +543,7 @@ void courier_undelivered(struct broker *b)
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
     parts_return(b, false);
-    c->open_trip = false;
+    c->open_trip = c->open_glance = false;
     if (b->places.blocked == 0) {
         uint64_t now_ns = b->clock.now_ns;
         c->retry_ns =

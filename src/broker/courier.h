@@ -64,6 +64,8 @@ struct courier {
     uint64_t retry_ns; /* when blocked processes are tried again */
     bool open_trip;    /* it has this alone: */
     muster_Trip trip;
+    bool open_glance; /* likewise */
+    muster_Glance glance;
     struct courier_part parts[COURIER_AGENTS];
     uint32_t parts_count;
     muster_Parcel *parcels;

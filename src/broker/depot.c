@@ -4,12 +4,14 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/sample.h"
+#include "core/sort.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
 #include <string.h>
 
-/* So long a lock step waits for a host: less than its simulator waits for anybody. */
+/* So long a host may be silent, with a lock step that waits for it, or with an agent that nobody
+ * else has: less than a simulator waits for anybody. */
 static const uint64_t HOST_NS = 3000000000;
 
 /* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
@@ -65,11 +67,27 @@ static void word_of(struct broker *b, const struct depot_capsule *c, uint32_t pl
 {
     struct depot_word word = {.place = place,
                               .word = say,
-                              .agent = c->agent,
+                              .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
                               .host = c->host,
                               .at = c->target,
                               .epoch = c->epoch,
                               .capsule = (uint32_t)(c - b->depot.capsules)};
+    (void)mu_text_copy(word.name, sizeof word.name, c->name);
+    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
+    word_say(b, &word);
+}
+
+/* It is to drop the copy that it has made. */
+static void copy_refuse(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
+                        const char *reason)
+{
+    struct depot_word word = {.place = place,
+                              .word = muster_TRIP_REFUSED,
+                              .asker = MU_NONE,
+                              .host = MU_NONE,
+                              .at = MU_NONE,
+                              .epoch = epoch};
+    (void)mu_text_copy(word.name, sizeof word.name, name);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     word_say(b, &word);
 }
@@ -79,7 +97,7 @@ static bool word_is_void(const struct broker *b, const struct depot_word *w)
 {
     const struct depot_capsule *c = &b->depot.capsules[w->capsule];
     return w->word == muster_TRIP_ARRIVE &&
-           (c->phase != DEPOT_SENT || c->agent != w->agent || c->epoch != w->epoch);
+           (c->phase != DEPOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
 }
 
 static void word_remove(struct depot *d, uint32_t i)
@@ -106,7 +124,8 @@ bool depot_next(struct broker *b, uint32_t place, muster_Trip *out)
     bool arrives = w->word == muster_TRIP_ARRIVE;
     d->open = i;
     *out = (muster_Trip){.word = w->word, .epoch = w->epoch};
-    out->agent = sample_text(b->registry.agents[w->agent].name);
+    out->agent = sample_text(w->name);
+    out->asker = sample_text(w->asker != MU_NONE ? b->registry.agents[w->asker].name : "");
     out->host = sample_text(w->host != MU_NONE ? b->registry.agents[w->host].name : "");
     out->process = sample_text(w->at != MU_NONE ? b->places.at[w->at].name : "");
     out->reason = sample_text(w->reason);
@@ -127,15 +146,15 @@ static void capsule_drop(struct broker *b, struct depot_capsule *c)
     b->depot.count--;
     c->holds = false;
     c->phase = DEPOT_FREE;
-    c->unsaved = b->journal.on; /* its line on disk goes */
+    c->unsaved = b->journal.on && c->agent != MU_NONE; /* its line on disk goes */
 }
 
 /* @return a place for a capsule of that agent, first that of an older one whose line on disk is to
- *         go; NULL: there is none */
+ *         go; MU_NONE: for a new one's; NULL: there is none */
 static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
 {
     struct depot *d = &b->depot;
-    struct depot_capsule *free = NULL, *c = capsule_of(b, agent);
+    struct depot_capsule *room = NULL, *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
     if (c) {
         capsule_drop(b, c);
     }
@@ -144,13 +163,13 @@ static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
         if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
             return at;
         }
-        free = at->phase == DEPOT_FREE && !at->unsaved && !free ? at : free;
+        room = at->phase == DEPOT_FREE && !at->unsaved && !room ? at : room;
     }
-    return free;
+    return room;
 }
 
-static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, uint64_t epoch,
-                                          const char *text)
+static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, const char *name,
+                                          uint64_t epoch, const char *text)
 {
     struct depot_capsule *c = capsule_take(b, agent);
     if (!c) {
@@ -158,13 +177,15 @@ static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, uint
     }
     *c = (struct depot_capsule){.phase = DEPOT_KEPT,
                                 .agent = agent,
+                                .asker = agent,
                                 .epoch = epoch,
                                 .source = MU_NONE,
                                 .target = MU_NONE,
                                 .host = MU_NONE,
-                                .unsaved = b->journal.on,
+                                .unsaved = b->journal.on && agent != MU_NONE,
                                 .len = strlen(text),
                                 .text = c->text};
+    (void)mu_text_copy(c->name, sizeof c->name, name);
     memcpy(c->text, text, c->len + 1);
     b->depot.count++;
     b->depot.kept++;
@@ -174,8 +195,9 @@ static struct depot_capsule *capsule_keep(struct broker *b, uint32_t agent, uint
 bool depot_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text)
 {
     size_t len = strnlen(text, MU_CAPSULE_MAX);
-    struct depot_capsule *c =
-        len > 0 && len < MU_CAPSULE_MAX ? capsule_keep(b, agent, epoch, text) : NULL;
+    bool fits = len > 0 && len < MU_CAPSULE_MAX;
+    const char *name = b->registry.agents[agent].name;
+    struct depot_capsule *c = fits ? capsule_keep(b, agent, name, epoch, text) : NULL;
     if (c) {
         c->unsaved = false;
     }
@@ -192,7 +214,7 @@ static void step_release(struct broker *b)
 }
 
 /* It stays where it is, which the source hears; the capsule is kept until the source has said that
- * it goes on. */
+ * it goes on.  Nobody takes back who is new. */
 static void capsule_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
 {
     bool held = c->holds;
@@ -201,6 +223,9 @@ static void capsule_refuse(struct broker *b, struct depot_capsule *c, const char
     c->holds = false;
     c->phase = DEPOT_KEPT;
     word_of(b, c, c->source, muster_TRIP_REFUSED, reason);
+    if (c->agent == MU_NONE) {
+        capsule_drop(b, c);
+    }
     if (held) {
         step_release(b);
     }
@@ -227,18 +252,17 @@ static void capsule_send(struct broker *b, struct depot_capsule *c)
     word_of(b, c, c->target, muster_TRIP_ARRIVE, "");
 }
 
-static void deposit_refuse(struct broker *b, uint32_t place, uint32_t agent, uint64_t epoch,
+static void deposit_refuse(struct broker *b, uint32_t place, const muster_Trip *trip,
                            const char *reason)
 {
-    struct depot_capsule none = {
-        .agent = agent, .epoch = epoch, .host = MU_NONE, .target = MU_NONE};
     struct depot_word word = {.place = place,
                               .word = muster_TRIP_REFUSED,
-                              .agent = none.agent,
+                              .asker = registry_find(&b->registry, trip->asker),
                               .host = MU_NONE,
                               .at = MU_NONE,
-                              .epoch = none.epoch};
+                              .epoch = trip->epoch};
     b->depot.refused++;
+    (void)mu_text_copy(word.name, sizeof word.name, trip->agent);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     word_say(b, &word);
 }
@@ -253,9 +277,10 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
     bool late = b->places.at[place].rostered && !in_step;
     const char *wrong = late ? "lock-step" : objection(b, host, in_step);
-    struct depot_capsule *c = wrong ? NULL : capsule_keep(b, agent, trip->epoch, trip->text);
+    struct depot_capsule *c =
+        wrong ? NULL : capsule_keep(b, agent, trip->agent, trip->epoch, trip->text);
     if (!c) {
-        deposit_refuse(b, place, agent, trip->epoch, wrong ? wrong : "depot-full");
+        deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
         return;
     }
     c->source = place;
@@ -269,8 +294,40 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
+/* Out of lock step a clone, or who is launched, goes to its host in pieces. */
+static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
+{
+    uint32_t asker = registry_find(&b->registry, trip->asker);
+    if (asker == MU_NONE || b->registry.agents[asker].process != place ||
+        registry_objection(trip->agent, muster_KIND_ROBOT)) {
+        b->counters.malformed++;
+        return;
+    }
+    struct depot_capsule *c =
+        in_step ? capsule_keep(b, MU_NONE, trip->agent, trip->epoch, trip->text) : NULL;
+    if (!c) {
+        deposit_refuse(b, place, trip, in_step ? "depot-full" : "lock-step");
+        return;
+    }
+    c->asker = asker;
+    c->state = trip->state;
+    c->source = place;
+    c->host = registry_find(&b->registry, trip->host);
+    c->phase = DEPOT_STEP;
+}
+
+static void seat_tell(struct broker *b, struct depot_capsule *c)
+{
+    b->depot.taken++;
+    b->depot.holding--;
+    c->holds = false;
+    c->seated = true;
+    word_of(b, c, c->source, muster_TRIP_TAKEN, "");
+    word_of(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
+}
+
 /* The name goes from one process of a lock step to another, at once. */
-static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
+static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
 {
     struct agent *a = &b->registry.agents[c->agent];
     struct presence is = a->is;
@@ -279,13 +336,46 @@ static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
     is.pid = host->pid;
     (void)mu_text_copy(is.host, sizeof is.host, host->host);
     presence_move(b, c->agent, c->target, slot, &is);
-    b->depot.taken++;
-    b->depot.holding--;
-    c->holds = false;
-    c->seated = true;
+    seat_tell(b, c);
     c->phase = DEPOT_KEPT;
-    word_of(b, c, c->source, muster_TRIP_TAKEN, "");
-    word_of(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
+}
+
+static bool name_is_taken(const struct broker *b, const char *name)
+{
+    uint32_t agent = registry_find(&b->registry, name);
+    return agent != MU_NONE && b->registry.agents[agent].process != MU_NONE;
+}
+
+/* A name is entered with its first process. */
+static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
+{
+    uint32_t agent = registry_find(&b->registry, c->name);
+    const char *wrong = name_is_taken(b, c->name) ? "name-taken" : NULL;
+    agent = agent != MU_NONE ? agent : registry_add(&b->registry, c->name);
+    wrong = agent == MU_NONE ? "pages-full" : wrong;
+    if (wrong) {
+        copy_refuse(b, c->target, c->name, c->epoch, wrong);
+        capsule_refuse(b, c, wrong);
+        return;
+    }
+    const struct presence *host = &b->registry.agents[c->host].is;
+    struct presence is = {.kind = muster_KIND_ROBOT,
+                          .state = c->state,
+                          .since_wall_ns = presence_wall_ns(b),
+                          .pid = host->pid};
+    (void)mu_text_copy(is.host, sizeof is.host, host->host);
+    presence_seat(b, agent, c->target, slot, &is);
+    seat_tell(b, c);
+    capsule_drop(b, c);
+}
+
+static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
+{
+    if (c->agent == MU_NONE) {
+        seat_new(b, c, slot);
+    } else {
+        seat_moved(b, c, slot);
+    }
     step_release(b);
 }
 
@@ -293,20 +383,21 @@ static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
 static struct depot_capsule *capsule_answered(struct broker *b, uint32_t place,
                                               const muster_Trip *trip)
 {
-    uint32_t agent = registry_find(&b->registry, trip->agent);
-    struct depot_capsule *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
-    bool ours = c && c->phase == DEPOT_SENT && c->target == place && c->epoch == trip->epoch;
-    return ours ? c : NULL;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->phase == DEPOT_SENT && c->target == place && c->epoch == trip->epoch &&
+            strcmp(c->name, trip->agent) == 0) {
+            return c;
+        }
+    }
+    return NULL;
 }
 
 static void ready_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
     struct depot_capsule *c = capsule_answered(b, place, trip);
-    uint32_t agent = registry_find(&b->registry, trip->agent);
     if (!c) {
-        if (agent != MU_NONE) {
-            deposit_refuse(b, place, agent, trip->epoch, "too-late");
-        }
+        copy_refuse(b, place, trip->agent, trip->epoch, "too-late");
     } else if (c->holds) {
         seat(b, c, trip->slot);
     } else {
@@ -323,13 +414,16 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
-/* Nobody bears its name, and nobody is about to. */
+/* Nobody bears its name, and nobody is about to: a host that has it has been silent for too long.
+ */
 static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
     uint64_t absent_ns = presence_wall_ns(b) - a->since_wall_ns;
-    return c->phase == DEPOT_KEPT && a->process == MU_NONE && b->clock.now_ns >= ORPHAN_NS &&
-           absent_ns >= ORPHAN_NS;
+    bool silent = c->phase == DEPOT_SENT && !c->holds && c->source == MU_NONE &&
+                  c->until_ns <= b->clock.now_ns;
+    return (c->phase == DEPOT_KEPT || silent) && a->process == MU_NONE &&
+           b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
@@ -357,6 +451,7 @@ void depot_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool 
     case muster_TRIP_READY: ready_take(b, place, trip); return;
     case muster_TRIP_REFUSED: refusal_take(b, place, trip); return;
     case muster_TRIP_WANTED: wanted_take(b, place, trip); return;
+    case muster_TRIP_NEW: new_take(b, place, trip, in_step); return;
     case muster_TRIP_ARRIVE:
     case muster_TRIP_TAKEN:
     case muster_TRIP_STORED: b->counters.malformed++; return;
@@ -365,12 +460,33 @@ void depot_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool 
 
 /* --- lock step -------------------------------------------------------------------------------- */
 
+/* @return whether another one of that name has been handed to its host, and has not come to life */
+static bool name_is_awaited(const struct broker *b, const char *name)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        const struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->holds && c->agent == MU_NONE && strcmp(c->name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* @return why it cannot have its name at the end of this step, or NULL */
+static const char *name_objection(const struct broker *b, const struct depot_capsule *c)
+{
+    if (c->agent != MU_NONE) {
+        return b->registry.agents[c->agent].process != c->source ? "gone" : NULL;
+    }
+    return name_is_taken(b, c->name) || name_is_awaited(b, c->name) ? "name-taken" : NULL;
+}
+
 static void capsule_set_out(struct broker *b, struct depot_capsule *c)
 {
     const char *wrong = objection(b, c->host, true);
-    bool stays = b->registry.agents[c->agent].process != c->source;
-    if (wrong || stays) {
-        capsule_refuse(b, c, wrong ? wrong : "gone");
+    wrong = wrong ? wrong : name_objection(b, c);
+    if (wrong) {
+        capsule_refuse(b, c, wrong);
         return;
     }
     c->holds = true;
@@ -378,13 +494,28 @@ static void capsule_set_out(struct broker *b, struct depot_capsule *c)
     capsule_send(b, c);
 }
 
+static int asker_compare(const void *x, const void *y, const void *broker)
+{
+    const struct broker *b = broker;
+    const struct depot_capsule *one = &b->depot.capsules[*(const uint32_t *)x];
+    const struct depot_capsule *other = &b->depot.capsules[*(const uint32_t *)y];
+    int askers = strcmp(b->registry.agents[one->asker].name, b->registry.agents[other->asker].name);
+    return askers != 0 ? askers : strcmp(one->name, other->name);
+}
+
+/* Whose capsule came first depends on the clock; who sets out first does not. */
 bool depot_step_ended(struct broker *b)
 {
     struct depot *d = &b->depot;
+    uint32_t order[MU_CAPSULES_MAX], count = 0;
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
         if (d->capsules[i].phase == DEPOT_STEP) {
-            capsule_set_out(b, &d->capsules[i]);
+            order[count++] = i;
         }
+    }
+    mu_sort(order, count, sizeof order[0], asker_compare, b);
+    for (uint32_t i = 0; i < count; i++) {
+        capsule_set_out(b, &d->capsules[order[i]]);
     }
     return d->holding > 0;
 }
@@ -462,7 +593,7 @@ bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uin
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
         const struct depot_capsule *c = &b->depot.capsules[i];
-        if (c->holds && c->agent == agent && c->target == place) {
+        if (c->holds && strcmp(c->name, a->name) == 0 && c->target == place) {
             return true;
         }
     }
@@ -490,7 +621,7 @@ void depot_tick(struct broker *b)
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
         struct depot_capsule *c = &b->depot.capsules[i];
         if (c->holds && c->until_ns <= b->clock.now_ns) {
-            word_of(b, c, c->target, muster_TRIP_REFUSED, "too-late");
+            copy_refuse(b, c->target, c->name, c->epoch, "too-late");
             capsule_refuse(b, c, "host-silent");
         }
     }

@@ -8,6 +8,8 @@
  * restores agents may ask for it.  docs/mobility.md has the order of events.
  *
  * In lock step the depot holds the step while a capsule is under way, and seats the agent itself.
+ * So it does with agents that are new (clones, and those that are launched): of them it keeps
+ * nothing once they live.
  */
 #ifndef MUSTER_BROKER_DEPOT_H
 #define MUSTER_BROKER_DEPOT_H
@@ -27,13 +29,16 @@ enum depot_phase {
 
 struct depot_capsule {
     enum depot_phase phase;
-    uint32_t agent;
+    char name[MU_NAME_MAX + 1];
+    uint32_t agent;     /* of that name; MU_NONE: it is new */
+    uint32_t asker;     /* who wants the journey: the agent itself, or who asks for a new one */
+    muster_State state; /* that a new one begins in */
     uint64_t epoch;
     uint32_t source, target; /* places; MU_NONE: not known, or no more */
     uint32_t host;           /* the agent that it wants to go to */
     bool seated;             /* a lock step has given its name to the target, and said so */
-    bool holds;              /* the step waits for it, */
-    uint64_t until_ns;       /* at most until then */
+    bool holds;              /* the step waits for it */
+    uint64_t until_ns;       /* the host's word on it is awaited for so long */
     bool unsaved;            /* the disk is to be told that it is there, or that it is free */
     size_t len;
     char *text; /* MU_CAPSULE_MAX; passport and capsule */
@@ -43,7 +48,9 @@ struct depot_capsule {
 struct depot_word {
     uint32_t place;
     muster_TripWord word;
-    uint32_t agent, host, at; /* at: the place where it lives */
+    char name[MU_NAME_MAX + 1]; /* of the agent */
+    uint32_t asker;             /* of a new one; MU_NONE: of another, or to its host */
+    uint32_t host, at;          /* at: the place where it lives */
     uint64_t epoch;
     uint32_t capsule; /* of arrive */
     char reason[MU_FIELD_MAX + 1];

@@ -5,19 +5,25 @@
 #include "broker/presence.h"
 #include "core/text.h"
 
-static struct audit_record *record_begin(struct broker *b, const struct mail *m, bool allowed)
+static struct audit_record *record_of(struct broker *b, uint32_t sender, const char *performative,
+                                      const char *line, bool allowed)
 {
     struct audit_record *r = audit_add(&b->audit);
     if (r) {
         r->allowed = allowed;
         r->simulated = b->clock.lockstep;
         r->time_ns = r->simulated ? runclock_run_ns(&b->clock) : presence_wall_ns(b);
-        (void)mu_text_copy(r->sender, sizeof r->sender, m->letter.src);
-        (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[m->sender].place);
-        (void)mu_text_copy(r->performative, sizeof r->performative, m->letter.performative);
-        (void)mu_text_copy(r->line, sizeof r->line, m->letter.content);
+        (void)mu_text_copy(r->sender, sizeof r->sender, b->registry.agents[sender].name);
+        (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[sender].place);
+        (void)mu_text_copy(r->performative, sizeof r->performative, performative);
+        (void)mu_text_copy(r->line, sizeof r->line, line);
     }
     return r;
+}
+
+static struct audit_record *record_begin(struct broker *b, const struct mail *m, bool allowed)
+{
+    return record_of(b, m->sender, m->letter.performative, m->letter.content, allowed);
 }
 
 /* The sender, and what of the pages is asked in its matter. */
@@ -63,6 +69,22 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
     b->counters.directed += allowed;
     b->counters.unspoken += !allowed;
     return allowed;
+}
+
+/* The directive that follows a refusal is what is refused, counted and audited. */
+bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line)
+{
+    const struct agent *a = &b->registry.agents[asker], *at = &b->registry.agents[agent];
+    struct trust_agent who = {a->name, a->is.kind}, whom = {at->name, at->is.kind};
+    b->pages.asked_inside = pages_inside(b, asker);
+    if (!trust_allows(&b->trust, &who, &whom)) {
+        return false;
+    }
+    struct audit_record *r = record_of(b, asker, "glance", line, true);
+    if (r) {
+        audit_receiver(r, at->name);
+    }
+    return true;
 }
 
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)

@@ -26,4 +26,11 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
  */
 bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
 
+/**
+ * Asks whether an agent may look at another one's mind: whom it may direct it may look at.
+ *
+ * @return false: nothing is counted or audited yet
+ */
+bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line);
+
 #endif

@@ -27,6 +27,7 @@
  *              their mail
  *   depot      agents on their way: their capsules, and      presence, lockstep
  *              who is told what
+ *   glances    lines that only look, beside all mail          guard, places
  *   journal    what must be on disk before anybody is told    registry, store, router
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -40,6 +41,7 @@
 #include "broker/courier.h"
 #include "broker/depot.h"
 #include "broker/events.h"
+#include "broker/glances.h"
 #include "broker/journal.h"
 #include "broker/liaison.h"
 #include "broker/lockstep.h"
@@ -58,7 +60,7 @@
 #include "broker/trust.h"
 
 /* A line of the white pages as text, in bytes. */
-enum { BROKER_LINE_MAX = 320 };
+enum { BROKER_LINE_MAX = 384 };
 
 struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
@@ -88,6 +90,7 @@ struct broker {
     struct lockstep lockstep;
     struct courier courier;
     struct depot depot;
+    struct glances glances;
     struct pages pages;
     struct resolve resolve;
     struct ages ages;

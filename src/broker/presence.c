@@ -107,6 +107,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     uint32_t place = a->process;
     tenants_remove(&b->registry, &b->places, agent);
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
+    a->ended = b->lockstep.applying;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->places.at[place].is_broker) {
@@ -483,10 +484,12 @@ void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed
     } else if (crashed) {
         b->places.at[place].lost = true;
         depot_gone(b, place);
+        glances_gone(b, place);
         place_leave(b, place);
     } else if (part < PLACES_PARTS) {
         if (part == 0) {
             depot_gone(b, place);
+            glances_gone(b, place);
         }
         part_leave(b, place, part, NULL);
     }

@@ -113,7 +113,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->is = *presence;
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
-    a->gone = a->awaited = false;
+    a->gone = a->awaited = a->ended = false;
     registry_touch(r, agent);
 }
 

@@ -78,6 +78,7 @@ struct agent {
     uint64_t mark;          /* the last list of receivers that it was put on */
     bool verdict_due;
     bool gone;    /* its process went in lock step: counts when that ends */
+    bool ended;   /* it was disposed of in lock step, whose members are to know */
     bool unsaved; /* the journal has to write its line */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
                      are kept */

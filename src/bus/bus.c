@@ -11,6 +11,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -237,7 +238,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
     MU_TRY(topic_open(bus, topic));
     for (int i = 0; i < BUS_BATCH; i++) {
-        reader->samples[i] = mu_startup_alloc(topic_table[topic].descriptor->m_size);
+        reader->samples[i] = bus_sample(topic);
     }
     dds_qos_t *group = dds_create_qos();
     dds_qset_partition1(group, partition ? partition : "");
@@ -461,6 +462,18 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
     }
 }
 
+void *bus_sample(enum bus_topic topic)
+{
+    return mu_startup_alloc(topic_table[topic].descriptor->m_size);
+}
+
+void *bus_keep(struct bus_reader *r, void *spare)
+{
+    void *kept = r->samples[r->next - 1];
+    r->samples[r->next - 1] = spare;
+    return kept;
+}
+
 int bus_wake_fd(struct bus *bus)
 {
     pthread_mutex_lock(&bus->lock);
@@ -478,12 +491,53 @@ enum bus_life bus_fate(const struct bus_reader *reader)
     return (enum bus_life)reader->fates[reader->next - 1];
 }
 
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+/* Where mail goes to and fro, the next sample is there sooner than a thread could fall asleep and
+ * wake.  So after a short wait the next one begins awake, and yields to whoever wants to run.  On a
+ * machine that is busy that is the worse way: who sleeps is woken at once, who yields waits for its
+ * turn.  When a turn has taken long, the next waits are asleep. */
+static const uint64_t AWAKE_NS = 100000;
+static const uint64_t BUSY_MACHINE_NS = 100000000;
+
+static bool has_come(const struct bus *bus, uint64_t samples)
 {
-    uint64_t until_ns = mu_clock_ns() + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    return bus->arrived - bus->taken >= samples;
+}
+
+/* Called with the lock. */
+static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
+{
+    if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
+        return;
+    }
+    uint64_t end_ns = now_ns + AWAKE_NS < until_ns ? now_ns + AWAKE_NS : until_ns;
+    while (!has_come(bus, samples) && now_ns < end_ns) {
+        pthread_mutex_unlock(&bus->lock);
+        sched_yield();
+        pthread_mutex_lock(&bus->lock);
+        now_ns = mu_clock_ns();
+    }
+    if (now_ns > end_ns + AWAKE_NS) {
+        bus->asleep_until_ns = now_ns + BUSY_MACHINE_NS;
+    }
+}
+
+/* Called with the lock. */
+static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
+{
     const struct timespec until = {.tv_sec = (time_t)(until_ns / 1000000000u),
                                    .tv_nsec = (long)(until_ns % 1000000000u)};
     int waited = 0;
+    bus->wanted = samples;
+    while (!has_come(bus, samples) && waited == 0) {
+        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
+    }
+    bus->wanted = 0;
+}
+
+void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+{
+    uint64_t began_ns = mu_clock_ns();
+    uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
     pthread_mutex_lock(&bus->lock);
     if (bus->wakes) {
         eventfd_t count;
@@ -492,12 +546,10 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }
-    bus->wanted = samples;
-    while (bus->arrived - bus->taken < samples && waited == 0) {
-        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
-    }
-    bus->wanted = 0;
+    wait_awake(bus, samples, began_ns, until_ns);
+    wait_asleep(bus, samples, until_ns);
     pthread_mutex_unlock(&bus->lock);
+    bus->last_wait_ns = mu_clock_ns() - began_ns;
 }
 
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)

@@ -65,9 +65,11 @@ struct bus {
     /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
     pthread_mutex_t lock;
     pthread_cond_t arrival;
-    uint64_t arrived; /* samples, ever */
-    uint64_t taken;   /* of them, no longer in a reader */
-    uint64_t wanted;  /* bus_wait wakes when so many are there; 0: nobody waits */
+    uint64_t arrived;         /* samples, ever */
+    uint64_t taken;           /* of them, no longer in a reader */
+    uint64_t wanted;          /* bus_wait wakes when so many are there; 0: nobody waits */
+    uint64_t last_wait_ns;    /* how long bus_wait waited last time */
+    uint64_t asleep_until_ns; /* until then it does not wait awake */
     bool wakes; /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
     int wake_fd;
 };
@@ -203,6 +205,17 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  */
 const void *bus_next(struct bus_reader *reader, enum bus_life *life);
 
+/** @return memory for one sample of a topic, at start-up, for bus_keep */
+void *bus_sample(enum bus_topic topic);
+
+/**
+ * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller.
+ *
+ * @param spare  memory of bus_sample, or of a sample kept earlier, that the reader gets for it
+ * @return the sample
+ */
+void *bus_keep(struct bus_reader *reader, void *spare);
+
 /**
  * What became of the instance of the sample that bus_next gave last: when its writer goes while a
  * sample of it lies unread, DDS gives that sample and no other to say so.
@@ -239,6 +252,13 @@ bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
  * @return MU_OK; MU_FULL: no room
  */
 mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text);
+
+/**
+ * Says whether a recording describes a topic's type as one of today would.
+ *
+ * @param schema  what bus_schema wrote then; size 0: it does not say, which is no difference
+ */
+bool bus_schema_is(enum bus_topic topic, const void *schema, size_t size);
 
 /** Writes the quality of service of a topic as rosbag2 does in its files; 1 kB is enough. */
 void bus_profile(enum bus_topic topic, struct mu_text *text);

@@ -7,10 +7,24 @@
 #include "bus/topics.h"
 
 #include <dds/version.h>
+#include <string.h>
+
+enum { SCHEMA_BYTES = 64 * 1024, NAME_BYTES = 256 };
 
 mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text)
 {
     return schema_write(topic_table[topic].descriptor, name, text);
+}
+
+bool bus_schema_is(enum bus_topic topic, const void *schema, size_t size)
+{
+    static char bytes[SCHEMA_BYTES];
+    char name_bytes[NAME_BYTES];
+    struct mu_text name, text;
+    mu_text_init(&name, name_bytes, sizeof name_bytes);
+    mu_text_init(&text, bytes, sizeof bytes);
+    return size == 0 || (bus_schema(topic, &name, &text) == MU_OK && size == text.len &&
+                         memcmp(schema, text.at, size) == 0);
 }
 
 void bus_profile(enum bus_topic topic, struct mu_text *text)

@@ -72,8 +72,8 @@ static bool act_ok(const muster_Act *a)
     /* A speed that is no number is the simulator's to refuse: the answer to the step still counts.
      */
     return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
-           text_fits(a->diary, MU_NOTE_MAX) && a->mails._length <= MU_OUTBOX_MAX &&
-           mails_ok(a->mails._buffer, a->mails._length);
+           text_fits(a->goal, MU_FIELD_MAX) && text_fits(a->diary, MU_NOTE_MAX) &&
+           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)
@@ -115,14 +115,29 @@ static bool trips_ok(const muster_Trip *trips, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         const muster_Trip *t = &trips[i];
-        if ((unsigned)t->word > muster_TRIP_WANTED || !text_fits(t->host, MU_NAME_MAX) ||
-            !text_fits(t->process, MU_PROCESS_MAX) || !text_fits(t->reason, MU_FIELD_MAX) ||
-            !text_fits(t->text, MU_CAPSULE_MAX - 1) ||
+        bool is_new = t->word == muster_TRIP_NEW;
+        if ((unsigned)t->word > muster_TRIP_NEW || !text_fits(t->host, MU_NAME_MAX) ||
+            (unsigned)t->state > muster_STATE_ABSENT || (is_new && !is_name(t->asker)) ||
+            !text_fits(t->asker, MU_NAME_MAX) || !text_fits(t->process, MU_PROCESS_MAX) ||
+            !text_fits(t->reason, MU_FIELD_MAX) || !text_fits(t->text, MU_CAPSULE_MAX - 1) ||
             (t->word != muster_TRIP_WANTED && !is_name(t->agent))) {
             return false;
         }
     }
     return true;
+}
+
+static bool glances_ok(const muster_Glance *glances, uint32_t count)
+{
+    for (uint32_t i = 0; i < count && count <= MU_GLANCES_MAX; i++) {
+        const muster_Glance *g = &glances[i];
+        size_t most = g->word == muster_GLANCE_ASK ? MU_GLANCE_LINE_MAX : MU_GLANCE_BYTES_MAX - 1;
+        if ((unsigned)g->word > muster_GLANCE_DECLINED || !is_name(g->asker) ||
+            !is_count(g->number) || !is_name(g->agent) || !text_fits(g->text, most)) {
+            return false;
+        }
+    }
+    return count <= MU_GLANCES_MAX;
 }
 
 static bool acts_ok(const muster_Act *acts, uint32_t count)
@@ -139,7 +154,8 @@ bool check_up(const void *sample)
 {
     const muster_Up *u = sample;
     if (!is_process(u->process) || u->acts._length > MU_LOCAL_AGENTS_MAX ||
-        u->acks._length > MU_LOCAL_AGENTS_MAX || !trips_ok(u->trips._buffer, u->trips._length)) {
+        u->acks._length > MU_LOCAL_AGENTS_MAX || !trips_ok(u->trips._buffer, u->trips._length) ||
+        !glances_ok(u->glances._buffer, u->glances._length)) {
         return false;
     }
     return acts_ok(u->acts._buffer, u->acts._length) && acks_ok(u->acks._buffer, u->acks._length);
@@ -301,7 +317,8 @@ bool check_delivery(const void *sample)
         }
     }
     return pages_ok(d) && mails_ok(d->outside._buffer, d->outside._length) &&
-           trips_ok(d->trips._buffer, d->trips._length);
+           trips_ok(d->trips._buffer, d->trips._length) &&
+           glances_ok(d->glances._buffer, d->glances._length);
 }
 
 bool check_roster(const void *sample)
@@ -472,7 +489,8 @@ static bool views_ok(const muster_RobotView *views, uint32_t count)
                                   v->command_turn_rad_s,
                                   v->distance_m,
                                   v->stalled_s};
-        fit = is_name(v->name) && numbers_ok(numbers, sizeof numbers / sizeof numbers[0]);
+        fit = is_name(v->name) && text_fits(v->goal, MU_FIELD_MAX) &&
+              numbers_ok(numbers, sizeof numbers / sizeof numbers[0]);
     }
     return fit;
 }

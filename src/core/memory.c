@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The only file of muster that calls an allocator; tools/tidy.py sees to that. */
+/* The only file of muster that calls an allocator, but for clips_heap.c; tools/tidy.py sees to
+ * that. */
 #include "muster/memory.h"
 
 #include "muster/result.h"

@@ -36,6 +36,27 @@ void mu_text_add(struct mu_text *t, const char *s)
     mu_text_add_bytes(t, s, strlen(s));
 }
 
+/* Control characters, and those of the second set, which in UTF-8 are two bytes. */
+static bool is_control(const char *s, size_t len)
+{
+    const unsigned char *c = (const unsigned char *)s;
+    return c[0] < ' ' || c[0] == 0x7f || (c[0] == 0xc2 && len > 1 && c[1] >= 0x80 && c[1] < 0xa0);
+}
+
+void mu_text_add_plain(struct mu_text *t, const char *s, size_t len)
+{
+    size_t begins = 0;
+    for (size_t i = 0; i < len; i++) {
+        if (is_control(s + i, len - i)) {
+            mu_text_add_bytes(t, s + begins, i - begins);
+            mu_text_add_bytes(t, "?", 1);
+            i += s[i] == '\xc2';
+            begins = i + 1;
+        }
+    }
+    mu_text_add_bytes(t, s + begins, len - begins);
+}
+
 void mu_text_format(struct mu_text *t, const char *format, ...)
 {
     size_t room = t->size - t->len;

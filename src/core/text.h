@@ -31,6 +31,10 @@ void mu_text_add(struct mu_text *t, const char *s);
 /** Adds len bytes of a string, or as many as fit. */
 void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len);
 
+/** Adds len bytes of what a stranger wrote, for a terminal: "?" stands for each control character.
+ */
+void mu_text_add_plain(struct mu_text *t, const char *s, size_t len);
+
 /** Adds formatted text; all of it or, cut, as much as fits. */
 void mu_text_format(struct mu_text *t, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

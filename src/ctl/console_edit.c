@@ -2,7 +2,7 @@
 #include "ctl/console_edit.h"
 
 #include "core/text.h"
-#include "ctl/complete.h"
+#include "desk/complete.h"
 
 #include <errno.h>
 #include <histedit.h>
@@ -15,7 +15,7 @@
 #include <unistd.h>
 #include <wchar.h>
 
-enum { EDIT_HISTORY = 1000, EDIT_LISTED_MAX = 200, EDIT_COLUMN = 26, EDIT_COLUMNS = 3 };
+enum { EDIT_HISTORY = 1000, EDIT_COLUMN = 26, EDIT_COLUMNS = 3 };
 
 /* One terminal has one editor. */
 struct console_edit {
@@ -72,13 +72,13 @@ static void matches_print(const char *words, struct complete_word w)
     const char *from = words;
     unsigned column = 0, listed = 0;
     putchar('\n');
-    while (listed < EDIT_LISTED_MAX && complete_next(words, &from, w, &match)) {
+    while (listed < COMPLETE_LISTED_MAX && complete_next(words, &from, w, &match)) {
         printf("%-*.*s", EDIT_COLUMN, (int)match.len, match.at);
         listed++;
         column = (column + 1) % EDIT_COLUMNS;
         fputs(column ? "" : "\n", stdout);
     }
-    fputs(listed == EDIT_LISTED_MAX ? "..." : "", stdout);
+    fputs(listed == COMPLETE_LISTED_MAX ? "..." : "", stdout);
     fputs(column ? "\n" : "", stdout);
     fflush(stdout);
 }
@@ -89,19 +89,15 @@ static unsigned char edit_complete(EditLine *line, int key)
     const LineInfo *info = el_line(line);
     struct complete_word w = complete_word(info->buffer, (size_t)(info->cursor - info->buffer));
     const char *words = edit.hooks->words(edit.hooks->self);
-    struct complete_match first;
-    size_t count;
-    char rest[128];
-    size_t common = complete_common(words, w, &count, &first);
+    char rest[COMPLETE_REST];
+    size_t count = complete_rest(words, w, rest);
     if (count == 0) {
         return CC_REFRESH_BEEP;
     }
-    if (common == 0 && count > 1) {
+    if (!rest[0]) {
         matches_print(words, w);
         return CC_REDISPLAY;
     }
-    int len = common < sizeof rest - 2 ? (int)common : (int)sizeof rest - 2;
-    snprintf(rest, sizeof rest, "%.*s%s", len, first.at + w.len, count == 1 ? " " : "");
     return el_insertstr(line, rest) == 0 ? CC_REFRESH : CC_ERROR;
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/fields.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "ctl/receivers.h"
@@ -317,4 +318,66 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
         printf("%s\n", mu_outcome_text(o->outcome));
     }
     return code;
+}
+
+/* --- looking ---------------------------------------------------------------------------------- */
+
+static void look_print(const struct operator* o, const char *agent, bool good, const char *text)
+{
+    static char bytes[2 * MU_GLANCE_BYTES_MAX + 3]; /* each byte may be escaped */
+    struct mu_text quoted;
+    mu_text_init(&quoted, bytes, sizeof bytes);
+    mu_fields_quote(&quoted, text);
+    struct mu_mail mail = {.src = agent,
+                           .dst = mu_agent_name(o->agent),
+                           .layer = MU_LAYER_SPEECH,
+                           .performative = good ? "inform" : "failure",
+                           .language = "",
+                           .ontology = "",
+                           .reply_with = "",
+                           .in_reply_to = "",
+                           .conversation = "",
+                           .content = quoted.at};
+    answer_print(&mail, o->json);
+}
+
+struct look {
+    struct operator* o;
+    const char *agent;
+};
+
+static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    const struct look *look = self;
+    if (number != look->o->glance) {
+        return;
+    }
+    look->o->glance = 0;
+    look->o->looked = end;
+    if (end != GLANCE_DECLINED) {
+        look_print(look->o, look->agent, end == GLANCE_DONE, text);
+    }
+}
+
+int operator_look(struct operator* o, const char *agent, const char *line, double wait_s)
+{
+    struct look look = {o, agent};
+    uint64_t until_ns = mu_clock_ns() + (uint64_t)(wait_s * 1e9);
+    glances_hear(o->agent, on_glance, &look);
+    if (glances_ask(o->agent, agent, line, &o->glance) != MU_OK) {
+        return -1;
+    }
+    while (o->glance && mu_clock_ns() <= until_ns &&
+           mu_process_spin(o->process, ROUND_NS) == MU_OK) {
+    }
+    glances_hear(o->agent, NULL, NULL);
+    if (o->glance) {
+        fprintf(stderr, "muster: 0 of 1 answers within %g s\n", wait_s);
+        (void)busy_tell(o, agent);
+        return MU_EXIT_TIME;
+    }
+    if (o->looked == GLANCE_DECLINED) {
+        return -1;
+    }
+    return o->looked == GLANCE_DONE ? MU_EXIT_DONE : MU_EXIT_UNDELIVERED;
 }

@@ -12,6 +12,7 @@
 #include "core/network.h"
 #include "core/options.h"
 #include "muster/agent.h"
+#include "runtime/glances.h"
 
 /* What a verb that lives longer does with what comes, in place of the operator. */
 struct operator_hooks {
@@ -47,6 +48,8 @@ struct operator
     unsigned failures;       /* of them, failures */
     const char *reply_with;  /* that answers refer to; NULL: none are wanted */
     char reply_with_own[32];
+    uint64_t glance;        /* number of the question that was asked; 0: none waits */
+    enum glance_end looked; /* what came of it */
     const struct operator_hooks *hooks;
     /* Takes an answer instead of its being printed; may be NULL. */
     void (*on_answer)(void *self, const struct mu_mail *mail);
@@ -84,6 +87,13 @@ int operator_join(struct operator* o, const struct operator_options *options, co
  * @return the exit code
  */
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s);
+
+/**
+ * Asks one agent for a line that only looks, and prints the answer as that of a directive.
+ *
+ * @return the exit code; < 0: it is no such line, or was declined, and nothing was printed
+ */
+int operator_look(struct operator* o, const char *agent, const char *line, double wait_s);
 
 void operator_leave(struct operator* o);
 

@@ -254,9 +254,12 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
     if (travels && !op.json) {
         op.on_answer = answer_show;
     }
-    unsigned wanted =
-        asks ? receivers_count(op.process, to, mu_agent_name(op.agent), v->directive) : 0;
-    code = operator_send(&op, &mail, wanted, wait_s);
+    code = v == &VERB_DO ? operator_look(&op, to, content, wait_s) : -1;
+    if (code < 0) {
+        unsigned wanted =
+            asks ? receivers_count(op.process, to, mu_agent_name(op.agent), v->directive) : 0;
+        code = operator_send(&op, &mail, wanted, wait_s);
+    }
     operator_leave(&op);
     return code;
 }

@@ -20,6 +20,10 @@
 
 static const uint64_t PATIENCE_NS = 5000000000;
 
+/* Where no more glances may be under way, a line that only looks waits so long before it goes as a
+ * directive. */
+static const uint64_t GLANCE_PATIENCE_NS = 500000000;
+
 enum {
     ORDERS_MAX = 8,              /* lines that wait for answers */
     TARGETS_MAX = MU_ROBOTS_MAX, /* agents that one line is for */
@@ -29,8 +33,10 @@ enum {
 
 struct target {
     char name[MU_NAME_MAX + 1];
-    uint64_t seq; /* of the directive; 0: it has not gone out */
-    bool ended;   /* its line of the answer is written */
+    uint64_t seq;    /* of the directive; 0: it has not gone out */
+    uint64_t glance; /* number of the question, if it only looks; 0: it has not gone out */
+    bool declined;   /* it looks in vain: a directive it is */
+    bool ended;      /* its line of the answer is written */
 };
 
 struct order {
@@ -200,6 +206,18 @@ static void targets_find(struct run *r, struct order *o)
 
 /* --- what goes out ---------------------------------------------------------------------------- */
 
+/* @return whether a line that only looks is asked as such, or waits for room */
+static bool target_look(struct run *r, const struct order *o, struct target *t, bool *room)
+{
+    if (t->declined || strcmp(o->what.performative, "do") != 0) {
+        return false;
+    }
+    mu_result asked = glances_ask(r->observer, t->name, o->what.content, &t->glance);
+    bool waits = asked == MU_FULL && mu_clock_ns() - o->since_ns < GLANCE_PATIENCE_NS;
+    *room = !waits;
+    return asked == MU_OK || waits;
+}
+
 /* @return false: no room for it just now */
 static bool target_tell(struct run *r, struct order *o, struct target *t)
 {
@@ -208,6 +226,10 @@ static bool target_tell(struct run *r, struct order *o, struct target *t)
     if (!m || m->state == MU_GONE) {
         target_end(o, t, false, m ? "absent" : "no such agent");
         return true;
+    }
+    bool room;
+    if (target_look(r, o, t, &room)) {
+        return room;
     }
     snprintf(label, sizeof label, "console-%llu-%zu", (unsigned long long)o->number,
              (size_t)(t - o->targets));
@@ -298,6 +320,16 @@ static struct target *target_find(struct run *r, const char *label, struct order
     return NULL;
 }
 
+/* What an agent printed. */
+static void target_answer(struct run *r, struct order *o, struct target *t, bool good,
+                          const char *printed)
+{
+    struct mu_text said;
+    mu_text_init(&said, r->console->line, sizeof r->console->line);
+    mu_text_format(&said, "%s: %s", good ? "done" : "failed", printed);
+    target_end(o, t, good, said.at);
+}
+
 bool run_observer_take(struct run *r, const struct mu_mail *mail)
 {
     if (strncmp(mail->in_reply_to, "console-", 8) != 0) {
@@ -310,15 +342,39 @@ bool run_observer_take(struct run *r, const struct mu_mail *mail)
     }
     bool fails = answer_is_failure(mail);
     const char *content = mail->content;
-    bool agrees = strcmp(mail->performative, "agree") == 0;
-    struct mu_text said;
-    mu_text_init(&said, r->console->text, sizeof r->console->text);
-    (void)(agrees || mu_fields_next(&content, &said)); /* one string: what it printed */
-    mu_text_init(&said, r->console->line, sizeof r->console->line);
-    mu_text_format(&said, "%s%s%s", fails ? "failed" : "done", agrees ? "" : ": ",
-                   r->console->text);
-    target_end(o, t, !fails, said.at);
+    if (strcmp(mail->performative, "agree") == 0) {
+        target_end(o, t, true, "done");
+        return true;
+    }
+    struct mu_text printed;
+    mu_text_init(&printed, r->console->text, sizeof r->console->text);
+    (void)mu_fields_next(&content, &printed); /* one string */
+    target_answer(r, o, t, !fails, r->console->text);
     return true;
+}
+
+static void glance_end(struct run *r, struct order *o, struct target *t, enum glance_end end,
+                       const char *text)
+{
+    t->glance = 0;
+    t->declined = true;
+    if (end != GLANCE_DECLINED) {
+        target_answer(r, o, t, end == GLANCE_DONE, text);
+    }
+}
+
+void run_observer_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    struct run *r = self;
+    for (size_t i = 0; i < ORDERS_MAX; i++) {
+        struct order *o = &r->console->orders[i];
+        for (size_t k = 0; o->used && k < o->targets_count; k++) {
+            if (o->targets[k].glance == number) {
+                glance_end(r, o, &o->targets[k], end, text);
+                return;
+            }
+        }
+    }
 }
 
 /* What a receipt says of one directive.  @return whether that is the end of it */
@@ -358,7 +414,7 @@ static bool order_waits(struct run *r, struct order *o)
     bool waits = false, room = true;
     for (size_t i = 0; i < o->targets_count; i++) {
         struct target *t = &o->targets[i];
-        if (!t->ended && t->seq == 0 && room) {
+        if (!t->ended && t->seq == 0 && t->glance == 0 && room) {
             room = target_tell(r, o, t);
         }
         waits = waits || !t->ended;

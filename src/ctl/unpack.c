@@ -156,7 +156,9 @@ static mu_result file_write(char *path, const void *bytes, size_t size)
     bool good = out && fwrite(bytes, 1, size, out) == size;
     good = out && fclose(out) == 0 && good;
     if (!good) {
-        fprintf(stderr, "muster: cannot write %s: %s\n", path, strerror(errno));
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr, "muster: cannot write %s: %s\n", mu_text_show(shown, path),
+                strerror(errno));
         return MU_FAULT_OS;
     }
     return MU_OK;
@@ -167,14 +169,16 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
 {
     const struct mcap_attachment *a = mcap_reader_attachment(reader, index);
     char bytes[PATH_MAX];
+    char shown[MU_TEXT_SHOWN];
     struct mu_text path;
     mu_text_init(&path, bytes, sizeof bytes);
     if (!place_find(u, origin(reader), a->name, &path)) {
-        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", file, a->name);
+        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", file,
+                mu_text_show(shown, a->name));
         return MU_FAULT_FILE;
     }
     if (mcap_reader_attachment_read(reader, index, room, MU_RECORD_MESSAGE_MAX) != MU_OK) {
-        fprintf(stderr, "%s: %s in it is not whole\n", file, a->name);
+        fprintf(stderr, "%s: %s in it is not whole\n", file, mu_text_show(shown, a->name));
         return MU_FAULT_FILE;
     }
     if (strncmp(a->name, "experiment/", 11) == 0) {

@@ -64,6 +64,16 @@ static const char *note(const struct verify *v, const char *key)
     return value ? value : "";
 }
 
+/* What a recording says, fit for a terminal; good until the next call. */
+static const char *plain(const char *text)
+{
+    static char bytes[PATH_MAX];
+    struct mu_text t;
+    mu_text_init(&t, bytes, sizeof bytes);
+    mu_text_add_plain(&t, text, strlen(text));
+    return t.at;
+}
+
 /* --- the second run --------------------------------------------------------------------------- */
 
 static void word_add(struct verify *v, const char *word)
@@ -182,9 +192,11 @@ static void result_print(struct verify *v, const struct difference *d)
         printf("the recording has been changed: a checksum in it is wrong\n");
     }
     if (d) {
-        printf("different at step %lld (%.1f s): %s%s%s is %s in the recording, and %s now\n",
-               (long long)d->step, (double)d->step * (double)v->before.step_ns * 1e-9, d->who,
-               d->who[0] ? " " : "", d->what, d->one, d->other);
+        printf("different at step %lld (%.1f s): %s%s%s is ", (long long)d->step,
+               (double)d->step * (double)v->before.step_ns * 1e-9, plain(d->who),
+               d->who[0] ? " " : "", d->what);
+        printf("%s in the recording, ", plain(d->one));
+        printf("and %s now\n", plain(d->other));
     } else {
         printf("equal  %zu steps\n", v->before.steps_count);
         printf("hash   %s\n", hash_of(&v->after));

@@ -7,7 +7,7 @@
 #include "core/json.h"
 #include "core/text.h"
 #include "desk/runs.h"
-#include "muster/agent.h"
+#include "desk/world_words.h"
 #include "muster/limits.h"
 #include "wire.h"
 #include "world/condition.h"
@@ -15,7 +15,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -27,8 +26,6 @@ static const double WAIT_LONG_S = 1e9;
 
 struct request {
     const char *program; /* "muster world place" */
-    const char *const *words;
-    size_t count; /* of words behind the verb */
     const struct world_run_options *set;
     muster_RunCommand command;
     char file[PATH_MAX];
@@ -47,109 +44,14 @@ struct line {
     char reason[256];
 };
 
-/* --- words ------------------------------------------------------------------------------------ */
-
-static bool number_read(const struct request *r, size_t word, double *out)
-{
-    char *end;
-    *out = strtod(r->words[word], &end);
-    if (end != r->words[word] && *end == '\0' && isfinite(*out)) {
-        return true;
-    }
-    char shown[MU_TEXT_SHOWN];
-    fprintf(stderr, "%s: '%s': expected a number\n", r->program,
-            mu_text_show(shown, r->words[word]));
-    return false;
-}
-
-static bool numbers_read(const struct request *r, size_t first, double *const *to, size_t count)
-{
-    for (size_t i = 0; i < count && first + i < r->count; i++) {
-        if (!number_read(r, first + i, to[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool name_read(struct request *r)
-{
-    char shown[MU_TEXT_SHOWN];
-    if (strlen(r->words[0]) > MU_NAME_MAX) {
-        fprintf(stderr, "%s: '%s': no name is that long\n", r->program,
-                mu_text_show(shown, r->words[0]));
-        return false;
-    }
-    r->command.name = (char *)(uintptr_t)r->words[0]; /* nobody writes there */
-    return true;
-}
-
-static bool place_read(struct request *r)
-{
-    double deg = 0;
-    double *const numbers[] = {&r->command.x_m, &r->command.y_m, &deg};
-    bool good = name_read(r) && numbers_read(r, 1, numbers, 3);
-    r->command.keeps_heading = r->count < 4;
-    r->command.heading_rad = remainder(deg, 360) * M_PI / 180;
-    return good;
-}
-
-static bool push_read(struct request *r)
-{
-    muster_RunCommand *c = &r->command;
-    double *const numbers[] = {&c->force_x_n, &c->force_y_n, &c->torque_nm};
-    c->time_s = r->set->push_s;
-    return name_read(r) && numbers_read(r, 1, numbers, 3);
-}
-
-static bool reset_read(struct request *r)
-{
-    return r->count == 0 || name_read(r);
-}
-
-static bool sensor_read(struct request *r)
-{
-    static const struct {
-        const char *word;
-        uint32_t senses;
-    } sensors[] = {{"sonar", MU_SENSE_SONAR},
-                   {"laser", MU_SENSE_LASER},
-                   {"camera", MU_SENSE_CAMERA},
-                   {"fiducials", MU_SENSE_FIDUCIALS},
-                   {"all", MU_SENSES}};
-    for (size_t i = 0; i < sizeof sensors / sizeof sensors[0]; i++) {
-        r->command.senses |= strcmp(r->words[1], sensors[i].word) == 0 ? sensors[i].senses : 0;
-    }
-    r->command.on = strcmp(r->words[2], "on") == 0;
-    if (r->command.senses == 0 || (!r->command.on && strcmp(r->words[2], "off") != 0)) {
-        fprintf(stderr,
-                "%s: expected NAME, then sonar, laser, camera, fiducials or all, then on "
-                "or off\n",
-                r->program);
-        return false;
-    }
-    return name_read(r);
-}
-
-static bool pace_read(struct request *r)
-{
-    if (!number_read(r, 0, &r->command.rate)) {
-        return false;
-    }
-    if (r->command.rate < 0) {
-        fprintf(stderr, "%s: expected times real time, or 0: as fast as it goes\n", r->program);
-        return false;
-    }
-    return true;
-}
-
 /* The simulator may have been started elsewhere. */
-static bool save_read(struct request *r)
+static bool file_find(struct request *r)
 {
     char here[PATH_MAX] = "";
-    bool absolute = r->words[0][0] == '/';
+    bool absolute = r->command.file[0] == '/';
     bool good = absolute || getcwd(here, sizeof here) != NULL;
-    int len = snprintf(r->file, sizeof r->file, "%s%s%s", here, absolute ? "" : "/", r->words[0]);
+    int len =
+        snprintf(r->file, sizeof r->file, "%s%s%s", here, absolute ? "" : "/", r->command.file);
     if (!good || len < 0 || len > 1023) {
         fprintf(stderr, "%s: the name of the file is too long\n", r->program);
         return false;
@@ -205,23 +107,6 @@ static double patience_s(const struct request *r)
 {
     return r->set->wait_s >= 0 ? r->set->wait_s : is_for_later(r) ? WAIT_LONG_S : WAIT_S;
 }
-
-static const struct {
-    const char *word;
-    size_t min, max; /* words behind it */
-    muster_RunOrder order;
-    bool (*read)(struct request *r);
-    const char *usage;
-} requests[] = {
-    {"place", 3, 4, muster_RUN_PLACE, place_read, "place NAME X Y [DEG]"},
-    {"push", 3, 4, muster_RUN_PUSH, push_read, "push NAME FX FY [TORQUE]"},
-    {"reset", 0, 1, muster_RUN_RESET, reset_read, "reset [NAME]"},
-    {"sensor", 3, 3, muster_RUN_SENSOR, sensor_read, "sensor NAME SENSOR on|off"},
-    {"pace", 1, 1, muster_RUN_PACE, pace_read, "pace R"},
-    {"save", 1, 1, muster_RUN_SAVE, save_read, "save FILE"},
-};
-
-enum { REQUESTS = sizeof requests / sizeof requests[0] };
 
 /* --- the simulator ---------------------------------------------------------------------------- */
 
@@ -375,34 +260,19 @@ static int request_run(struct request *r)
 
 bool world_run_knows(const char *word)
 {
-    for (size_t i = 0; i < REQUESTS; i++) {
-        if (strcmp(word, requests[i].word) == 0) {
-            return true;
-        }
-    }
-    return false;
+    return world_words_know(word);
 }
 
 int world_run(const struct mu_options *o, const struct world_run_options *set)
 {
-    static char none[1];
-    char program[64];
-    size_t behind = o->words_count - (o->words_count > 0);
-    for (size_t i = 0; i < REQUESTS; i++) {
-        if (o->words_count == 0 || strcmp(o->words[0], requests[i].word) != 0) {
-            continue;
-        }
-        snprintf(program, sizeof program, "muster world %s", requests[i].word);
-        static struct request r;
-        r = (struct request){
-            .program = program, .words = o->words + 1, .count = behind, .set = set};
-        r.command.order = requests[i].order;
-        r.command.name = r.command.file = r.command.when = none;
-        if (behind < requests[i].min || behind > requests[i].max) {
-            fprintf(stderr, "muster world: expected %s\n", requests[i].usage);
-            return MU_EXIT_USAGE;
-        }
-        return requests[i].read(&r) && later_read(&r) ? request_run(&r) : MU_EXIT_USAGE;
+    static struct request r;
+    char program[64], wrong[WORLD_WORDS_WRONG];
+    snprintf(program, sizeof program, "muster world %s", o->words_count > 0 ? o->words[0] : "");
+    r = (struct request){.program = program, .set = set};
+    if (world_words_read(o->words, o->words_count, set->push_s, &r.command, wrong) != MU_OK) {
+        fprintf(stderr, "%s: %s\n", program, wrong);
+        return MU_EXIT_USAGE;
     }
-    return MU_EXIT_USAGE; /* world_run_knows was asked before */
+    bool good = r.command.order != muster_RUN_SAVE || file_find(&r);
+    return good && later_read(&r) ? request_run(&r) : MU_EXIT_USAGE;
 }

@@ -13,6 +13,7 @@
 
 static const uint64_t AWAY_NS = 900000000;
 static const uint64_t READ_NS = 50000000;
+static const uint64_t WORDS_PATIENCE_NS = 5000000000; /* then they are asked for again */
 
 /* line: that it is said to; 0: none in particular */
 static void show(struct console_link *l, enum console_kind kind, uint64_t line, const char *text)
@@ -56,20 +57,44 @@ static mu_result directive_send(struct console_link *l, const char *performative
 
 /* --- lines and their answers ------------------------------------------------------------------ */
 
-mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number)
+static mu_result line_send(struct console_link *l, struct console_pending *p, const char *line)
 {
     char label[24];
+    snprintf(label, sizeof label, "line-%llu", (unsigned long long)p->number);
+    return directive_send(l, "do", line, label, &p->seq);
+}
+
+/* What was typed before it is to be done before it. */
+static bool may_look(const struct console_link *l)
+{
+    bool may = true;
+    for (size_t i = 0; i < l->pending_count; i++) {
+        may = may && l->pending[i].glance > 0;
+    }
+    return may;
+}
+
+static bool look_send(struct console_link *l, struct console_pending *p, const char *line)
+{
+    bool sent = may_look(l) && glances_ask(l->asker, l->agent, line, &p->glance) == MU_OK;
+    return sent && mu_text_copy(p->look, sizeof p->look, line);
+}
+
+mu_result console_link_line(struct console_link *l, const char *line, uint64_t *number)
+{
     struct console_pending *p = &l->pending[l->pending_count];
     if (l->pending_count >= l->pending_max) {
         return MU_FULL;
     }
     *p = (struct console_pending){.number = l->lines + 1};
-    snprintf(label, sizeof label, "line-%llu", (unsigned long long)p->number);
-    MU_TRY(directive_send(l, "do", line, label, &p->seq));
+    bool looks = look_send(l, p, line);
+    if (!looks) {
+        MU_TRY(line_send(l, p, line));
+    }
     l->lines++;
     l->heard_ns = mu_clock_ns();
     l->pending_count++;
-    l->words_stale = true;
+    l->words_stale = l->words_stale || !looks;
     if (number) {
         *number = p->number;
     }
@@ -140,6 +165,51 @@ static void answer_take(struct console_link *l, const struct mu_mail *mail, uint
     }
 }
 
+static struct console_pending *glance_find(struct console_link *l, uint64_t number)
+{
+    for (size_t i = 0; i < l->pending_count; i++) {
+        if (l->pending[i].glance == number) {
+            return &l->pending[i];
+        }
+    }
+    return NULL;
+}
+
+/* The line goes as any other does, behind what was typed since. */
+static void glance_declined(struct console_link *l, const struct console_pending *p)
+{
+    struct console_pending again = {.number = p->number};
+    mu_result sent = line_send(l, &again, p->look);
+    size_t behind = (size_t)(&l->pending[l->pending_count] - p) - 1;
+    memmove(&l->pending[p - l->pending], p + 1, behind * sizeof *p);
+    if (sent == MU_OK) {
+        l->pending[l->pending_count - 1] = again;
+        return;
+    }
+    l->pending_count--;
+    show_note(l, again.number, "[a line is lost: %s]", mu_result_text(sent));
+    tell_end(l, &again, false);
+}
+
+void console_link_glance(struct console_link *l, uint64_t number, enum glance_end end,
+                         const char *text)
+{
+    struct console_pending *p = l->agent ? glance_find(l, number) : NULL;
+    if (!p) {
+        return; /* given up, or another link's */
+    }
+    l->heard_ns = mu_clock_ns();
+    if (end == GLANCE_DECLINED) {
+        glance_declined(l, p);
+        return;
+    }
+    bool fails = end == GLANCE_FAILED;
+    p = pending_meet(l, p->number);
+    show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, p->number, text);
+    l->failures += fails;
+    pending_drop(l, 1, !fails);
+}
+
 /* --- what is watched, and words --------------------------------------------------------------- */
 
 void console_link_attach(struct console_link *l)
@@ -187,17 +257,23 @@ void console_link_ask_words(struct console_link *l)
 {
     char label[24];
     uint64_t number = l->lines + 1;
+    uint64_t now_ns = mu_clock_ns();
+    bool waits = l->words_asked > 0 && now_ns - l->words_asked_ns < WORDS_PATIENCE_NS;
     snprintf(label, sizeof label, "words-%llu", (unsigned long long)number);
-    if (l->words_asked == 0 && directive_send(l, "words", "", label, NULL) == MU_OK) {
+    if (!waits && directive_send(l, "words", "", label, NULL) == MU_OK) {
         l->lines = l->words_asked = number;
+        l->words_asked_ns = now_ns;
         l->words_stale = false;
     }
 }
 
 /* They count when all of them are there. */
-static void words_take(struct console_link *l, const struct mu_mail *mail)
+static void words_take(struct console_link *l, const struct mu_mail *mail, uint64_t number)
 {
     unsigned count, piece = piece_of(mail, &count);
+    if (number != l->words_asked) {
+        return; /* given up */
+    }
     struct mu_text words = {.at = l->words, .len = l->words_len, .size = sizeof l->words};
     if (piece == 1) {
         mu_text_clear(&words);
@@ -222,7 +298,7 @@ void console_link_mail(struct console_link *l, const struct mu_mail *mail)
     } else if (ours && sscanf(mail->in_reply_to, "line-%llu", &number) == 1) {
         answer_take(l, mail, number);
     } else if (ours && sscanf(mail->in_reply_to, "words-%llu", &number) == 1) {
-        words_take(l, mail);
+        words_take(l, mail, number);
     }
 }
 
@@ -239,7 +315,7 @@ void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t l
     size_t kept = 0;
     for (size_t i = 0; i < l->pending_count && !is_good(outcome); i++) {
         struct console_pending p = l->pending[i];
-        if (p.seq < first_seq || p.seq > last_seq) {
+        if (p.glance > 0 || p.seq < first_seq || p.seq > last_seq) {
             l->pending[kept++] = p;
             continue;
         }

@@ -11,7 +11,7 @@
 #ifndef MUSTER_DESK_CONSOLE_LINK_H
 #define MUSTER_DESK_CONSOLE_LINK_H
 
-#include "muster/agent.h"
+#include "runtime/glances.h"
 
 enum {
     CONSOLE_PENDING_MAX = 64,       /* lines that wait for their answers */
@@ -29,8 +29,10 @@ enum console_kind {
 
 struct console_pending {
     uint64_t seq;    /* of the mail */
+    uint64_t glance; /* number of the question: it only looks; 0: it is a directive */
     uint64_t number; /* of the line */
     unsigned piece;  /* of the answer, that came last */
+    char look[MU_GLANCE_LINE_MAX + 1]; /* the line of a glance */
 };
 
 struct console_link {
@@ -52,9 +54,10 @@ struct console_link {
     uint64_t spun_ns;   /* when it was there last, with a broker */
     char words[CONSOLE_WORDS_MAX];
     size_t words_len;
-    uint64_t words_asked; /* number of the question, or 0: none is under way */
-    bool words_stale;     /* a line may have changed them */
-    void *self;           /* of show and ended */
+    uint64_t words_asked;    /* number of the question, or 0: none is under way */
+    uint64_t words_asked_ns; /* when */
+    bool words_stale;        /* a line may have changed them */
+    void *self;              /* of show and ended */
     /* line: number of the line that it belongs to; 0: of none.  May be NULL. */
     void (*show)(void *self, enum console_kind kind, uint64_t line, const char *text);
     /* Nothing more comes for a line; good: it was done.  May be NULL. */
@@ -73,6 +76,10 @@ void console_link_init(struct console_link *l, mu_process *process, mu_agent *as
 /** Takes a mail to the asker; one that is not for this link is passed over. */
 void console_link_mail(struct console_link *l, const struct mu_mail *mail);
 
+/** Takes what became of a glance of the asker, this link's or not: as glances_hear. */
+void console_link_glance(struct console_link *l, uint64_t number, enum glance_end end,
+                         const char *text);
+
 /** Takes what became of mails of the asker, this link's or not. */
 void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t last_seq,
                           enum mu_outcome outcome);
@@ -88,7 +95,7 @@ void console_link_attach(struct console_link *l);
 MU_MUST_USE mu_result console_link_detach(struct console_link *l, uint64_t *seq);
 
 /**
- * Sends a line.
+ * Sends a line: one that only looks as a glance, if none is under way that may change what it sees.
  *
  * @param number  out: of the line, from 1 on; may be NULL
  * @return MU_OK; MU_FULL: as many as it can wait for are under way

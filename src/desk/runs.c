@@ -45,31 +45,50 @@ static int lock_open(const char *folder, int domain, int flags)
     return open(path, flags | O_CLOEXEC | O_NOFOLLOW, 0600);
 }
 
+/* @return a socket that has this port on loopback; < 0: somebody else has it */
+static int port_bind(int type, int port)
+{
+    int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
+    struct sockaddr_in address = {.sin_family = AF_INET,
+                                  .sin_port = htons((uint16_t)port),
+                                  .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    if (fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        close(fd);
+        fd = -1;
+    }
+    return fd;
+}
+
 /* The lock file is ours; does somebody else's broker or simulator use the ports:
  * indices 0 to 4? */
 static bool ports_free(int domain)
 {
     for (int index = 0; index < 5; index++) {
-        int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-        struct sockaddr_in address = {.sin_family = AF_INET,
-                                      .sin_port = htons((uint16_t)bus_port(domain, index)),
-                                      .sin_addr = {htonl(INADDR_LOOPBACK)}};
-        bool taken = bind(fd, (const struct sockaddr *)&address, sizeof address) != 0;
-        close(fd);
-        if (taken) {
+        int fd = port_bind(SOCK_DGRAM, bus_port(domain, index));
+        if (fd < 0) {
             return false;
         }
+        close(fd);
     }
     return true;
 }
 
-static bool domain_take(const char *folder, int domain, const char *name)
+/* Other users' lock files lie elsewhere, and their broker may not be up yet: who runs in a domain
+ * holds a TCP port of it, too, which DDS has no use for.  @return whether it is ours, for good */
+static bool port_hold(int domain)
+{
+    return port_bind(SOCK_STREAM, bus_port(domain, 0)) >= 0;
+}
+
+/* is_picked: of many; one that the user wants is not refused for a stranger's port. */
+static bool domain_take(const char *folder, int domain, bool is_picked, const char *name)
 {
     int fd = lock_open(folder, domain, O_RDWR | O_CREAT);
     if (fd < 0) {
         return false;
     }
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0 || !ports_free(domain)) {
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0 || !ports_free(domain) ||
+        (!port_hold(domain) && is_picked)) {
         close(fd);
         return false;
     }
@@ -90,7 +109,7 @@ mu_result runs_take(int wanted, const char *name, int *domain)
     int first = wanted >= 0 ? wanted : RUNS_DOMAIN_FIRST;
     int last = wanted >= 0 ? wanted : RUNS_DOMAIN_LAST;
     for (int d = first; d <= last; d++) {
-        if (domain_take(folder, d, name)) {
+        if (domain_take(folder, d, wanted < 0, name)) {
             *domain = d;
             return MU_OK;
         }

@@ -31,7 +31,8 @@ static struct arrival *arrival_find(struct host *h, const struct mu_mail *mail)
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {
         struct arrival *a = &h->arrivals[i];
-        if (a->used && strcmp(a->src, mail->src) == 0 && strcmp(a->id, mail->conversation) == 0) {
+        if (a->used && !a->deposited && strcmp(a->src, mail->src) == 0 &&
+            strcmp(a->id, mail->conversation) == 0) {
             return a;
         }
     }
@@ -43,9 +44,11 @@ static struct arrival *arrival_begin(struct host *h, const struct mu_mail *mail,
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {
         struct arrival *a = &h->arrivals[i];
-        if (!a->used || mu_clock_ns() > a->until_ns) {
+        bool held = a->deposited && mu_process_in_lockstep(h->crew.process);
+        if (!a->used || (!held && mu_clock_ns() > a->until_ns)) {
             fill(a, mail);
             a->used = true;
+            a->deposited = false;
             a->pieces = 0;
             a->total = total;
             mu_text_clear(&a->text);
@@ -66,8 +69,9 @@ static void refuse(struct host *h, const struct mu_mail *mail, const char *why)
 static void arrival_end(struct host *h, struct arrival *a)
 {
     char why[MU_FAULT_TEXT_MAX + 1];
-    a->used = false;
-    if (!host_take_in(h, a, why)) {
+    bool lockstep = mu_process_in_lockstep(h->crew.process);
+    a->used = lockstep && host_deposit(h, a, why);
+    if (!a->used && (lockstep || !host_take_in(h, a, why))) {
         mu_log(MU_LOG_WARNING, "arrival-refused", "from=%s: %s", a->src, why);
         host_answer(h, a, "refuse", why);
     }

@@ -54,6 +54,18 @@ static bool name_is_welcome(const struct host *h, const char *name)
     return welcome;
 }
 
+/* @return the arrival of that name that the broker has, or NULL */
+static struct arrival *deposited_find(struct host *h, const char *name)
+{
+    for (size_t i = 0; i < HOST_ARRIVALS; i++) {
+        struct arrival *a = &h->arrivals[i];
+        if (a->used && a->deposited && strcmp(a->name, name) == 0) {
+            return a;
+        }
+    }
+    return NULL;
+}
+
 static bool name_is_taken(const struct host *h, const char *name)
 {
     const struct mu_member *m = mu_process_lookup(h->crew.process, name);
@@ -74,9 +86,6 @@ static struct robot *place_find(struct host *h)
 
 static const char *objection(struct host *h, const struct arrival *a, const struct passport *p)
 {
-    if (mu_process_in_lockstep(h->crew.process) && p->purpose != TRIP_MOVE) {
-        return "lock-step";
-    }
     if (a->src[0] && (p->purpose == TRIP_LAUNCH) != a->directive) {
         return "launching is for those who may direct this host";
     }
@@ -146,6 +155,31 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
     }
 }
 
+bool host_deposit(struct host *h, struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
+{
+    struct passport p;
+    const char *rest = a->text.at;
+    bool read = passport_read(&rest, &p);
+    const char *wrong = read ? objection(h, a, &p) : "expected a passport";
+    wrong = !wrong && p.purpose != TRIP_LAUNCH ? "lock-step" : wrong;
+    wrong = !wrong && deposited_find(h, p.name) ? "name-taken" : wrong;
+    char host[MU_NAME_MAX + 1];
+    (void)mu_text_copy(host, sizeof host, h->crew.host);
+    muster_Trip word = {.word = muster_TRIP_NEW,
+                        .agent = p.name,
+                        .asker = host,
+                        .state = (muster_State)p.state,
+                        .host = host,
+                        .text = a->text.at};
+    if (!wrong && trips_say(h->crew.process, &word) != MU_OK) {
+        wrong = "busy";
+    }
+    (void)mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, wrong ? wrong : "");
+    (void)mu_text_copy(a->name, sizeof a->name, wrong ? "" : p.name);
+    a->deposited = !wrong;
+    return !wrong;
+}
+
 /* @return NULL; and why is set */
 static struct robot *not_taken(char why[MU_FAULT_TEXT_MAX + 1], const char *reason)
 {
@@ -209,7 +243,10 @@ static void arrival_hear(struct host *h, const muster_Trip *word)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "too-large";
     size_t len = strlen(word->text);
-    struct arrival a = {.text = {.at = word->text, .len = len, .size = len + 1}};
+    struct arrival *launched =
+        strcmp(word->asker, h->crew.host) == 0 ? deposited_find(h, word->agent) : NULL;
+    struct arrival a = launched ? *launched : (struct arrival){.used = true};
+    a.text = (struct mu_text){.at = word->text, .len = len, .size = len + 1};
     struct robot *r = len <= (size_t)h->set->bytes ? host_take_in(h, &a, why) : NULL;
     if (r &&
         (strcmp(r->name, word->agent) != 0 || mu_agent_passage(r->agent).epoch != word->epoch)) {
@@ -221,6 +258,18 @@ static void arrival_hear(struct host *h, const muster_Trip *word)
     }
     word_say(h, word, r ? muster_TRIP_READY : muster_TRIP_REFUSED, r ? trips_slot(r->agent) : 0,
              r ? "" : why);
+}
+
+/* What has become of one that was launched: if it lives, it answers itself. */
+static void launched_end(struct host *h, const muster_Trip *word)
+{
+    struct arrival *a = deposited_find(h, word->agent);
+    if (a && word->word == muster_TRIP_REFUSED) {
+        host_answer(h, a, "refuse", word->reason);
+    }
+    if (a) {
+        a->used = a->deposited = false;
+    }
 }
 
 /* It was not given the name: somebody else is the agent. */
@@ -242,7 +291,9 @@ void host_hear(void *self, const muster_Trip *word)
         arrival_hear(h, word);
         return;
     }
-    if (word->word == muster_TRIP_REFUSED) {
+    if (strcmp(word->asker, h->crew.host) == 0) {
+        launched_end(h, word);
+    } else if (word->word == muster_TRIP_REFUSED && !word->asker[0]) {
         copy_drop(h, word);
     }
     trip_hear(&h->crew, word);

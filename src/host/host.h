@@ -18,6 +18,8 @@ enum { HOST_ARRIVALS = 4 };
 /* An agent that comes in pieces; or has come, and waits for its name. */
 struct arrival {
     bool used;
+    bool deposited; /* in lock step: it is whole, and the broker has it, until it is handed back, */
+    char name[MU_NAME_MAX + 1]; /* under this name */
     char src[MU_NAME_MAX + 1], id[MU_FIELD_MAX + 1], reply_with[MU_FIELD_MAX + 1];
     bool directive;      /* somebody who may direct this host wants it */
     uint32_t pieces;     /* that are there */
@@ -53,6 +55,15 @@ MU_MUST_USE mu_result host_join(struct host *h);
  */
 struct robot *host_take_in(struct host *h, const struct arrival *a,
                            char why[MU_FAULT_TEXT_MAX + 1]);
+
+/**
+ * In lock step an agent that is launched goes to the broker first, which says when it begins, and
+ * gives it back.
+ *
+ * @param why  MU_FAULT_TEXT_MAX + 1 bytes, filled when it cannot begin
+ * @return whether it is on its way
+ */
+bool host_deposit(struct host *h, struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
 
 /** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
 void host_hear(void *self, const muster_Trip *word);

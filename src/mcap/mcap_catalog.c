@@ -14,7 +14,7 @@ void mcap_catalog_reset(struct mcap_reader *r)
     r->text.full = false;
     r->schema_count = r->channel_count = r->pair_count = 0;
     r->file_count = r->table_count = r->chunk_count = 0;
-    r->full = r->compressed = r->loose = false;
+    r->full = r->compressed = r->loose = r->counted = false;
     r->broken = 0;
 }
 
@@ -119,7 +119,11 @@ bool mcap_catalog_table(struct mcap_reader *r, struct mcap_in in)
 
 bool mcap_catalog_statistics(struct mcap_reader *r, struct mcap_in in)
 {
-    (void)mcap_in_bytes(&in, 8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);
+    r->said_messages = mcap_in_number(&in, 8);
+    (void)mcap_in_number(&in, 2); /* schemas */
+    r->said_channels = mcap_in_number(&in, 4);
+    (void)mcap_in_bytes(&in, 4 + 4 + 4 + 8 + 8);
+    r->counted = !in.cut;
     struct mcap_in map = mcap_in_part(&in, 4);
     while (map.left > 0 && !map.cut) {
         uint32_t id = (uint32_t)mcap_in_number(&map, 2);

@@ -8,7 +8,7 @@
 
 /* Its channel's messages are counted, or it is passed over: nobody knows its channel. */
 static void message_take(struct mcap_reader *r, struct reader_slot *slot, struct mcap_in in,
-                         bool counts)
+                         bool learns)
 {
     const uint8_t *content = in.at;
     size_t size = in.left;
@@ -19,14 +19,14 @@ static void message_take(struct mcap_reader *r, struct reader_slot *slot, struct
     if (in.cut || r->channel_ids[id] == MU_NONE) {
         return;
     }
-    r->channels[r->channel_ids[id]].messages += counts;
+    r->channels[r->channel_ids[id]].messages += learns;
     slot->entries[slot->count++] = (struct reader_entry){
         .log_ns = log_ns, .at = (uint32_t)(content - slot->bytes), .size = (uint32_t)size};
 }
 
 /* Takes one record out of a chunk.  @return false: there is no whole one */
 static bool inner_take(struct mcap_reader *r, struct reader_slot *slot, struct mcap_in *records,
-                       bool counts)
+                       bool learns)
 {
     enum mcap_op op = (enum mcap_op)mcap_in_number(records, 1);
     struct mcap_in in = mcap_in_part(records, 8);
@@ -34,9 +34,9 @@ static bool inner_take(struct mcap_reader *r, struct reader_slot *slot, struct m
         return false;
     }
     switch ((int)op) {
-    case MCAP_SCHEMA: return mcap_catalog_schema(r, in);
-    case MCAP_CHANNEL: return mcap_catalog_channel(r, in);
-    case MCAP_MESSAGE: message_take(r, slot, in, counts); return true;
+    case MCAP_SCHEMA: return !learns || mcap_catalog_schema(r, in);
+    case MCAP_CHANNEL: return !learns || mcap_catalog_channel(r, in);
+    case MCAP_MESSAGE: message_take(r, slot, in, learns); return true;
     default: return true;
     }
 }
@@ -52,9 +52,16 @@ static int entry_compare(const void *one, const void *other, const void *context
     return (a->at > b->at) - (a->at < b->at);
 }
 
+/* A chunk that is read again is counted once. */
+static void chunk_break(struct mcap_reader *r, struct reader_chunk *chunk)
+{
+    r->broken += !chunk->broken;
+    chunk->broken = true;
+}
+
 /* Finds the records of a chunk in the slot.  @return false: they are not there, or damaged */
 static bool records_find(struct mcap_reader *r, const struct reader_slot *slot,
-                         const struct reader_chunk *chunk, struct mcap_in *records)
+                         struct reader_chunk *chunk, struct mcap_in *records)
 {
     struct mcap_in in = {.at = slot->bytes, .left = (size_t)chunk->length};
     bool is_chunk = mcap_in_number(&in, 1) == MCAP_CHUNK;
@@ -76,31 +83,43 @@ static bool records_find(struct mcap_reader *r, const struct reader_slot *slot,
     }
     records->left = stored == size && stored <= in.left ? (size_t)stored : 0;
     bool right = crc == 0 || crc == (uint32_t)crc32_z(0, records->at, records->left);
-    if (!right && r->believes) {
-        r->broken++;
+    if (!right) {
+        chunk_break(r, chunk);
     }
     return stored == records->left && (right || r->believes);
 }
 
+/* @return MU_OK: the chunk's bytes are in the slot */
+static mu_result chunk_bytes(struct mcap_reader *r, struct reader_slot *slot,
+                             const struct reader_chunk *chunk)
+{
+    return chunk->length > READER_CHUNK_MAX
+               ? MU_MALFORMED
+               : mcap_reader_bytes(r, chunk->at, slot->bytes, (size_t)chunk->length);
+}
+
 mu_result mcap_chunk_load(struct mcap_reader *r, struct reader_slot *slot,
-                          const struct reader_chunk *chunk, bool counts)
+                          struct reader_chunk *chunk, bool learns)
 {
     struct mcap_in records;
     slot->count = slot->next = 0;
     slot->at = chunk->at;
-    if (chunk->length > READER_CHUNK_MAX) {
-        r->broken++;
-        return MU_MALFORMED;
+    mu_result got = chunk_bytes(r, slot, chunk);
+    if (got == MU_OK && !records_find(r, slot, chunk, &records)) {
+        got = MU_MALFORMED;
     }
-    mu_result got = mcap_reader_bytes(r, chunk->at, slot->bytes, (size_t)chunk->length);
-    if (got < 0) {
+    if (got != MU_OK) {
+        if (got == MU_MALFORMED) {
+            chunk_break(r, chunk);
+        }
         return got;
     }
-    if (got != MU_OK || !records_find(r, slot, chunk, &records)) {
-        r->broken++;
-        return MU_MALFORMED;
+    bool good = true;
+    while (records.left > 0 && good) {
+        good = inner_take(r, slot, &records, learns);
     }
-    while (records.left > 0 && inner_take(r, slot, &records, counts)) {
+    if (!good && !chunk->cut) { /* what stands before the damage is read */
+        chunk_break(r, chunk);
     }
     mu_sort(slot->entries, slot->count, sizeof *slot->entries, entry_compare, NULL);
     return MU_OK;
@@ -155,7 +174,7 @@ static struct reader_slot *slot_free(struct mcap_reader *r)
 static mu_result chunks_load(struct mcap_reader *r)
 {
     for (; r->next_chunk < r->chunk_count; r->next_chunk++) {
-        const struct reader_chunk *chunk = &r->chunks[r->next_chunk];
+        struct reader_chunk *chunk = &r->chunks[r->next_chunk];
         const struct reader_slot *first = slot_first(r);
         struct reader_slot *room = slot_free(r);
         bool later = first && first->entries[first->next].log_ns < chunk->first_ns;

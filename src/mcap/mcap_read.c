@@ -213,12 +213,20 @@ static mu_result footer_read(struct mcap_reader *r, uint64_t *begins, uint64_t *
     return summary_sum(r, *begins, *ends + MCAP_FOOTER_CRC_AT, crc);
 }
 
+/* Who leaves out the indices of chunks, or what describes channels, leaves it to us to find them.
+ */
+static bool summary_says_all(const struct mcap_reader *r)
+{
+    bool all_described = r->counted ? r->channel_count >= r->said_channels : r->channel_count > 0;
+    bool all_indexed = r->chunk_count > 0 || (r->counted && r->said_messages == 0);
+    return all_indexed && all_described;
+}
+
 /* @return MU_OK; MU_MALFORMED: no summary, or not a good one; MU_FAULT_OS */
 static mu_result summary_read(struct mcap_reader *r)
 {
     uint64_t at = 0;
     uint64_t ends = 0;
-    bool counted = false;
     mu_result got = footer_read(r, &at, &ends);
     while (got == MU_OK && at < ends) {
         struct record record;
@@ -227,14 +235,11 @@ static mu_result summary_read(struct mcap_reader *r)
             got = MU_MALFORMED;
         }
         if (got == MU_OK) {
-            counted = counted || record.op == MCAP_STATISTICS;
             got = summary_record_take(r, &record);
             at = record.at + record.length;
         }
     }
-    /* Who leaves out the indices of chunks or the counts leaves it to us to find them. */
-    bool says_all = r->chunk_count > 0 || counted;
-    return got == MU_OK && !says_all ? MU_MALFORMED : got;
+    return got;
 }
 
 /* --- by reading all of it --------------------------------------------------------------------- */
@@ -323,7 +328,7 @@ static mu_result open_fault(struct mcap_reader *r, struct mu_fault *fault, const
 static mu_result file_open(struct mcap_reader *r, const char *path)
 {
     struct stat is;
-    r->fd = open(path, O_RDONLY | O_CLOEXEC);
+    r->fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe is no recording */
     if (r->fd < 0 || fstat(r->fd, &is) != 0) {
         return MU_FAULT_OS;
     }
@@ -331,23 +336,32 @@ static mu_result file_open(struct mcap_reader *r, const char *path)
     return MU_OK;
 }
 
+/* @return MU_OK or MU_FAULT_OS */
+static mu_result catalog_read(struct mcap_reader *r)
+{
+    mu_result got = summary_read(r);
+    r->whole = got == MU_OK;
+    if (got == MU_MALFORMED || (got == MU_OK && !summary_says_all(r))) {
+        mcap_catalog_reset(r);
+        got = data_read(r);
+    }
+    return got;
+}
+
 mu_result mcap_reader_open(struct mcap_reader *r, const char *path, struct mu_fault *fault)
 {
     mcap_reader_close(r);
     mcap_catalog_reset(r);
-    if (!mu_text_copy(r->path, sizeof r->path, path) || file_open(r, path) != MU_OK) {
+    if (!mu_text_copy(r->path, sizeof r->path, path)) {
+        return open_fault(r, fault, strerror(ENAMETOOLONG));
+    }
+    if (file_open(r, path) != MU_OK) {
         return open_fault(r, fault, strerror(errno));
     }
     if (!has_magic(r)) {
         return open_fault(r, fault, "this is no recording: expected an MCAP file");
     }
-    mu_result got = summary_read(r);
-    r->whole = got == MU_OK;
-    if (got == MU_MALFORMED) {
-        mcap_catalog_reset(r);
-        got = data_read(r);
-    }
-    if (got < 0) {
+    if (catalog_read(r) != MU_OK) {
         return open_fault(r, fault, strerror(errno));
     }
     if (r->compressed) {

@@ -24,7 +24,8 @@ enum {
 struct reader_chunk {
     uint64_t at, length; /* of its record, as far as the file goes */
     uint64_t first_ns, last_ns;
-    bool cut; /* the file ends in it: no checksum */
+    bool cut;    /* the file ends in it: no checksum */
+    bool broken; /* its checksum or its records are wrong: that was counted */
 };
 
 /* A message in a slot. */
@@ -63,6 +64,8 @@ struct mcap_reader {
     bool believes; /* chunks are read although their checksums are wrong */
     bool full;     /* something is more than the limits allow */
     uint64_t broken;
+    bool counted; /* the summary says how much there is: */
+    uint64_t said_channels, said_messages;
     struct mcap_out text;  /* what the catalogue's texts lie in */
     uint32_t *channel_ids; /* of READER_IDS: index, or MU_NONE */
     uint32_t *schema_ids;
@@ -100,13 +103,13 @@ bool mcap_catalog_file(struct mcap_reader *r, struct mcap_in in, uint64_t at, ui
 bool mcap_catalog_chunk(struct mcap_reader *r, const struct reader_chunk *chunk);
 
 /**
- * Reads a chunk into a slot: schemas and channels in it go into the catalogue, messages into the
- * slot, if their channels are known.
+ * Reads a chunk into a slot: its messages, if their channels are known.
  *
- * @param counts  whether the messages are counted in their channels
+ * @param learns  while the file is opened: schemas and channels in it go into the catalogue, and
+ *                messages are counted.  Later the catalogue is what whoever opened it has seen
  * @return MU_OK; MU_MALFORMED: it is broken, and nothing is in the slot; MU_FAULT_OS
  */
 MU_MUST_USE mu_result mcap_chunk_load(struct mcap_reader *r, struct reader_slot *slot,
-                                      const struct reader_chunk *chunk, bool counts);
+                                      struct reader_chunk *chunk, bool learns);
 
 #endif

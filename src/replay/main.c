@@ -6,7 +6,7 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap_origin.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 
@@ -146,13 +146,8 @@ static bool is_wanted(const char *name, enum bus_topic topic)
 /* @return whether the messages of a channel are what the topic has today */
 static bool is_same_type(const struct mcap_channel *c, enum bus_topic topic)
 {
-    static char bytes[64 * 1024];
-    char name_bytes[256];
-    struct mu_text name, text;
-    mu_text_init(&name, name_bytes, sizeof name_bytes);
-    mu_text_init(&text, bytes, sizeof bytes);
-    return bus_schema(topic, &name, &text) == MU_OK && strcmp(c->encoding, "cdr") == 0 &&
-           c->schema_size == text.len && memcmp(c->schema, text.at, text.len) == 0;
+    return strcmp(c->encoding, "cdr") == 0 && c->schema_size > 0 &&
+           bus_schema_is(topic, c->schema, c->schema_size);
 }
 
 static const char *partition_of(const struct mcap_channel *c)
@@ -176,8 +171,19 @@ static mu_result channel_open(struct replay *r, uint32_t index)
         return MU_OK;
     }
     if (!ours || !is_same_type(c, topic)) {
-        fprintf(stderr, "muster replay: %s is left out: %s\n", mu_text_show(shown, c->topic),
-                ours ? "its type is another one than in this version" : "it is no topic of muster");
+        char bytes[128];
+        struct mu_text origin;
+        mu_text_init(&origin, bytes, sizeof bytes);
+        mcap_origin_write(r->file, &origin);
+        fprintf(stderr, "muster replay: %s is left out: ", mu_text_show(shown, c->topic));
+        if (ours) {
+            fprintf(stderr,
+                    "it was written by %s, whose %s is another type than that of this muster, "
+                    "%s: replay it with the one that wrote it\n",
+                    origin.at, shown, MU_VERSION);
+        } else {
+            fprintf(stderr, "it is no topic of muster\n");
+        }
         return MU_OK;
     }
     r->feeds[index] = mu_startup_alloc(sizeof *r->feeds[index]);

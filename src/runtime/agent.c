@@ -7,6 +7,7 @@
 #include "runtime/process.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,6 +43,7 @@ static bool name_is_held(mu_process *p, const char *name)
     const struct mu_agent *holder = agent_find(p, name);
     if (holder && holder->gone) {
         (void)mu_table_remove(&p->names, name);
+        p->agents[holder - p->agents].departed = true; /* who comes now answers for the name */
     }
     return holder && !holder->gone;
 }
@@ -238,10 +240,14 @@ static struct mu_mail mail_of(const muster_Parcel *parcel)
     return mail;
 }
 
-void agent_live(struct mu_agent *a, enum life_event event)
+void agent_live(struct mu_agent *a, enum life_event event, const char *by)
 {
     enum mu_state next = life_next(a->state, event);
-    if (next != a->state) {
+    if (next != a->state && next == MU_SUSPENDED) {
+        char reason[MU_FIELD_MAX + 1];
+        snprintf(reason, sizeof reason, "told by %s", by);
+        mu_agent_suspend(a, reason);
+    } else if (next != a->state) {
         mu_agent_set_state(a, next);
     } else if (event == LIFE_RESUME && next == MU_RUNNING && a->handlers.on_state) {
         a->handlers.on_state(a->handlers.self, a, next); /* it may have been about to stop */
@@ -253,7 +259,7 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
     struct mu_mail mail = mail_of(parcel);
     enum life_event event;
     if (life_event_named(mail.performative, &event) == MU_OK) {
-        agent_live(a, event);
+        agent_live(a, event, mail.src);
     } else if (a->handlers.on_directive) {
         a->handlers.on_directive(a->handlers.self, a, &mail);
     } else if (mail.reply_with[0]) {
@@ -291,6 +297,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (state == MU_GONE) {
         a->gone = a->leaving = a->process->leaving = true;
         directory_forget(&a->process->directory, a);
+        glances_forget(a);
     } else {
         roll_mark(a);
     }
@@ -400,6 +407,11 @@ void mu_agent_note(mu_agent *a, const char *text)
     if (a->note.at) {
         mu_text_add(&a->note, text);
     }
+}
+
+void mu_agent_want(mu_agent *a, const char *goal)
+{
+    mu_text_copy(a->goal, sizeof a->goal, goal);
 }
 
 const char *mu_agent_name(const mu_agent *a)

@@ -30,7 +30,7 @@ static enum mu_take change_state(mu_agent *a, const struct mu_mail *mail, enum l
         return MU_DECLINE;
     }
     (void)answered(a, mail, "agree", mail->performative);
-    agent_live(a, event);
+    agent_live(a, event, mail->src);
     return MU_TAKEN;
 }
 

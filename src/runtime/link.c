@@ -70,6 +70,7 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
     }
     l->incarnation = incarnation;
     l->silent = false;
+    glances_review(p);
     agents_say(p, is_other, mu_clock_ns());
     return MU_OK;
 }
@@ -77,7 +78,7 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
 /* The same because of a heartbeat: what lies in hand is of an earlier broker. */
 static mu_result broker_turn_to(mu_process *p, const struct choice_broker *to)
 {
-    p->mail = NULL;
+    inbox_drop(p);
     return broker_enter(p, to->name, to->incarnation);
 }
 

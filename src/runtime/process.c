@@ -22,6 +22,9 @@ static const int64_t IMPATIENT_NS = 2000000;
 /* While no broker has answered: what comes of it is a sample, which wakes us; time is looked at. */
 static const int64_t EXPECTANT_NS = 20000000;
 
+/* So long both samples of a step, in lock step, are awaited together. */
+static const int64_t PAIR_NS = 50000000;
+
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
@@ -40,6 +43,7 @@ static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
+    inbox_init(&p->inbox);
     if (process_takes_steps(p)) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
     }
@@ -203,14 +207,6 @@ static void registrations_keep(mu_process *p)
     roll_beat(p);
 }
 
-void process_next_delivery(mu_process *p)
-{
-    enum bus_life life;
-    do {
-        p->mail = bus_next(&p->delivery, &life);
-    } while (p->mail && (life != BUS_DATA || !link_is_ours(p, p->mail)));
-}
-
 /* Takes the step that is there: the reader keeps only the newest. */
 static void next_step(mu_process *p)
 {
@@ -247,7 +243,7 @@ static bool mail_is_held(const mu_process *p)
 static uint64_t samples_wanted(const mu_process *p)
 {
     if (p->mail && mail_is_held(p)) {
-        return 0; /* more mail lies in the reader, and waits, too */
+        return 0; /* more mail may lie in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
     return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
@@ -256,8 +252,13 @@ static uint64_t samples_wanted(const mu_process *p)
 /* @return whether something was handled */
 static bool handle_one(mu_process *p)
 {
+    inbox_fill(p);
+    glances_look(p);
+    if (p->out_pending) {
+        return false;
+    }
     if (!p->mail) {
-        process_next_delivery(p);
+        inbox_next(p);
     }
     if (!p->step) {
         next_step(p);
@@ -272,20 +273,34 @@ static bool handle_one(mu_process *p)
             return false;
         }
         step_take_delivery(p, p->mail, NULL);
-        process_next_delivery(p);
+        inbox_next(p);
         return true;
     }
     if (p->step && p->mail && p->mail->step == p->step->step - 1) {
         step_live(p, p->step, p->mail);
         p->step = NULL;
-        p->mail = NULL;
+        inbox_drop(p);
         return true;
     }
     if (p->step && p->mail) {
-        p->mail = NULL; /* of an earlier lock step, whose simulator is gone */
+        inbox_drop(p); /* of an earlier lock step, whose simulator is gone */
         return true;
     }
     return false;
+}
+
+/* Whoever only looks while the mail of a step lies there already is a second sample.  While that is
+ * late, because somebody else is, a first one may be his. */
+static void samples_await(mu_process *p, int64_t most_ns)
+{
+    uint64_t wanted = samples_wanted(p);
+    int64_t pair_ns = most_ns < PAIR_NS ? most_ns : PAIR_NS;
+    if (wanted == 2) {
+        bus_wait(&p->bus, 2, pair_ns);
+        most_ns -= pair_ns;
+        wanted = 1;
+    }
+    bus_wait(&p->bus, wanted, most_ns);
 }
 
 static void busy_say(mu_process *p, uint64_t busy_ns)
@@ -351,7 +366,7 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
         int64_t owed_ns = owed_wait_ns(&p->owed, mu_clock_ns());
         most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
-    bus_wait(&p->bus, samples_wanted(p), timeout_ns < most_ns ? timeout_ns : most_ns);
+    samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
     while (!p->done && step_retry(p) && handle_next(p)) {
     }
     if (p->in_lockstep) {

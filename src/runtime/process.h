@@ -10,6 +10,8 @@
 #include "core/text.h"
 #include "muster/agent.h"
 #include "runtime/directory.h"
+#include "runtime/glances.h"
+#include "runtime/inbox.h"
 #include "runtime/kind.h"
 #include "runtime/life.h"
 #include "runtime/link.h"
@@ -41,6 +43,7 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
+    struct glances_handlers glances;
     uint64_t since_wall_ns;        /* since when it has its name */
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
@@ -67,9 +70,11 @@ struct mu_agent {
     uint32_t senses;         /* enum mu_sense: that its body is to read */
     enum mu_paddles paddles; /* this step */
     enum mu_lift lift;
-    bool drives; /* this step */
+    bool embodied; /* this step: the simulator has sent what its body feels */
+    bool drives;   /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
+    char goal[MU_FIELD_MAX + 1];
     uint64_t repeats; /* mails that came again through another broker, and were dropped */
     struct taken *taken;
     char *rules;         /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
@@ -98,6 +103,8 @@ struct mu_process {
     struct queue queues[QUEUES];
     struct roll roll;
     struct trips trips;
+    struct glances glances;
+    struct inbox inbox;
     struct members members;
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
@@ -107,7 +114,7 @@ struct mu_process {
     bool in_lockstep;
     bool lived_in_lockstep;      /* a step of it, at least */
     const muster_Sense *step;    /* a step that waits for its mail, on loan */
-    const muster_Delivery *mail; /* a delivery not handled yet, on loan */
+    const muster_Delivery *mail; /* the first delivery of the inbox, in hand; NULL: none is */
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
     bool leaving;                /* one of the agents is, or all are */
@@ -160,9 +167,6 @@ void process_work(mu_process *p);
 /** Says every agent to the broker anew; none may send before it has answered. */
 void process_register(mu_process *p);
 
-/** Takes the next delivery of our broker, on loan, into p->mail; NULL: there is none. */
-void process_next_delivery(mu_process *p);
-
 /* agent.c */
 
 /** Takes the broker's answer to a registration. */
@@ -180,8 +184,8 @@ void agent_progress(struct mu_agent *a);
  */
 MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail);
 
-/** What a directive, or a mail of that word, does to its life. */
-void agent_live(struct mu_agent *a, enum life_event event);
+/** What a directive, or a mail of that word, does to its life.  @param by  who sent it */
+void agent_live(struct mu_agent *a, enum life_event event, const char *by);
 
 /** Carries out a directive, or hands it to the agent. */
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);

@@ -201,17 +201,67 @@ static void world_take(mu_process *p, const muster_Sense *sense)
     }
 }
 
+/* Robots without a body live through the step, too, in the order in which they came. */
+static bool takes_beat(const struct mu_agent *a)
+{
+    return a->kind == MU_KIND_ROBOT && !a->embodied && !a->gone && a->registered &&
+           a->handlers.on_beat;
+}
+
+static struct mu_percept beat_of(const struct mu_agent *a, const muster_Sense *sense)
+{
+    return (struct mu_percept){
+        .robot = a->name, .step = sense->step, .time_ns = sense->time_ns, .battery_share = -1};
+}
+
+static void beats_take(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (takes_beat(a)) {
+            struct mu_percept beat = beat_of(a, sense);
+            a->handlers.on_beat(a->handlers.self, a, &beat);
+        }
+    }
+}
+
+static void embodied_mark(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        p->agents[i].embodied = false;
+    }
+    for (uint32_t i = 0; i < sense->robots._length; i++) {
+        struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
+        if (a) {
+            a->embodied = true;
+        }
+    }
+}
+
 static void percepts_take(mu_process *p, const muster_Sense *sense)
 {
     if (p->watches) {
         world_take(p, sense);
         return;
     }
+    embodied_mark(p, sense);
     for (uint32_t i = 0; i < sense->robots._length; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a && a->handlers.on_step) {
             struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
             a->handlers.on_step(a->handlers.self, a, &percept);
+        }
+    }
+    beats_take(p, sense);
+}
+
+static void beats_act(mu_process *p, const muster_Sense *sense)
+{
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        if (takes_beat(a) && a->state == MU_RUNNING && a->handlers.on_act) {
+            struct mu_percept beat = beat_of(a, sense);
+            a->handlers.on_act(a->handlers.self, a, &beat);
         }
     }
 }
@@ -225,11 +275,13 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
             a->handlers.on_act(a->handlers.self, a, &percept);
         }
     }
+    beats_act(p, sense);
 }
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
     trips_take(p, d);
+    glances_take(p, d);
     verdicts_take(p, d);
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
@@ -296,6 +348,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .firings = a->firings,
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq,
+                        .goal = a->goal,
                         .replays = a->replays,
                         .diary = answer && a->note.at ? a->note.at : none};
 }
@@ -332,7 +385,8 @@ static void load_begin(const mu_process *p, struct up_load *load)
 }
 
 /* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
- * have mail.  @return whether there is any mail, acknowledgement or word about a trip in it */
+ * have mail.  @return whether there is any mail, acknowledgement, word about a trip or glance in it
+ */
 static bool up_fill(mu_process *p, int64_t step)
 {
     struct up_load load = {.answer = step != muster_STEP_NOW};
@@ -354,7 +408,8 @@ static bool up_fill(mu_process *p, int64_t step)
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
     bool trips = trips_fill(p, &p->out);
-    return load.mails > 0 || acks > 0 || trips;
+    bool glances = step == muster_STEP_NOW && glances_fill(p, &p->out);
+    return load.mails > 0 || acks > 0 || trips || glances;
 }
 
 /* The act of an agent has gone out; answer: to a step. */
@@ -398,6 +453,7 @@ bool step_retry(mu_process *p)
         }
     }
     trips_sent(p, p->out.trips._length);
+    glances_sent(p, &p->out);
     if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
         owed_clear(&p->owed, mu_clock_ns());
     }
@@ -449,7 +505,7 @@ void step_live_freely(mu_process *p, const muster_Sense *sense)
     percepts_take(p, sense);
     while (p->mail) {
         step_take_delivery(p, p->mail, NULL);
-        process_next_delivery(p);
+        inbox_next(p);
     }
     agents_act(p, sense);
     step_end(p, sense);
@@ -491,7 +547,8 @@ static bool acks_are_due(const mu_process *p)
 
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0 ||
+           p->glances.unsent > 0;
 }
 
 void step_say_trips(mu_process *p)

@@ -27,9 +27,11 @@ mu_result trips_say(mu_process *p, const muster_Trip *trip)
     struct trips_word *w = &t->words[t->count];
     muster_Trip *out = &t->out[t->count++];
     (void)mu_text_copy(w->agent, sizeof w->agent, trip->agent ? trip->agent : "");
+    (void)mu_text_copy(w->asker, sizeof w->asker, trip->asker ? trip->asker : "");
     (void)mu_text_copy(w->host, sizeof w->host, trip->host ? trip->host : "");
     (void)mu_text_copy(w->reason, sizeof w->reason, trip->reason ? trip->reason : "");
-    *out = (muster_Trip){.word = trip->word, .epoch = trip->epoch, .slot = trip->slot};
+    *out = (muster_Trip){
+        .word = trip->word, .state = trip->state, .epoch = trip->epoch, .slot = trip->slot};
     out->process = nothing;
     out->text = trip->text ? trip->text : nothing;
     return MU_OK;
@@ -45,6 +47,7 @@ bool trips_fill(mu_process *p, muster_Up *up)
     struct trips *t = &p->trips;
     for (uint32_t i = 0; i < t->count; i++) {
         t->out[i].agent = t->words[i].agent;
+        t->out[i].asker = t->words[i].asker;
         t->out[i].host = t->words[i].host;
         t->out[i].reason = t->words[i].reason;
     }

@@ -15,7 +15,8 @@
 enum { TRIPS_OUT_MAX = 16 };
 
 struct trips_word {
-    char agent[MU_NAME_MAX + 1], host[MU_NAME_MAX + 1], reason[MU_FIELD_MAX + 1];
+    char agent[MU_NAME_MAX + 1], asker[MU_NAME_MAX + 1], host[MU_NAME_MAX + 1];
+    char reason[MU_FIELD_MAX + 1];
 };
 
 struct trips {

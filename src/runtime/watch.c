@@ -116,7 +116,7 @@ static void frame_take(mu_watch *w, const muster_Frame *f)
         return;
     }
     struct mu_frame *frame = watch_frame(w->room, f);
-    frame->missed = (uint64_t)(f->step - w->step - 1);
+    frame->missed = (uint64_t)f->step - (uint64_t)(w->step + 1);
     w->missed += frame->missed;
     w->step = f->step;
     w->time_ns = f->time_ns;

@@ -100,6 +100,7 @@ static void robots_fill(struct watch_room *r, const muster_Frame *f)
                                                    .turn_rad_s = v->turn_rad_s,
                                                    .command_forward_m_s = v->command_forward_m_s,
                                                    .command_turn_rad_s = v->command_turn_rad_s,
+                                                   .goal = v->goal,
                                                    .stalled = v->stalled,
                                                    .fault = v->fault,
                                                    .distance_m = v->distance_m,

@@ -52,6 +52,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
     session_script_open(s);
+    s->guests = guests_open();
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
@@ -123,6 +124,15 @@ static bool process_holds(const struct session *s, const struct session_robot *r
     return robot->process >= 0 && strcmp(s->processes[robot->process].name, process) == 0;
 }
 
+/* One without a body, whose process has died, is there again. */
+static void guest_take(struct session *s, const muster_Registration *r, const muster_Entry *e)
+{
+    struct guest *guest = guests_find(s->guests, e->name);
+    if (guest && guest->process < 0 && e->state != muster_STATE_ABSENT) {
+        guest->process = process_add(s, r->process);
+    }
+}
+
 /* @return whether a robot has got or lost its controller */
 static bool entry_take(struct session *s, const muster_Registration *r, uint32_t index)
 {
@@ -130,6 +140,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     uint32_t slot = r->part * MU_PART_AGENTS + index;
     struct session_robot *robot = robot_find(s, e->name);
     if (!robot || !robot->controlled) {
+        guest_take(s, r, e);
         return false;
     }
     bool holds = process_holds(s, robot, r->process);
@@ -188,6 +199,7 @@ static void host_take(struct session *s, const muster_Registration *r, enum bus_
             process = process < 0 ? process_add(s, r->process) : process;
             if (process >= 0) {
                 s->processes[process].hosts = true;
+                mu_text_copy(s->processes[process].host, MU_NAME_MAX + 1, e->name);
             }
         }
     }
@@ -334,6 +346,23 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
     }
 }
 
+/* Who was disposed of needs nobody. */
+static bool robot_lives(const struct session *s, size_t robot)
+{
+    return s->step < 0 || s->robots[robot].state != muster_STATE_ABSENT;
+}
+
+static void guests_await(const struct session *s, struct mu_text *missing)
+{
+    for (uint32_t i = 0; i < s->guests->count; i++) {
+        const struct guest *guest = &s->guests->at[i];
+        bool there = guest->process >= 0 && process_is_ready(s, guest->process);
+        if (!there && guest->state != muster_STATE_ABSENT) {
+            mu_text_format(missing, "%s%s", missing->len ? " " : "", guest->name);
+        }
+    }
+}
+
 bool session_is_complete(struct session *s)
 {
     const char *broker = broker_of(s);
@@ -344,7 +373,7 @@ bool session_is_complete(struct session *s)
     }
     for (size_t i = 0; i < s->robot_count; i++) {
         int32_t process = s->robots[i].process;
-        if (!s->robots[i].controlled) {
+        if (!s->robots[i].controlled || !robot_lives(s, i)) {
             continue;
         }
         if (process < 0 || !process_is_ready(s, process)) {
@@ -354,6 +383,7 @@ bool session_is_complete(struct session *s)
                            s->robots[i].name, s->processes[process].broker, broker);
         }
     }
+    guests_await(s, &missing);
     attendants_await(s, &missing);
     return missing.len == 0;
 }
@@ -441,16 +471,41 @@ mu_result session_tell_roster(struct session *s, bool lockstep)
 
 static bool process_has_robots(const struct session *s, uint32_t process)
 {
-    bool has = false;
+    bool has = session_guests_live_in(s, process);
     for (size_t r = 0; r < s->robot_count; r++) {
         has = has || s->robots[r].process == (int32_t)process;
     }
     return has;
 }
 
+static bool process_is_needed(const struct session *s, uint32_t process)
+{
+    bool needed = session_guests_live_in(s, process);
+    for (size_t r = 0; r < s->robot_count; r++) {
+        needed = needed || (s->robots[r].process == (int32_t)process && robot_lives(s, r));
+    }
+    return needed;
+}
+
 static bool process_is_used(const struct session *s, uint32_t process)
 {
     return process_attends(s, &s->processes[process]) || process_has_robots(s, process);
+}
+
+/* What one that was disposed of answers to every step, in the words of its runtime. */
+void session_rest(struct session *s, uint32_t process)
+{
+    static char none[1];
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *r = &s->robots[i];
+        if (r->process == (int32_t)process && r->state == muster_STATE_ABSENT) {
+            muster_Act act = {.agent = (char *)(uintptr_t)r->name, /* nobody writes there */
+                              .state = muster_STATE_ABSENT,
+                              .drives = true,
+                              .rules = none};
+            runhash_act(s->hash, &act, r->digest);
+        }
+    }
 }
 
 void session_leave_out(struct session *s)
@@ -459,9 +514,10 @@ void session_leave_out(struct session *s)
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
         bool answers = !p->lost || p->answered >= s->step;
-        if (answers || p->left_out || p->watches || process_has_robots(s, i)) {
+        if (answers || p->left_out || p->watches || process_is_needed(s, i)) {
             continue;
         }
+        session_rest(s, i);
         mu_log(MU_LOG_WARNING, "left-out", "process=%s step=%lld", p->name, (long long)s->step);
         p->left_out = changed = true;
         p->sample_pending = false;
@@ -488,6 +544,7 @@ void session_prune(struct session *s)
                 s->robots[r].process = (int32_t)kept;
             }
         }
+        session_guests_renumber(s, i, (int32_t)kept);
         s->processes[kept] = s->processes[i];
         (void)mu_table_put(&s->process_names, s->processes[kept].name, kept);
         kept++;
@@ -541,7 +598,11 @@ static int32_t order_of(int32_t order)
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
 {
     struct session_robot *r = robot_find(s, act->agent);
-    if (!r || r->process != process) {
+    if (!r || !r->controlled) {
+        session_guest_act(s, act, process);
+        return;
+    }
+    if (r->process != process) {
         return;
     }
     bool is_speed = isfinite(act->forward_m_s) && isfinite(act->turn_rad_s);
@@ -557,6 +618,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     r->lift = order_of(act->lift);
     r->senses = act->senses;
     r->state = act->state;
+    mu_text_copy(r->goal, sizeof r->goal, act->goal);
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
     runhash_act(s->hash, act, r->digest);
@@ -609,13 +671,18 @@ static void up_take(struct session *s, const muster_Up *up)
     }
 }
 
-/* The broker has given a robot's name to another process; answers of the one that it has may be on
- * their way yet. */
+/* The broker has given a name to a process: that of a robot to another one, whose answers may be on
+ * their way yet; or a new one, for whom there may be a body that nobody has any more. */
 static void trip_take(struct session *s, const muster_Trip *t)
 {
     struct session_robot *r = robot_find(s, t->agent);
-    if (r && t->word == muster_TRIP_TAKEN && !s->options.free) {
+    if (t->word != muster_TRIP_TAKEN || s->options.free) {
+        return;
+    }
+    if (r && r->controlled) {
         r->next_process = process_find(s, t->process);
+    } else {
+        session_guest_seat(s, t->agent, process_find(s, t->process));
     }
 }
 
@@ -626,6 +693,7 @@ void session_change_processes(struct session *s)
         r->process = r->next_process >= 0 ? r->next_process : r->process;
         r->next_process = -1;
     }
+    guests_settle(s->guests);
     session_lay_out(s);
 }
 

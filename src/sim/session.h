@@ -12,6 +12,7 @@
 #include "bus/bus.h"
 #include "core/table.h"
 #include "sim/engine.h"
+#include "sim/guests.h"
 #include "sim/orders.h"
 #include "sim/recorder.h"
 #include "sim/runhash.h"
@@ -26,12 +27,13 @@ enum { SESSION_QUIET_STEPS = 10 };
 
 struct session_robot {
     const char *name;
-    bool controlled;      /* the run waits for its controller; else it is an obstacle */
-    int32_t process;      /* index of the process that controls it; -1: none */
-    int32_t next_process; /* from the next step on; -1: the same */
-    uint32_t slot;        /* of its controller in that process */
-    muster_State state;   /* of its controller, by its last word */
-    bool drives;          /* of the last answer: a speed was set */
+    bool controlled;             /* the run waits for its controller; else it is an obstacle */
+    int32_t process;             /* index of the process that controls it; -1: none */
+    int32_t next_process;        /* from the next step on; -1: the same */
+    uint32_t slot;               /* of its controller in that process */
+    muster_State state;          /* of its controller, by its last word */
+    char goal[MU_FIELD_MAX + 1]; /* likewise: what it wants */
+    bool drives;                 /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
@@ -48,17 +50,18 @@ struct session_process {
     char name[MU_PROCESS_MAX + 1];
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
-    bool watches;     /* it sees all bodies, and has none */
-    bool hosts;       /* it takes in robots: it belongs to the run, whether it has any or not */
-    bool left_out;    /* nobody waits for it */
-    bool lost;        /* it is dead, or was stopped, in the middle of a lock step */
-    bool followed;    /* another one wants to take its place, */
-    bool let_go;      /* which it may: this one has no part in the run any more */
-    bool comes;       /* instead of one that died; it has no step yet */
-    bool ready;       /* it has matched all that it needs */
-    bool heard;       /* a sample of it has come */
-    bool greeted;     /* a Sense with nothing in it has gone to it */
-    int64_t answered; /* the last step that it has answered */
+    bool watches; /* it sees all bodies, and has none */
+    bool hosts;   /* it takes in robots: it belongs to the run, whether it has any or not, */
+    char host[MU_NAME_MAX + 1]; /* under this name */
+    bool left_out;              /* nobody waits for it */
+    bool lost;                  /* it is dead, or was stopped, in the middle of a lock step */
+    bool followed;              /* another one wants to take its place, */
+    bool let_go;                /* which it may: this one has no part in the run any more */
+    bool comes;                 /* instead of one that died; it has no step yet */
+    bool ready;                 /* it has matched all that it needs */
+    bool heard;                 /* a sample of it has come */
+    bool greeted;               /* a Sense with nothing in it has gone to it */
+    int64_t answered;           /* the last step that it has answered */
     uint64_t answered_wall_ns;
     muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
     bool sample_pending; /* the network has refused it: try again */
@@ -107,6 +110,7 @@ struct session {
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_robot *robots;
     size_t robot_count;
+    struct guests *guests;
     uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
     struct mu_table robot_names, process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
@@ -185,6 +189,26 @@ void session_order_refuse(struct session *s, const muster_RunCommand *c, const c
 /** @return the number of a body: the robots, then the objects; -1: there is none of that name */
 long session_body_find(const struct session *s, const char *name);
 
+/* Agents without a body, session_guests.c. */
+
+/** Takes what one of them did; of another, nothing. */
+void session_guest_act(struct session *s, const muster_Act *act, int32_t process);
+
+/** The broker has given a name to that process: it lives there from the next step on. */
+void session_guest_seat(struct session *s, const char *name, int32_t process);
+
+/** Folds what each of them did into the hash. */
+void session_guests_fold(struct session *s);
+
+/** @return whether one of them lives in that process */
+bool session_guests_live_in(const struct session *s, uint32_t process);
+
+/** A process has another index now; -1: it has none any more. */
+void session_guests_renumber(struct session *s, uint32_t from, int32_t to);
+
+/** Those of that process have done nothing in this step. */
+void session_guests_pass(struct session *s, uint32_t process);
+
 /* What waits for later, session_script.c. */
 
 /** Takes memory. */
@@ -248,6 +272,9 @@ MU_MUST_USE mu_result session_return_await(struct session *s,
                                            const volatile sig_atomic_t *signal_came);
 /** Between two steps: those who have moved are with their new processes. */
 void session_change_processes(struct session *s);
+
+/** What those have done whose process is no more, and who were disposed of: nothing. */
+void session_rest(struct session *s, uint32_t process);
 
 /** Goes on without those who are gone, have no robot and have not answered. */
 void session_leave_out(struct session *s);

@@ -32,13 +32,25 @@ static void follow_watchers(struct session *s)
     }
 }
 
+/* @return the process of a robot, of an agent without a body, or of a host of that name; -1 */
+static int32_t process_of(const struct session *s, const muster_Entry *e)
+{
+    uint32_t robot = mu_table_find(&s->robot_names, e->name);
+    const struct guest *guest = guests_find(s->guests, e->name);
+    int32_t process = robot != MU_NONE ? s->robots[robot].process : guest ? guest->process : -1;
+    for (uint32_t i = 0; i < s->process_count && e->kind == muster_KIND_HOST; i++) {
+        const struct session_process *p = &s->processes[i];
+        process = p->hosts && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
+    }
+    return process;
+}
+
 /* Who is stopped may go on; who has a successor does not. */
 static void follow(struct session *s, const muster_Registration *r)
 {
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
-        uint32_t robot = mu_table_find(&s->robot_names, e->name);
-        int32_t process = robot == MU_NONE ? -1 : s->robots[robot].process;
+        int32_t process = process_of(s, e);
         if (process >= 0 && e->state != muster_STATE_ABSENT) {
             s->processes[process].followed = true;
         }
@@ -92,6 +104,8 @@ bool session_return_due(const struct session *s)
 /* Its robots stand still, and are free for another process. */
 static void process_let_go(struct session *s, uint32_t process)
 {
+    session_rest(s, process);
+    session_guests_renumber(s, process, -1);
     s->processes[process].watches = s->processes[process].hosts = false;
     s->processes[process].let_go = true;
     for (size_t i = 0; i < s->robot_count; i++) {
@@ -123,6 +137,7 @@ static bool lost_let_go(struct session *s)
 static void step_pass(struct session *s, uint32_t process)
 {
     s->processes[process].answered = s->step;
+    session_guests_pass(s, process);
     for (size_t i = 0; i < s->robot_count; i++) {
         struct session_robot *r = &s->robots[i];
         if (r->process == (int32_t)process) {

@@ -227,6 +227,7 @@ static void commands_apply(struct session *s)
         gripper_apply(s, i);
         runhash_fold(s->hash, r->digest, sizeof r->digest);
     }
+    session_guests_fold(s);
 }
 
 /* The mails from outside that the step before this one took in. */
@@ -242,6 +243,7 @@ static void step_finish(struct session *s)
     session_orders_apply(s);
     session_view_finish(s);
     engine_step(s->engine);
+    guests_settle(s->guests);
     s->step++;
     s->last_step_wall_ns = mu_clock_ns();
 }

@@ -123,7 +123,9 @@ static void robot_finish(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
     muster_RobotView *v = view_robot(s->view, robot);
-    v->state = r->controlled && r->process >= 0 ? r->state : muster_STATE_ABSENT;
+    bool lives = r->controlled && r->process >= 0;
+    v->state = lives ? r->state : muster_STATE_ABSENT;
+    v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* nobody writes there */
     v->command_forward_m_s = r->command_forward_m_s;
     v->command_turn_rad_s = r->command_turn_rad_s;
     v->firings = r->firings;

@@ -32,7 +32,8 @@ struct view {
     muster_Frame frame;
     struct pool_bytes text;
     size_t robot_count;
-    struct chain *chains;            /* of each robot */
+    size_t chains_count;             /* in use: of the robots, then of agents without a body */
+    struct chain *chains;            /* of each */
     int32_t next[MU_FRAME_ACTS_MAX]; /* in the chain */
     muster_Act acts[MU_FRAME_ACTS_MAX];
     muster_Act sorted[MU_FRAME_ACTS_MAX];
@@ -98,9 +99,10 @@ static bool bytes_settle(struct pool_bytes *p, size_t before)
 
 static void chains_clear(struct view *v)
 {
-    for (size_t i = 0; i < v->robot_count; i++) {
+    for (size_t i = 0; i < v->chains_count; i++) {
         v->chains[i] = (struct chain){VIEW_NONE, VIEW_NONE};
     }
+    v->chains_count = v->robot_count;
     v->act_count = 0;
     v->text.used = 0;
 }
@@ -115,6 +117,7 @@ static void lines_open(struct view *v, const struct world *world)
     f->objects._length = f->objects._maximum = (uint32_t)world->object_count;
     for (size_t i = 0; i < world->robot_count; i++) {
         f->robots._buffer[i].name = (char *)(uintptr_t)world->robots[i].name; /* only read */
+        f->robots._buffer[i].goal = (char *)(uintptr_t) "";
     }
     for (size_t i = 0; i < world->object_count; i++) {
         f->objects._buffer[i].name = (char *)(uintptr_t)world->objects[i].name;
@@ -126,7 +129,8 @@ struct view *view_open(const struct world *world, const char *simulator)
     struct view *v = mu_startup_alloc(sizeof *v);
     v->frame.simulator = (char *)(uintptr_t)simulator;
     v->robot_count = world->robot_count;
-    v->chains = mu_startup_array(world->robot_count, sizeof *v->chains);
+    v->chains_count = world->robot_count + MU_AGENTS_MAX;
+    v->chains = mu_startup_array(v->chains_count, sizeof *v->chains);
     v->text.bytes = mu_startup_alloc(MU_FRAME_BYTES_MAX);
     v->text.size = MU_FRAME_BYTES_MAX;
     for (size_t i = 0; i < 2; i++) {
@@ -188,6 +192,7 @@ static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
     *copy = *act;
     copy->agent = text_keep(p, act->agent);
     copy->rules = text_keep(p, act->rules);
+    copy->goal = text_keep(p, act->goal);
     copy->diary = text_keep(p, act->diary);
     muster_Mail *mails = count > 0 ? bytes_take(p, count * sizeof *mails) : NULL;
     for (uint32_t i = 0; mails && i < count; i++) {
@@ -199,7 +204,8 @@ static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
 
 void view_add_act(struct view *v, size_t robot, const muster_Act *act)
 {
-    MU_ASSERT(robot < v->robot_count);
+    MU_ASSERT(robot < v->robot_count + MU_AGENTS_MAX);
+    v->chains_count = robot < v->chains_count ? v->chains_count : robot + 1;
     int32_t index = (int32_t)v->act_count;
     if (v->act_count == MU_FRAME_ACTS_MAX || !act_keep(v, &v->acts[index], act)) {
         v->left_out++;
@@ -251,7 +257,7 @@ muster_RobotView *view_robot(struct view *v, size_t robot)
 static void acts_sort(struct view *v)
 {
     uint32_t count = 0;
-    for (size_t r = 0; r < v->robot_count; r++) {
+    for (size_t r = 0; r < v->chains_count; r++) {
         for (int32_t i = v->chains[r].first; i != VIEW_NONE; i = v->next[i]) {
             v->sorted[count++] = v->acts[i];
         }

@@ -32,7 +32,8 @@ void view_take_object(struct view *v, size_t object, struct world_pose pose);
 /** Adds what a robot was sent.  What the percept points to must stay until the Frame is used. */
 void view_add_percept(struct view *v, const muster_Percept *percept);
 
-/** Adds what a robot did.  A Frame has acts in the order of the robots, then as they came. */
+/** Adds what a robot did, or, numbered behind the robots, an agent without a body.  A Frame has
+ * acts in that order, then as they came. */
 void view_add_act(struct view *v, size_t robot, const muster_Act *act);
 
 /** Keeps mails from outside, until they are taken: step is that of the Frame that shows them. */

@@ -2,6 +2,7 @@
 #include "story/recording.h"
 
 #include "bus/bus.h"
+#include "mcap/mcap_origin.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 
@@ -68,7 +69,7 @@ static void scene_read(struct recording *r)
         channel_pick(r, channel);
         r->scene = sample_next(r, BUS_SCENE, &log_ns);
     }
-    r->step_ns = r->scene ? r->scene->step_ns : MU_STEP_NS;
+    r->step_ns = r->scene && r->scene->step_ns > 0 ? r->scene->step_ns : MU_STEP_NS;
 }
 
 /* A Frame that came in two ways is taken once. */
@@ -92,9 +93,33 @@ static void frames_read(struct recording *r)
     }
 }
 
+/* What another version wrote is no sample of this one, or is one by accident. */
+static mu_result types_check(const struct recording *r, const char *path, struct mu_fault *fault)
+{
+    static const enum bus_topic needed[] = {BUS_FRAME, BUS_SCENE};
+    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+        uint32_t channel = mcap_reader_find(r->reader, bus_topic_name(needed[i]));
+        const struct mcap_channel *c =
+            channel == MU_NONE ? NULL : mcap_reader_channel(r->reader, channel);
+        if (c && !bus_schema_is(needed[i], c->schema, c->schema_size)) {
+            char bytes[128];
+            struct mu_text origin;
+            mu_text_init(&origin, bytes, sizeof bytes);
+            mcap_origin_write(r->reader, &origin);
+            return mu_fault_at(fault, path, 0, 0,
+                               "it was written by %s, whose %s is another type than that of this "
+                               "muster, " MU_VERSION
+                               ": use the one that wrote it, or do the run again with this one",
+                               origin.at, bus_topic_name(needed[i]));
+        }
+    }
+    return MU_OK;
+}
+
 mu_result recording_open(struct recording *r, const char *path, struct mu_fault *fault)
 {
     MU_TRY(mcap_reader_open(r->reader, path, fault));
+    MU_TRY(types_check(r, path, fault));
     r->frames = mcap_reader_find(r->reader, "Frame");
     if (r->frames == MU_NONE) {
         return mu_fault_at(fault, path, 0, 0, "expected a recording of a run: it has no Frame");
@@ -146,10 +171,19 @@ void recording_rewind(struct recording *r)
     channel_pick(r, r->frames);
 }
 
+/* Steps are counted from 0, and in 32 bits where there are many of them (minds.h). */
+static bool step_fits(const muster_Frame *f)
+{
+    return f->step >= 0 && f->step < UINT32_MAX;
+}
+
 const muster_Frame *recording_next(struct recording *r)
 {
-    frame_drop(r);
-    r->frame = sample_next(r, BUS_FRAME, &r->frame_ns);
+    do {
+        frame_drop(r);
+        r->frame = sample_next(r, BUS_FRAME, &r->frame_ns);
+        r->malformed += r->frame && !step_fits(r->frame);
+    } while (r->frame && !step_fits(r->frame));
     return r->frame;
 }
 

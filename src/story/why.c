@@ -31,7 +31,7 @@ static void words_add(const struct chain *c, int deep, const char *words, int32_
     bool cut = bytes > WHY_TEXT_SHOWN;
     indent(c, deep);
     mu_text_add(c->why->out, words);
-    mu_text_add_bytes(c->why->out, text, cut ? WHY_TEXT_SHOWN : bytes);
+    mu_text_add_plain(c->why->out, text, cut ? WHY_TEXT_SHOWN : bytes);
     mu_text_add(c->why->out, cut ? " ..." : "");
 }
 
@@ -60,7 +60,13 @@ static bool was_told(struct chain *c, int32_t line)
     return c->told_count == WHY_TOLD_MAX;
 }
 
-/* The facts that a rule has matched: "NAME 12,9,*". */
+static size_t match_bytes(const char *at, const char *end)
+{
+    const char *comma = memchr(at, ',', (size_t)(end - at));
+    return (size_t)((comma ? comma : end) - at);
+}
+
+/* What a rule has matched: "NAME 12,[ball],*". */
 static void rule_tell(struct chain *c, int32_t line, int deep)
 {
     size_t bytes;
@@ -71,9 +77,13 @@ static void rule_tell(struct chain *c, int32_t line, int deep)
     time_add(c, line);
     while (at && ++at < end) {
         long long index = strtoll(at, NULL, 10);
-        int32_t fact = *at == '*' ? MINDS_NONE : minds_fact(c->why->minds, line, index);
+        bool is_fact = *at != '*' && *at != '[';
+        int32_t fact = is_fact ? minds_fact(c->why->minds, line, index) : MINDS_NONE;
         if (fact != MINDS_NONE) {
             fact_tell(c, fact, deep + 1);
+        } else if (*at == '[') { /* diaries do not follow instances */
+            indent(c, deep + 1);
+            mu_text_format(c->why->out, "%.*s\n", (int)match_bytes(at, end), at);
         } else if (*at != '*') {
             indent(c, deep + 1);
             mu_text_format(c->why->out, "f-%lld: the diary does not have it\n", index);

@@ -34,6 +34,9 @@
     X("/header.js", header_js, JS)         \
     X("/statistics.js", statistics_js, JS) \
     X("/act.js", act_js, JS)               \
+    X("/hands.js", hands_js, JS)           \
+    X("/pane.js", pane_js, JS)             \
+    X("/world.js", world_js, JS)           \
     X("/tabs.js", tabs_js, JS)             \
     X("/console.js", console_js, JS)       \
     X("/past.js", past_js, JS)             \

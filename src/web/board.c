@@ -41,20 +41,20 @@ struct mu_json *board_begin(struct board *b, enum board_item item)
     return &b->json;
 }
 
-bool board_end(struct board *b)
+enum board_ended board_end(struct board *b)
 {
     struct board_event *e = &b->items[b->item];
     board_event_end(&b->draft);
     if (b->draft.cut) {
         b->cut++;
-        return false;
+        return BOARD_CUT;
     }
     if (e->text.len == b->draft.len && memcmp(e->text.at, b->draft.at, b->draft.len) == 0) {
-        return false;
+        return BOARD_SAME;
     }
     struct mu_text old = e->text;
     e->text = b->draft;
     b->draft = old;
     e->version++;
-    return true;
+    return BOARD_NEW;
 }

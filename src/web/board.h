@@ -46,8 +46,15 @@ void board_init(struct board *b);
 /** Begins an event.  @return where its JSON goes, one object */
 struct mu_json *board_begin(struct board *b, enum board_item item);
 
-/** Ends it: it takes the place of the one before, unless it is the same.  @return whether it did */
-bool board_end(struct board *b);
+/* What became of an event. */
+enum board_ended {
+    BOARD_NEW,  /* it has taken the place of the one before */
+    BOARD_SAME, /* as the one before */
+    BOARD_CUT   /* too long, and left out: the one before stands */
+};
+
+/** Ends it. */
+enum board_ended board_end(struct board *b);
 
 /** Starts an event of any name, for one viewer: the head, and JSON behind it. */
 void board_event_begin(struct mu_text *text, struct mu_json *json, const char *name);

@@ -3,12 +3,16 @@
 
 #include "core/clock.h"
 #include "core/name.h"
+#include "desk/complete.h"
 #include "desk/reader.h"
 #include "muster/memory.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const uint64_t PATIENCE_NS = 10000000000;
+static const uint64_t WORDS_NS = 500000000;        /* old words are better than later ones */
+static const uint64_t FIRST_WORDS_NS = 3000000000; /* but none are of no use */
 static const unsigned ATTEMPTS_MAX = 64;
 
 /* --- what agents say -------------------------------------------------------------------------- */
@@ -138,6 +142,29 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
+static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    struct consoles *c = self;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        if (c->all[i].used) {
+            console_link_glance(&c->all[i].link, number, end, text);
+        }
+    }
+}
+
+/* What was sent in another name has its answers there. */
+static void links_hand_over(struct consoles *c)
+{
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        struct console_link *l = &c->all[i].link;
+        if (c->all[i].used && l->asker != c->agent) {
+            console_link_forget(l);
+            l->asker = c->agent;
+            l->attached = false;
+        }
+    }
+}
+
 static void agent_join(struct consoles *c)
 {
     char name[MU_NAME_MAX + 1];
@@ -151,6 +178,8 @@ static void agent_join(struct consoles *c)
         return;
     }
     mu_agent_decline_broadcasts(c->agent);
+    glances_hear(c->agent, on_glance, c);
+    links_hand_over(c);
     c->state = CONSOLES_JOINING;
 }
 
@@ -259,21 +288,26 @@ static enum consoles_outcome form_send(struct console *k, const char *form, uint
     return CONSOLES_DONE;
 }
 
+/* The last word ends with the text.  @return whether there is one */
+static bool form_next(struct forms *forms, const char **text)
+{
+    const char *end = "\n";
+    return forms_next(forms, text) == FORMS_READY || forms_next(forms, &end) == FORMS_READY;
+}
+
 static enum consoles_outcome forms_send(struct console *k, const char *text, uint64_t viewer,
                                         uint64_t number)
 {
     struct forms *forms = &k->all->forms;
     enum consoles_outcome sent = CONSOLES_DONE;
-    const char *end = "\n";
+    unsigned count = 0;
     forms_clear(forms);
-    while (sent == CONSOLES_DONE && forms_next(forms, &text) == FORMS_READY) {
+    while (sent == CONSOLES_DONE && form_next(forms, &text)) {
         sent = form_send(k, forms->text, viewer, number);
-    }
-    if (sent == CONSOLES_DONE && forms_next(forms, &end) == FORMS_READY) {
-        sent = form_send(k, forms->text, viewer, number);
+        count += sent == CONSOLES_DONE;
     }
     forms_clear(forms);
-    return sent;
+    return sent != CONSOLES_DONE && count > 0 ? CONSOLES_PARTLY : sent;
 }
 
 enum consoles_outcome consoles_say(struct consoles *c, const char *agent, const char *text,
@@ -288,10 +322,93 @@ enum consoles_outcome consoles_say(struct consoles *c, const char *agent, const 
         return CONSOLES_NO_FORM;
     }
     struct console *k = console_for(c, agent);
+    if (k && (size_t)count > k->link.pending_max) {
+        return CONSOLES_MANY;
+    }
     if (!k || k->link.pending_count + (size_t)count > k->link.pending_max) {
         return CONSOLES_BUSY;
     }
     return forms_send(k, text, viewer, number);
+}
+
+/* --- words that are completed ------------------------------------------------------------------
+ */
+
+static void matches_write(struct mu_json *j, const char *words, struct complete_word w)
+{
+    char name[COMPLETE_REST];
+    const char *from = words;
+    struct complete_match match;
+    mu_json_list(j, "words");
+    for (int n = 0; n < COMPLETE_LISTED_MAX && complete_next(words, &from, w, &match); n++) {
+        snprintf(name, sizeof name, "%.*s", (int)match.len, match.at);
+        mu_json_string(j, NULL, name);
+    }
+    mu_json_end(j);
+}
+
+static void tab_end(struct console *k, struct console_tab *tab)
+{
+    char rest[COMPLETE_REST];
+    struct viewers *v = k->all->viewers;
+    struct viewer *to = viewers_find(v, tab->viewer);
+    struct complete_word w = complete_word(tab->word, strlen(tab->word));
+    size_t count = complete_rest(k->link.words, w, rest);
+    tab->viewer = 0;
+    if (!to) {
+        return;
+    }
+    struct mu_json *j = viewers_begin(v, "completed");
+    mu_json_object(j, NULL);
+    mu_json_string(j, "agent", k->name);
+    mu_json_uint(j, "ask", tab->number);
+    mu_json_uint(j, "count", count);
+    mu_json_string(j, "rest", rest);
+    matches_write(j, rest[0] ? "" : k->link.words, w);
+    mu_json_end(j);
+    viewers_end(v);
+    viewers_send(v, to);
+}
+
+static void tabs_round(struct console *k)
+{
+    uint64_t patience_ns = k->link.words_len > 0 ? WORDS_NS : FIRST_WORDS_NS;
+    for (size_t i = 0; i < CONSOLES_TABS_MAX; i++) {
+        struct console_tab *tab = &k->tabs[i];
+        bool waits = k->link.words_asked > 0 && mu_clock_ns() - tab->since_ns < patience_ns;
+        if (tab->viewer && !waits) {
+            tab_end(k, tab);
+        }
+    }
+}
+
+static struct console_tab *tab_find(struct console *k)
+{
+    for (size_t i = 0; i < CONSOLES_TABS_MAX; i++) {
+        if (!k->tabs[i].viewer) {
+            return &k->tabs[i];
+        }
+    }
+    return NULL;
+}
+
+enum consoles_outcome consoles_complete(struct consoles *c, const char *agent, const char *line,
+                                        uint64_t viewer, uint64_t number)
+{
+    enum consoles_outcome ready = mu_name_valid(agent) ? agent_ready(c) : CONSOLES_NO_NAME;
+    struct console *k = ready == CONSOLES_DONE ? console_for(c, agent) : NULL;
+    struct console_tab *tab = k ? tab_find(k) : NULL;
+    if (!tab) {
+        return ready == CONSOLES_DONE ? CONSOLES_BUSY : ready;
+    }
+    size_t len = strlen(line),
+           behind = len >= CONSOLES_TAB_BYTES ? len + 1 - CONSOLES_TAB_BYTES : 0;
+    *tab = (struct console_tab){.viewer = viewer, .number = number, .since_ns = mu_clock_ns()};
+    mu_text_copy(tab->word, sizeof tab->word, line + behind);
+    if (k->link.words_stale || k->link.words_len == 0) {
+        console_link_ask_words(&k->link);
+    }
+    return CONSOLES_DONE;
 }
 
 /* --- who watches ------------------------------------------------------------------------------ */
@@ -360,6 +477,7 @@ void consoles_round(struct consoles *c)
             attachment_match(k, watchers_set(k, 0, false)); /* those who have left */
             console_link_round(&k->link);
             silence_tell(k);
+            tabs_round(k);
         }
     }
 }
@@ -385,6 +503,8 @@ static const struct {
     [CONSOLES_NO_BROKER] = {503, "no broker is there\n"},
     [CONSOLES_NO_NAME] = {404, "that is no name of an agent\n"},
     [CONSOLES_NO_FORM] = {400, "expected whole lines of CLIPS: mind the parentheses\n"},
+    [CONSOLES_MANY] = {400, "too many lines at once\n"},
+    [CONSOLES_PARTLY] = {500, "not all of these lines went out: too many wait for their answers\n"},
     [CONSOLES_BUSY] = {429, "too many lines wait for their answers\n"},
     [CONSOLES_DENIED] = {403, "the broker gives this page no name\n"},
 };

@@ -14,7 +14,12 @@
 #include "desk/forms.h"
 #include "web/viewers.h"
 
-enum { CONSOLES_MAX = 48, CONSOLES_ASKS_MAX = CONSOLE_PENDING_MAX };
+enum {
+    CONSOLES_MAX = 48,
+    CONSOLES_ASKS_MAX = CONSOLE_PENDING_MAX,
+    CONSOLES_TABS_MAX = 8,   /* words that wait to be completed, of an agent */
+    CONSOLES_TAB_BYTES = 128 /* of a word with the character before it */
+};
 
 /* A line that waits for its end, and who has asked. */
 struct console_ask {
@@ -23,11 +28,20 @@ struct console_ask {
     uint64_t number; /* the viewer's own */
 };
 
+/* A word that waits for the agent's words, to be completed out of them. */
+struct console_tab {
+    uint64_t viewer; /* 0: free */
+    uint64_t number; /* the viewer's own */
+    uint64_t since_ns;
+    char word[CONSOLES_TAB_BYTES]; /* the end of the line */
+};
+
 struct console {
     bool used;
     char name[MU_NAME_MAX + 1]; /* of the agent */
     struct console_link link;
     struct console_ask asks[CONSOLES_ASKS_MAX];
+    struct console_tab tabs[CONSOLES_TABS_MAX];
     uint64_t watchers[VIEWERS_MAX]; /* ids; 0: free */
     uint64_t used_ns;               /* when somebody did something with it last */
     struct consoles *all;
@@ -52,7 +66,9 @@ enum consoles_outcome {
     CONSOLES_NO_BROKER, /* likewise, when there is one */
     CONSOLES_NO_NAME,   /* of an agent */
     CONSOLES_NO_FORM,   /* a parenthesis is open, or there is one too many */
+    CONSOLES_MANY,      /* more lines at once than can ever wait */
     CONSOLES_BUSY,      /* too many lines wait, or too many consoles are open */
+    CONSOLES_PARTLY,    /* the first of the lines went out; to be told, not to be tried again */
     CONSOLES_DENIED,    /* the broker gives us no name */
     CONSOLES_OUTCOMES
 };
@@ -66,6 +82,16 @@ struct consoles *consoles_open(mu_process *process, struct viewers *viewers);
  */
 enum consoles_outcome consoles_say(struct consoles *c, const char *agent, const char *text,
                                    uint64_t viewer, uint64_t number);
+
+/**
+ * Says how a line goes on: its last word is completed out of those that the agent knows.  It comes
+ * to the viewer as an event "completed" with its number: rest, what belongs behind the line; and if
+ * that is "", the words that it may become.
+ *
+ * @param line  up to the cursor
+ */
+enum consoles_outcome consoles_complete(struct consoles *c, const char *agent, const char *line,
+                                        uint64_t viewer, uint64_t number);
 
 /** Has a viewer shown, or no longer shown, what an agent's rules print and what is watched. */
 enum consoles_outcome consoles_watch(struct consoles *c, const char *agent, uint64_t viewer,

@@ -69,12 +69,13 @@ static int64_t robot_find(const muster_Frame *f, const char *name, uint32_t from
     return -1;
 }
 
-static void beam_list(struct mu_json *j, const char *key, const muster_Frame *f, bool laser)
+static void beam_list(struct mu_json *j, const char *key, const muster_Frame *f, bool laser,
+                      bool lean)
 {
     char text[BEAMS_TEXT];
     uint32_t from = 0;
     mu_json_list(j, key);
-    for (uint32_t i = 0; i < f->percepts._length; i++) {
+    for (uint32_t i = 0; i < f->percepts._length && !lean; i++) {
         const muster_Percept *p = &f->percepts._buffer[i];
         size_t count = laser ? p->laser_m._length : p->sonar_m._length;
         int64_t robot = count > 0 ? robot_find(f, p->robot, from) : -1;
@@ -158,12 +159,25 @@ static void mails_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
+static void goals_write(struct mu_json *j, const muster_Frame *f)
+{
+    bool known = false;
+    for (uint32_t i = 0; i < f->robots._length && !known; i++) {
+        known = f->robots._buffer[i].goal[0] != '\0';
+    }
+    mu_json_list(j, "goals");
+    for (uint32_t i = 0; i < f->robots._length && known; i++) {
+        mu_json_string(j, NULL, f->robots._buffer[i].goal);
+    }
+    mu_json_end(j);
+}
+
 static const char *order_text(muster_RunOrder order)
 {
     static const char *const texts[] = {
         [muster_RUN_GO] = "go",     [muster_RUN_END] = "end",     [muster_RUN_PLACE] = "place",
         [muster_RUN_PUSH] = "push", [muster_RUN_RESET] = "reset", [muster_RUN_SENSOR] = "sensor",
-        [muster_RUN_PACE] = "pace", [muster_RUN_SAVE] = "save"};
+        [muster_RUN_PACE] = "pace", [muster_RUN_SAVE] = "save",   [muster_RUN_HOLD] = "hold"};
     return (unsigned)order < sizeof texts / sizeof texts[0] ? texts[order] : "unknown";
 }
 
@@ -181,8 +195,7 @@ static void orders_write(struct mu_json *j, const muster_Frame *f)
     mu_json_end(j);
 }
 
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
-                      const struct goals *goals)
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame, bool lean)
 {
     char digest[17];
     snprintf(digest, sizeof digest, "%016" PRIx64, frame->digest);
@@ -192,11 +205,11 @@ void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *fr
     mu_json_uint(j, "wall_ms", frame->wall_ns / 1000000u);
     mu_json_string(j, "digest", frame->digest ? digest : "");
     places_write(j, frame);
-    beam_list(j, "sonar", frame, false);
-    beam_list(j, "laser", frame, true);
+    beam_list(j, "sonar", frame, false, lean);
+    beam_list(j, "laser", frame, true, lean);
     fired_write(j, frame);
     mails_write(j, frame);
-    goals_write(j, "goals", goals, frame->robots._length);
+    goals_write(j, frame);
     orders_write(j, frame);
     mu_json_end(j);
 }

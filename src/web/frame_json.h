@@ -11,7 +11,7 @@
  *     laser     likewise
  *     fired     [robot's index, how many, rules], ...
  *     mails     [from, to, performative, content], ...
- *     goals     what each robot wants, as goals.h has it
+ *     goals     what each robot wants, "" for who does not say; empty when nobody does
  *     orders    [source, order, name], ...
  *
  * Pure.
@@ -20,7 +20,6 @@
 #define MUSTER_WEB_FRAME_JSON_H
 
 #include "core/json.h"
-#include "web/goals.h"
 #include "wire.h"
 
 enum {
@@ -29,9 +28,8 @@ enum {
     FRAME_JSON_RULES_MAX = 240   /* of the rules that a robot fired */
 };
 
-/** Writes one object.  @param key  NULL: it has none */
-void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame,
-                      const struct goals *goals);
+/** Writes one object.  @param key  NULL: it has none.  @param lean  without sonar and laser */
+void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame, bool lean);
 
 /**
  * Writes the totals of a Frame as one object:

@@ -7,6 +7,7 @@
 #include "core/options.h"
 #include "desk/runs.h"
 #include "muster/memory.h"
+#include "runtime/process.h"
 #include "web/server.h"
 #include "web/watch.h"
 
@@ -33,6 +34,7 @@ struct web {
     struct board board;
     struct viewers viewers;
     struct consoles *consoles;
+    struct hands hands;
     struct watch watch;
     struct server *server;
 };
@@ -117,7 +119,7 @@ static mu_result network_join(struct web *w, struct settings *set)
     MU_TRY(mu_process_open(&w->process, &options));
     MU_TRY(watch_open(&w->watch, w->process, &w->board));
     w->consoles = consoles_open(w->process, &w->viewers);
-    return MU_OK;
+    return hands_open(&w->hands, &w->process->bus, &w->viewers, &w->watch);
 }
 
 static mu_result recording_show(struct web *w, const char *path)
@@ -139,6 +141,7 @@ static int page_open(struct web *w, const struct settings *set)
                                  .board = &w->board,
                                  .viewers = &w->viewers,
                                  .consoles = w->consoles,
+                                 .hands = &w->hands,
                                  .past = set->recording ? &w->past : NULL,
                                  .domain = (int)set->network.domain};
     mu_result opened = server_open(&w->server, &parts, (uint16_t)set->port);
@@ -170,6 +173,7 @@ static mu_result run_round(struct web *w)
     mu_result spun = mu_process_spin(w->process, 0);
     watch_round(&w->watch, mu_clock_ns());
     consoles_round(w->consoles);
+    hands_round(&w->hands, mu_clock_ns());
     return spun;
 }
 

@@ -115,13 +115,3 @@ void mind_json_write(struct mu_json *j, const char *key, const struct minds *min
     mails_write(j, minds, line);
     mu_json_end(j);
 }
-
-void mind_json_goal(struct goal *goal, const struct minds *minds, const char *robot, uint32_t step)
-{
-    int32_t line = line_find(minds, robot, step);
-    goal->fact = 0;
-    for (int32_t f = minds_next_fact(minds, line, MINDS_NONE); f != MINDS_NONE;
-         f = minds_next_fact(minds, line, f)) {
-        goals_fact(goal, minds->lines[f].fact, text_of(minds, f));
-    }
-}

@@ -17,7 +17,6 @@
 
 #include "core/json.h"
 #include "story/minds.h"
-#include "web/goals.h"
 
 enum {
     MIND_JSON_FACTS_MAX = 1000,
@@ -29,8 +28,5 @@ enum {
 /** Writes one object. */
 void mind_json_write(struct mu_json *j, const char *key, const struct minds *minds,
                      const char *robot, uint32_t step);
-
-/** Finds what a robot wanted at a step: the youngest fact (goal ...) that stood. */
-void mind_json_goal(struct goal *goal, const struct minds *minds, const char *robot, uint32_t step);
 
 #endif

@@ -30,12 +30,14 @@ static struct pages_line *line_place(struct pages *p, const char *name)
     return line;
 }
 
-/* name kind state broker process host pid since_wall_ns */
+/* name kind state broker process host pid since_wall_ns reason */
 static void line_take(struct pages *p, const muster_Page *page, const char *text)
 {
     char name[MU_NAME_MAX + 1], kind[PAGES_WORD_MAX + 1], state[PAGES_WORD_MAX + 1];
     char host[MU_FIELD_MAX + 1];
-    bool whole = sscanf(text, "%31s %15s %15s %*s %*s %63s", name, kind, state, host) == 4 &&
+    int behind = 0;
+    bool whole = sscanf(text, "%31s %15s %15s %*s %*s %63s %*s %*s %n", name, kind, state, host,
+                        &behind) == 4 &&
                  mu_name_valid(name);
     struct pages_line *line = whole ? line_place(p, name) : NULL;
     if (!line) {
@@ -45,6 +47,7 @@ static void line_take(struct pages *p, const muster_Page *page, const char *text
     mu_text_copy(line->kind, sizeof line->kind, kind);
     mu_text_copy(line->state, sizeof line->state, state);
     mu_text_copy(line->host, sizeof line->host, strcmp(host, "-") == 0 ? "" : host);
+    mu_text_copy(line->reason, sizeof line->reason, behind > 0 ? text + behind : "");
     mu_text_copy(line->broker, sizeof line->broker, page->broker);
     line->part = page->part;
     line->turn = p->turn;
@@ -80,6 +83,7 @@ void pages_write(struct mu_json *j, const struct pages *p)
         mu_json_string(j, NULL, line->kind);
         mu_json_string(j, NULL, line->state);
         mu_json_string(j, NULL, line->host);
+        mu_json_string(j, NULL, line->reason);
         mu_json_end(j);
     }
     mu_json_end(j);

@@ -18,9 +18,10 @@ struct pages_line {
     char name[MU_NAME_MAX + 1]; /* "": free */
     char kind[PAGES_WORD_MAX + 1], state[PAGES_WORD_MAX + 1];
     char host[MU_FIELD_MAX + 1];
-    char broker[MU_NAME_MAX + 1]; /* who said it last, */
-    uint32_t part;                /* in this part of its pages */
-    uint64_t turn;                /* when */
+    char reason[MU_FIELD_MAX + 1]; /* why it is in that state; "": it did not say */
+    char broker[MU_NAME_MAX + 1];  /* who said it last, */
+    uint32_t part;                 /* in this part of its pages */
+    uint64_t turn;                 /* when */
 };
 
 struct pages {
@@ -38,8 +39,8 @@ void pages_init(struct pages *p);
 void pages_take(struct pages *p, const muster_Page *page);
 
 /**
- * Writes them as one object: a list of [name, kind, state, host], in the order in which they came;
- * without those who only look.
+ * Writes them as one object: a list of [name, kind, state, host, reason], in the order in which
+ * they came; without those who only look.
  */
 void pages_write(struct mu_json *j, const struct pages *p);
 

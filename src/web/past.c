@@ -209,16 +209,6 @@ static const muster_Frame *lately_write(struct mu_json *j, struct past *p, int64
     return f && f->step == step ? f : recording_frame(&p->recording, step);
 }
 
-static void goals_find(struct past *p, const muster_Frame *f)
-{
-    struct goals *g = &p->goals;
-    g->known = p->recording.minds->robots_count > 0 && f->robots._length <= PAST_GOALS_MAX;
-    for (uint32_t i = 0; g->known && i < f->robots._length; i++) {
-        mind_json_goal(&g->robots[i], p->recording.minds, f->robots._buffer[i].name,
-                       (uint32_t)f->step);
-    }
-}
-
 const struct mu_text *past_moment(struct past *p, int64_t step, const char *robot)
 {
     struct mu_json j;
@@ -229,8 +219,7 @@ const struct mu_text *past_moment(struct past *p, int64_t step, const char *robo
     if (!f) {
         return NULL;
     }
-    goals_find(p, f);
-    frame_json_write(&j, "frame", f, &p->goals);
+    frame_json_write(&j, "frame", f, false);
     frame_json_totals(&j, "statistics", f);
     if (robot[0]) {
         mind_json_write(&j, "mind", p->recording.minds, robot, (uint32_t)step);

@@ -12,15 +12,13 @@
 #include "muster/limits.h"
 #include "story/recording.h"
 #include "web/board.h"
-#include "web/goals.h"
 
 enum {
     PAST_TEXT_MAX = 2 * 1024 * 1024, /* bytes of an answer */
     PAST_STALLS_MAX = 4096,          /* that are shown */
     PAST_LATELY_STEPS = 30,          /* so long mails are shown */
     PAST_MAILS_MAX = 200,            /* of that time, the first ones */
-    PAST_PLACES_MAX = 60000,         /* of all tracks together */
-    PAST_GOALS_MAX = 32              /* of so many robots goals are looked for */
+    PAST_PLACES_MAX = 60000          /* of all tracks together */
 };
 
 /* From the first step that found a robot stalled to the last. */
@@ -49,7 +47,6 @@ struct past {
     size_t stalls_last[MU_ROBOTS_MAX]; /* of each robot: its last one's index, and 1; 0: none */
     uint64_t stalls_lost;              /* that found no room */
     struct past_tracks tracks;
-    struct goals goals;
     struct mu_text text; /* the last answer */
     const char *name;    /* of the file */
 };

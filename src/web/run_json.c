@@ -3,10 +3,19 @@
 
 #include "core/text.h"
 
+static bool has_ended(const struct run_json *r)
+{
+    return r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
+}
+
+bool run_json_lives(const struct run_json *r)
+{
+    return r->simulator && !has_ended(r);
+}
+
 void run_json_lose(struct run_json *r)
 {
-    bool ended = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    r->simulator = r->simulator && ended;
+    r->simulator = r->simulator && has_ended(r);
 }
 
 void run_json_take(struct run_json *r, const muster_RunStatus *status)

@@ -24,6 +24,9 @@ struct run_json {
     uint64_t sent, delivered, waiting, expired, refused; /* mails, of that broker */
 };
 
+/** @return whether a simulator is there whose run has not ended */
+bool run_json_lives(const struct run_json *r);
+
 /** Keeps what a status says. */
 void run_json_take(struct run_json *r, const muster_RunStatus *status);
 

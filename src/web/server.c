@@ -3,7 +3,7 @@
 
 #include "core/log.h"
 #include "muster/memory.h"
-#include "web/assets.h"
+#include "web/target.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -35,79 +35,11 @@ struct server {
     struct server_parts parts;
     struct MHD_Daemon *daemon;
     struct MHD_Response *assets[SERVER_ASSETS_MAX];
+    struct MHD_Response *scene; /* the board's, made when somebody wants it; NULL: none */
+    uint64_t scene_version;     /* that it has */
     struct request requests[SERVER_CONNECTIONS_MAX];
     uint64_t now_ns;
 };
-
-/* What a path asks for. */
-enum route {
-    ROUTE_NONE,
-    ROUTE_ASSET,
-    ROUTE_EVENTS,
-    ROUTE_SCENE,
-    ROUTE_RECORDING,
-    ROUTE_TRACKS,
-    ROUTE_MOMENTS,
-    ROUTE_WHY,
-    ROUTE_LINES,
-    ROUTE_WATCH,
-    ROUTE_LEAVE
-};
-
-struct target {
-    enum route route;
-    const struct asset *asset;
-    const char *name; /* of an agent that somebody acts on */
-    int64_t step;
-    const char *whose; /* mind, at that step; "": nobody's */
-};
-
-static const struct {
-    const char *prefix;
-    enum route route;
-} acts[] = {{"/lines/", ROUTE_LINES}, {"/watch/", ROUTE_WATCH}, {"/leave/", ROUTE_LEAVE}};
-
-static const struct {
-    const char *path;
-    enum route route;
-} looks[] = {{"/events", ROUTE_EVENTS},
-             {"/scene", ROUTE_SCENE},
-             {"/recording", ROUTE_RECORDING},
-             {"/tracks", ROUTE_TRACKS}};
-
-/* STEP or STEP/NAME, behind a prefix */
-static void moment_find(struct target *t, const char *path, const char *prefix, enum route route)
-{
-    char *end;
-    size_t len = strlen(prefix);
-    if (strncmp(path, prefix, len) != 0 || path[len] < '0' || path[len] > '9') {
-        return;
-    }
-    t->step = strtoll(path + len, &end, 10);
-    if (*end == '\0' || *end == '/') {
-        t->route = route;
-        t->whose = *end ? end + 1 : end;
-    }
-}
-
-static struct target target_find(const char *path)
-{
-    struct target t = {.asset = assets_find(path)};
-    t.route = t.asset ? ROUTE_ASSET : ROUTE_NONE;
-    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
-        t.route = strcmp(path, looks[i].path) == 0 ? looks[i].route : t.route;
-    }
-    moment_find(&t, path, "/moments/", ROUTE_MOMENTS);
-    moment_find(&t, path, "/why/", ROUTE_WHY);
-    for (size_t i = 0; i < sizeof acts / sizeof acts[0]; i++) {
-        size_t len = strlen(acts[i].prefix);
-        if (strncmp(path, acts[i].prefix, len) == 0) {
-            t.route = acts[i].route;
-            t.name = path + len;
-        }
-    }
-    return t;
-}
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
@@ -151,11 +83,37 @@ static enum MHD_Result text_answer(struct MHD_Connection *c, unsigned status, co
 
 static enum MHD_Result line_answer(struct MHD_Connection *c, unsigned status, const char *line)
 {
-    char bytes[256];
+    char bytes[384];
     struct mu_text text;
     mu_text_init(&text, bytes, sizeof bytes);
     mu_text_add(&text, line);
     return text_answer(c, status, "text/plain; charset=utf-8", &text);
+}
+
+/* One copy is for all who fetch it: it may be large, and they may read slowly. */
+static enum MHD_Result scene_answer(struct server *s, struct MHD_Connection *c)
+{
+    const struct board *b = s->parts.board;
+    uint64_t version = b->items[BOARD_SCENE].version;
+    if (b->scene.len == 0) {
+        return line_answer(c, MHD_HTTP_NOT_FOUND,
+                           version > 0 ? "the world is too large for a page\n"
+                                       : "there is no world yet\n");
+    }
+    if (s->scene && s->scene_version != version) {
+        MHD_destroy_response(s->scene);
+        s->scene = NULL;
+    }
+    if (!s->scene) {
+        s->scene =
+            MHD_create_response_from_buffer(b->scene.len, b->scene.at, MHD_RESPMEM_MUST_COPY);
+        s->scene_version = version;
+        if (!s->scene) {
+            return MHD_NO;
+        }
+        headers_add(s->scene, "application/json");
+    }
+    return MHD_queue_response(c, MHD_HTTP_OK, s->scene);
 }
 
 static enum MHD_Result asset_answer(struct server *s, struct MHD_Connection *c,
@@ -243,23 +201,56 @@ static uint64_t number_read(struct MHD_Connection *c, const char *header, int ba
     return value ? strtoull(value, NULL, base) : 0;
 }
 
+/* Who asks, and what he calls the question. */
+struct asker {
+    uint64_t viewer, number;
+};
+
+static enum MHD_Result hands_answer(struct server *s, struct MHD_Connection *c, const char *line,
+                                    struct asker by)
+{
+    static const struct {
+        mu_result done;
+        unsigned status;
+    } statuses[] = {{MU_OK, MHD_HTTP_ACCEPTED},
+                    {MU_FULL, MHD_HTTP_TOO_MANY_REQUESTS},
+                    {MU_ABSENT, MHD_HTTP_NOT_FOUND},
+                    {MU_FAULT_USAGE, MHD_HTTP_BAD_REQUEST}};
+    struct hands *h = s->parts.hands;
+    mu_result done = hands_do(h, line, by.viewer, by.number);
+    unsigned status = MHD_HTTP_SERVICE_UNAVAILABLE;
+    for (size_t i = 0; i < sizeof statuses / sizeof statuses[0]; i++) {
+        status = statuses[i].done == done ? statuses[i].status : status;
+    }
+    return line_answer(c, status, done == MU_OK ? "" : h->said);
+}
+
+static enum consoles_outcome console_act(struct consoles *consoles, const struct target *t,
+                                         const char *text, struct asker by)
+{
+    if (t->route == ROUTE_LINES) {
+        return consoles_say(consoles, t->name, text, by.viewer, by.number);
+    }
+    if (t->route == ROUTE_WORDS) {
+        return consoles_complete(consoles, t->name, text, by.viewer, by.number);
+    }
+    return consoles_watch(consoles, t->name, by.viewer, t->route == ROUTE_WATCH);
+}
+
 static enum MHD_Result act_answer(struct server *s, struct MHD_Connection *c,
                                   const struct target *t, const struct request *r)
 {
-    uint64_t viewer = number_read(c, "X-Muster-Viewer", 16);
-    uint64_t number = number_read(c, "X-Muster-Ask", 10);
-    struct consoles *consoles = s->parts.consoles;
-    enum consoles_outcome outcome = CONSOLES_DONE;
-    if (!viewers_find(s->parts.viewers, viewer)) {
+    struct asker by = {number_read(c, "X-Muster-Viewer", 16), number_read(c, "X-Muster-Ask", 10)};
+    if (!viewers_find(s->parts.viewers, by.viewer)) {
         return line_answer(c, MHD_HTTP_CONFLICT, "no such viewer: open the page again\n");
     }
-    if (t->route == ROUTE_LINES) {
-        outcome = memchr(r->body, '\0', r->len)
-                      ? CONSOLES_NO_FORM
-                      : consoles_say(consoles, t->name, r->body, viewer, number);
-    } else {
-        outcome = consoles_watch(consoles, t->name, viewer, t->route == ROUTE_WATCH);
+    if (memchr(r->body, '\0', r->len)) {
+        return line_answer(c, MHD_HTTP_BAD_REQUEST, "expected text\n");
     }
+    if (t->route == ROUTE_WORLD) {
+        return hands_answer(s, c, r->body, by);
+    }
+    enum consoles_outcome outcome = console_act(s->parts.consoles, t, r->body, by);
     return line_answer(c, consoles_status(outcome), consoles_text(outcome));
 }
 
@@ -280,9 +271,7 @@ static enum guard_verdict request_judge(struct server *s, struct MHD_Connection 
     const char *length = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Content-Length");
     struct guard_request r = {
         .method = method,
-        .use = t->route == ROUTE_NONE ? GUARD_NOTHING
-               : t->name              ? GUARD_ACT
-                                      : GUARD_LOOK,
+        .use = t->use,
         .host = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Host"),
         .origin = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Origin"),
         .site = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Sec-Fetch-Site"),
@@ -300,6 +289,7 @@ static struct request *request_take(struct server *s)
             s->requests[i].used = true;
             s->requests[i].verdict = GUARD_PASSED;
             s->requests[i].len = 0;
+            s->requests[i].body[0] = '\0';
             return &s->requests[i];
         }
     }
@@ -333,11 +323,11 @@ static enum MHD_Result recording_answer(struct server *s, struct MHD_Connection 
     struct past *past = s->parts.past;
     if (t->route == ROUTE_WHY) {
         return past_answer(c, "text/plain; charset=utf-8",
-                           past ? past_why(past, t->step, t->whose) : NULL);
+                           past ? past_why(past, t->step, t->name) : NULL);
     }
     if (t->route == ROUTE_MOMENTS) {
         return past_answer(c, "application/json",
-                           past ? past_moment(past, t->step, t->whose) : NULL);
+                           past ? past_moment(past, t->step, t->name) : NULL);
     }
     if (t->route == ROUTE_TRACKS) {
         return past_answer(c, "application/json", past ? past_tracks(past) : NULL);
@@ -349,14 +339,11 @@ static enum MHD_Result recording_answer(struct server *s, struct MHD_Connection 
 static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, const char *method,
                                    const struct target *t)
 {
-    const struct mu_text *scene = &s->parts.board->scene;
     switch (t->route) {
     case ROUTE_ASSET: return asset_answer(s, c, t->asset);
     case ROUTE_EVENTS:
         return strcmp(method, "HEAD") == 0 ? line_answer(c, MHD_HTTP_OK, "") : events_answer(s, c);
-    case ROUTE_SCENE:
-        return scene->len ? text_answer(c, MHD_HTTP_OK, "application/json", scene)
-                          : line_answer(c, MHD_HTTP_NOT_FOUND, "there is no world yet\n");
+    case ROUTE_SCENE: return scene_answer(s, c);
     case ROUTE_RECORDING:
     case ROUTE_TRACKS:
     case ROUTE_MOMENTS:
@@ -364,7 +351,9 @@ static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, c
     case ROUTE_NONE:
     case ROUTE_LINES:
     case ROUTE_WATCH:
-    case ROUTE_LEAVE: break;
+    case ROUTE_LEAVE:
+    case ROUTE_WORDS:
+    case ROUTE_WORLD: break;
     }
     return MHD_NO;
 }
@@ -377,7 +366,7 @@ static enum MHD_Result request_begin(struct server *s, struct MHD_Connection *c,
     if (verdict != GUARD_PASSED) {
         return line_answer(c, guard_status(verdict), guard_text(verdict));
     }
-    if (!t->name) {
+    if (t->use != GUARD_ACT) {
         return look_answer(s, c, method, t);
     }
     *own = request_take(s);
@@ -519,6 +508,9 @@ void server_close(struct server *s)
 {
     viewers_wake(s, true);
     MHD_stop_daemon(s->daemon);
+    if (s->scene) {
+        MHD_destroy_response(s->scene);
+    }
     for (size_t i = 0; i < SERVER_ASSETS_MAX && s->assets[i]; i++) {
         MHD_destroy_response(s->assets[i]);
     }

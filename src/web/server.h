@@ -11,8 +11,10 @@
  *     GET  /moments/STEP[/NAME]    a moment of it, and what was in that robot's mind
  *     GET  /why/STEP/NAME          why that robot drove as it did
  *     POST /lines/NAME   a text of CLIPS to an agent
+ *     POST /words/NAME   how this line goes on: its last word is to be completed
  *     POST /watch/NAME   show me what its rules print and what is watched
  *     POST /leave/NAME   no longer
+ *     POST /world        an order to the world: place red 1 2
  *
  * A POST needs X-Muster-Token, and says by X-Muster-Viewer and X-Muster-Ask who asks and what he
  * calls the question.  The library parses, limits and answers; it allocates on its own.
@@ -23,6 +25,7 @@
 #include "web/board.h"
 #include "web/consoles.h"
 #include "web/guard.h"
+#include "web/hands.h"
 #include "web/past.h"
 #include "web/viewers.h"
 
@@ -33,6 +36,7 @@ struct server_parts {
     struct board *board;
     struct viewers *viewers;
     struct consoles *consoles; /* NULL: nobody acts here */
+    struct hands *hands;       /* likewise */
     struct past *past;         /* NULL: no recording */
     int domain;
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file viewers.h
- * The pages that are open: each is a stream of events, with an stream of its own.
+ * The pages that are open: each is a stream of events, with a queue of its own.
  */
 #ifndef MUSTER_WEB_VIEWERS_H
 #define MUSTER_WEB_VIEWERS_H

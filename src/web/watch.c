@@ -59,9 +59,11 @@ static void scenes_take(struct watch *w)
 static void frame_put(struct watch *w, const muster_Frame *frame)
 {
     struct mu_json totals;
-    goals_take(&w->goals, frame);
-    frame_json_write(board_begin(w->board, BOARD_FRAME), NULL, frame, &w->goals);
-    (void)board_end(w->board);
+    frame_json_write(board_begin(w->board, BOARD_FRAME), NULL, frame, false);
+    if (board_end(w->board) == BOARD_CUT) { /* beams are most of it */
+        frame_json_write(board_begin(w->board, BOARD_FRAME), NULL, frame, true);
+        (void)board_end(w->board);
+    }
     mu_text_clear(&w->totals);
     mu_json_to_text(&totals, &w->totals, MU_JSON_LINE);
     frame_json_totals(&totals, NULL, frame);

@@ -9,7 +9,6 @@
 #include "bus/bus.h"
 #include "muster/agent.h"
 #include "web/board.h"
-#include "web/goals.h"
 #include "web/pages.h"
 #include "web/run_json.h"
 
@@ -19,7 +18,6 @@ struct watch {
     char simulator[MU_PROCESS_MAX + 1]; /* whose scene it is; "": none has come */
     uint64_t scenes_count;
     struct run_json run;
-    struct goals goals;
     struct pages *pages;
     struct mu_text totals; /* of the last frame */
     uint64_t slow_ns;      /* when what changes slowly was looked at last */

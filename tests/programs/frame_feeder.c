@@ -117,6 +117,7 @@ static void robot_make(uint32_t i, int64_t step, double hz)
                            .heading_rad = remainder(angle + M_PI / 2, 2 * M_PI),
                            .forward_m_s = 0.3,
                            .turn_rad_s = 0.6,
+                           .goal = none,
                            .stalled = i % 11 == 10,
                            .distance_m = 0.3 * (double)step / hz,
                            .firings = (uint64_t)step * 3};
@@ -151,6 +152,7 @@ static void act_make(uint32_t i, int64_t step)
                            .state = muster_STATE_RUNNING,
                            .firings = 3,
                            .rules = none,
+                           .goal = none,
                            .diary = none};
     acts[i].mails._buffer = &mails[i];
     acts[i].mails._length = (step + i) % MAIL_EACH == 0;

@@ -74,7 +74,8 @@ static muster_Mail mail_make(char *dst, char *content)
 
 static void mail_write(muster_Mail *m, char *as)
 {
-    muster_Act act = {.agent = as, .state = muster_STATE_RUNNING, .rules = none, .diary = none};
+    muster_Act act = {
+        .agent = as, .state = muster_STATE_RUNNING, .rules = none, .goal = none, .diary = none};
     act.mails._buffer = m;
     act.mails._length = act.mails._maximum = 1;
     muster_Up up = {.process = process, .step = muster_STEP_NOW};

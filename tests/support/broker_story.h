@@ -15,6 +15,7 @@
  *     outside SRC/SEQ              to the simulator
  *     roll call
  *     PROCESS: NAME WORD EPOCH [REASON] [TEXT]   to a process, of an agent on its way
+ *     PROCESS: ASKER/NUMBER NAME WORD TEXT       to a process, of a glance at an agent
  */
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
@@ -208,6 +209,12 @@ static inline void story_note(const muster_Delivery *d)
         snprintf(line, sizeof line, "%s: %s %s %llu%s%s%s%s", d->process, t->agent,
                  trip_word(t->word), (unsigned long long)t->epoch, t->reason[0] ? " " : "",
                  t->reason, t->text[0] ? " " : "", t->text);
+        story_line(line);
+    }
+    for (uint32_t i = 0; i < d->glances._length; i++) {
+        const muster_Glance *g = &d->glances._buffer[i];
+        snprintf(line, sizeof line, "%s: %s/%llu %s %s %s", d->process, g->asker,
+                 (unsigned long long)g->number, g->agent, glance_word(g->word), g->text);
         story_line(line);
     }
     CU_ASSERT_STRING_EQUAL(d->broker, "alpha");

@@ -74,6 +74,12 @@ static inline const char *state_word(muster_State s)
     return all[s];
 }
 
+static inline const char *glance_word(muster_GlanceWord w)
+{
+    static const char *const all[] = {"asks", "done", "failed", "declined"};
+    return all[w];
+}
+
 static inline const char *trip_word(muster_TripWord w)
 {
     static const char *const all[] = {"deposit", "arrive", "ready", "refused",

@@ -190,15 +190,24 @@ class Browser:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, clickCount=count,
                       button="none" if kind == "mouseMoved" else "left")
 
+    def drag(self, start, end, shift=False):
+        """Presses at one place, (x, y), and lets go at another."""
+        middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+        for kind, (x, y) in (("mouseMoved", start), ("mousePressed", start), ("mouseMoved", middle),
+                             ("mouseMoved", end), ("mouseReleased", end)):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, clickCount=1, button="left",
+                      buttons=0 if kind == "mouseReleased" else 1, modifiers=8 if shift else 0)
+
     def type(self, text):
         self.call("Input.insertText", text=text)
 
-    def key(self, key):
-        codes = {"Enter": 13, "Escape": 27}
+    def key(self, key, shift=False):
+        codes = {"Enter": 13, "Escape": 27, "Tab": 9}
         text = "\r" if key == "Enter" else key if len(key) == 1 else ""
-        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=text,
+        held = 8 if shift else 0
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=text, modifiers=held,
                   windowsVirtualKeyCode=codes.get(key, ord(key[0].upper())))
-        self.call("Input.dispatchKeyEvent", type="keyUp", key=key)
+        self.call("Input.dispatchKeyEvent", type="keyUp", key=key, modifiers=held)
 
     def shot(self, path):
         data = self.call("Page.captureScreenshot", format="png")["data"]

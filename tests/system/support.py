@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the system tests share: programs, domains, processes that never stay behind."""
 import contextlib
+import fcntl
 import json
 import os
 import pathlib
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -16,9 +18,9 @@ BUILD = ROOT / "build" / os.environ.get("BUILD", "release")
 BIN = BUILD / "bin"
 MUSTER = str(BIN / "muster")
 FOLLOW = str(ROOT / "experiments" / "follow.yaml")
-# Domains of this test run: away from those that `muster run` picks first, different for each
-# process, and below the range of ephemeral ports.
-FIRST_DOMAIN = 50 + (os.getpid() % 5) * 10
+# Domains of the tests: away from those that `muster run` picks first, and below the range of
+# ephemeral ports.  Each process that runs tests has ten of its own.
+FIRST_DOMAIN, DOMAINS, SHARES = 50, 10, 5
 
 # Rules of one that counts what came out of order, and of one that sends numbers to red.
 COUNTS = """
@@ -40,18 +42,34 @@ SENDS = """
 # Nothing of a test stays in the user's folders; who wants a store names it.
 os.environ["MUSTER_STORE"] = "none"
 
-_next_domain = 0
+_own = {"first": FIRST_DOMAIN, "next": 0, "claim": None}
 
 
 class Skip(Exception):
     """A test that cannot run here says why."""
 
 
+def process_own(folder):
+    """What a process that runs tests has for itself as long as it lives: a share of the domains
+    (it waits for one if need be), and a place in which `muster run` notes what is live."""
+    own = pathlib.Path(folder) / str(os.getpid())
+    own.mkdir(mode=0o700)
+    os.environ["XDG_RUNTIME_DIR"] = str(own)
+    while not _own["claim"]:
+        for first in range(FIRST_DOMAIN, FIRST_DOMAIN + SHARES * DOMAINS, DOMAINS):
+            claim = socket.socket()  # its port is that of a domain, for which DDS has UDP alone
+            with contextlib.suppress(OSError):
+                claim.bind(("127.0.0.1", 7400 + 250 * first))
+                _own.update(first=first, claim=claim)
+                return
+            claim.close()
+        time.sleep(1)
+
+
 def new_domain():
-    """A DDS domain that no other test of this run uses at the same time."""
-    global _next_domain
-    _next_domain = (_next_domain + 1) % 10
-    return FIRST_DOMAIN + _next_domain
+    """A DDS domain that no other test uses at the same time."""
+    _own["next"] = (_own["next"] + 1) % DOMAINS
+    return _own["first"] + _own["next"]
 
 
 def check(condition, why):
@@ -104,6 +122,12 @@ def program(name):
 def tool_python(*packages):
     """A Python in build/ that has these packages, NAME or NAME=MODULE; installed if that can be
     done, else the test is skipped."""
+    with open(BUILD.parent / "python.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two tests may want it at a time
+        return _tool_python_make(packages)
+
+
+def _tool_python_make(packages):
     home = BUILD.parent / "python"
     python = home / "bin" / "python"
     modules = [p.split("=")[-1] for p in packages]

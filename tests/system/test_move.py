@@ -225,8 +225,6 @@ def test_moves_in_lock_step():
         check_equal(t.done("move", "red", "south"), "red at south\n", "the answer")
         check_equal(t.place_of("red"), "south", "its platform")
         check_equal(members(t.domain)["red"]["state"], "running", "its state")
-        done = t.muster("clone", "red", "rosa", "north")
-        check_equal((done.returncode, done.stderr), (8, "muster: red lock-step\n"), "a clone")
         check_equal(steps_missed(t, "red"), "0", "steps that its rules have not had")
         check_equal(sim.wait(20), 0, "the run")
 

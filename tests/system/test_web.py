@@ -246,7 +246,8 @@ def test_what_a_viewer_sees_of_a_run_and_of_the_next():
         viewer = Viewer(page)
         check_equal(viewer.until("run", lambda run: True)["state"], "none", "before")
         for number in (1, 2):
-            run = follow_start(processes, domain, out / str(number), "--rate", 10, "--duration", 20)
+            run = follow_start(processes, domain, out / str(number), "--rate", 10, "--duration", 20,
+                               *("--no-diary" if number == 2 else "--quiet",))
             viewer.until("scene", lambda s: s["number"] == number)
             scene = json.loads(page.ask("GET", "/scene").text)
             names = [robot["name"] for robot in scene["robots"]]
@@ -256,6 +257,7 @@ def test_what_a_viewer_sees_of_a_run_and_of_the_next():
             check(first["robots"] != later["robots"], "they move")
             check(later["sonar"] and len(later["sonar"][0][1]) == 32, f"16 sonars: {later['sonar'][:1]}")
             check(viewer.until("frame", lambda f: f["mails"])["mails"][0][1] == "all", "mail")
+            check_equal(later["goals"][names.index("blue")], "follow", "what blue wants")
             agents = viewer.until("agents", lambda a: "red" in [line[0] for line in a["agents"]])
             check("observer" in [line[0] for line in agents["agents"]], f"{agents}")
             viewer.until("run", lambda r: r["state"] == "done" and len(r["hash"]) == 64)
@@ -352,6 +354,7 @@ def test_each_viewer_has_its_own_answers():
         check_equal(said_to(one, 10), (True, "2\n4\n"), "two forms, one end")
         check_equal(said_to(two, 8), (True, "3\n"), "the second")
         check_equal(act(page, first, "/lines/red", "(facts", 11).status, 400, "an open parenthesis")
+        check_equal(act(page, first, "/lines/observer", "(agents) (agents)", 11).status, 400, "it takes one")
         check_equal(act(page, first, "/lines/nobody", "(facts)", 12).status, 202, "who is that")
         good, text = said_to(one, 12)
         check(not good and "unknown-name" in text, text)
@@ -360,6 +363,13 @@ def test_each_viewer_has_its_own_answers():
         trace = one.until("said", lambda s: s["kind"] == "trace")
         check_equal(trace["ask"], 0, f"nobody has asked for it: {trace}")
         act(page, first, "/leave/red")
+        for line, reason in (("(suspend)", "(suspend) was called"),
+                             ("(break follow-robot) (follow blue) (resume)", "break: follow-robot"),
+                             ("(remove-break) (step 1)", "as many rules fired as it was told")):
+            act(page, second, "/lines/red", line, 20)
+            one.until("agents", lambda a, why=reason: ["red", why] in
+                      [[line[0], line[4]] for line in a["agents"]])
+        act(page, second, "/lines/red", "(resume)", 21)
         act(page, second, "/lines/red", "(unwatch all)", 14)
         act(page, first, "/lines/observer", "(suspend robots)", 15)
         good, text = said_to(one, 15)
@@ -367,6 +377,72 @@ def test_each_viewer_has_its_own_answers():
         wait_for(lambda: members(domain)["blue"]["state"] == "suspended", 10, "blue is suspended")
         one.close()
         two.close()
+
+
+def test_words_of_a_line_are_completed():
+    with folder() as out, page_open() as (page, processes, domain):
+        follow_start(processes, domain, out / "run", "--rate", 10, "--duration", 600)
+        viewer = Viewer(page)
+        number = viewer.next("hello")[1]["viewer"]
+        viewer.until("frame", lambda f: f["step"] > 5)
+        for agent, line, ask, rest, word in (("red", "(show-br", 1, "eaks ", None),
+                                             ("red", "(assert (posit", 2, "ion ", None),
+                                             ("red", "x" * 300 + " (ppdefrule follow-r", 3, "obot ", None),
+                                             ("red", "(fol", 4, "low", "follow"),
+                                             ("red", "(nothing-of-that", 5, "", None),
+                                             ("observer", "(you-", 6, "do ", None)):
+            check_equal(act(page, number, f"/words/{agent}", line, ask).status, 202, line)
+            done = viewer.until("completed", lambda c, n=ask: c["ask"] == n)
+            check(done["rest"].startswith(rest) if word else done["rest"] == rest, f"{line}: {done}")
+        act(page, number, "/words/red", "(s", 7)
+        done = viewer.until("completed", lambda c: c["ask"] == 7)
+        check(done["rest"] == "" and {"send", "stay", "suspend"} <= set(done["words"]), f"{done}")
+        act(page, number, "/lines/red", "(deffunction zzz () 1)", 8)
+        act(page, number, "/words/red", "(zz", 9)
+        viewer.until("completed", lambda c: c["ask"] == 9 and c["rest"] == "z ")
+        viewer.close()
+
+
+# --- hands on the world --------------------------------------------------------------------------
+
+
+def test_hands_move_bodies_and_are_part_of_the_run():
+    with folder() as out, page_open() as (page, processes, domain):
+        run = follow_start(processes, domain, out / "run", "--rate", 10, "--duration", 30)
+        viewer = Viewer(page)
+        number = viewer.next("hello")[1]["viewer"]
+        first = viewer.until("frame", lambda f: f["step"] > 5)
+        names = [r["name"] for r in json.loads(page.ask("GET", "/scene").text)["robots"]]
+        red = names.index("red")
+        check_equal(act(page, number, "/world", "place red 3 -3 90", 1).status, 202, "an order")
+        done = viewer.until("ordered", lambda o: o["ask"] == 1)
+        check(done["good"] and done["step"] >= first["step"], f"{done}")
+        viewer.until("frame", lambda f: abs(f["robots"][red][0] - 3000) < 500
+                     and abs(f["robots"][red][1] + 3000) < 500)
+        for line, said in (("sensor red sonar off", ""), ("push red 50 0", ""), ("reset red", ""),
+                           ("place red 3 -3", ""), ("place nobody 0 0", "no robot or object"),
+                           ("place red 1e6 0", "")):
+            check_equal(act(page, number, "/world", line, 2).status, 202, line)
+            done = viewer.next("ordered")[1]
+            check_equal(done["good"], not said and "1e6" not in line, f"{line}: {done}")
+        for line, status, said in (("", 400, "expected place"), ("place red 1", 400, "expected place NAME"),
+                                   ("save /tmp/here", 400, "expected place, push"),
+                                   ("place red 1 2 3 4 5 6 7 8 9", 400, "expected"),
+                                   ("reset " + "x" * 300, 400, "that long"),
+                                   ("reset\0red", 400, "expected text")):
+            refused = page.act("/world", line, X_Muster_Viewer=number)
+            check_equal(refused.status, status, line)
+            check(said in refused.text, f"{line}: {refused.text}")
+        check_equal(page.act("/world", "reset", X_Muster_Token=None).status, 403, "no token")
+        end = viewer.until("run", lambda r: r["state"] == "done" and len(r["hash"]) == 64, 60)
+        check_equal(run.wait(30), 0, "the run")
+        late = page.act("/world", "reset", X_Muster_Viewer=number)
+        check_equal((late.status, late.text), (404, "no run lives\n"), "too late")
+        viewer.close()
+        again = subprocess.run([MUSTER, "verify", str(out / "run" / "run.mcap")],
+                               capture_output=True, text=True, timeout=120)
+        check_equal(again.returncode, 0, again.stdout + again.stderr)
+        check(end["hash"] in again.stdout, f"the same with the same hands: {again.stdout}")
 
 
 # --- a person at a browser -----------------------------------------------------------------------
@@ -409,6 +485,78 @@ def test_a_click_suspends_a_robot():
             wait_for(lambda: members(domain)["red"]["state"] == "running", 15, "it goes on")
             check_equal(browser.said, [], "the page had no fault")
         viewer.close()
+
+
+SCREEN = """(() => {
+    const box = document.getElementById('live').getBoundingClientRect();
+    return {x: box.x, y: box.y, width: box.width, height: box.height};
+})()"""
+
+
+def test_hands_of_a_person_at_the_page():
+    with folder() as out, page_open() as (page, processes, domain):
+        follow_start(processes, domain, out / "run", "--rate", 2, "--duration", 600)
+        viewer = Viewer(page)
+        names = []
+
+        def red(frame):
+            return [x / 1000 for x in frame["robots"][names.index("red")][:2]]
+
+        with Browser(page.url) as browser:
+            browser.wait("document.querySelectorAll('tbody tr').length === 4")
+            names += [r["name"] for r in json.loads(page.ask("GET", "/scene").text)["robots"]]
+            browser.click("[data-tab='agent red']")
+            browser.click(".panel:not([hidden]) .line input")
+            browser.type("(show-br")
+            browser.key("Tab")
+            browser.wait("document.querySelector('.panel:not([hidden]) .line input').value === '(show-breaks '")
+            act(page, viewer.next("hello")[1]["viewer"], "/lines/observer", "(suspend robots)")
+            browser.wait("document.querySelector('.panel:not([hidden]) .state').textContent"
+                         ".includes('told by observer')")
+            stood = viewer.until("frame", lambda f: f["step"] > 20 and f["robots"][names.index("red")][7] & 7 == 2
+                                 and abs(f["robots"][names.index("red")][3]) < 5)
+            # All of the world is shown; the scale is that of the narrower side.
+            browser.click("#tools [data-tool=fit]")
+            browser.click("#tools [data-tool=hands]")
+            middle, scale = place_of(page, browser)
+            x, y = red(stood)
+            start = (middle[0] + x * scale, middle[1] - y * scale)
+            browser.drag(start, (start[0] + scale, start[1] + 0.5 * scale))
+            viewer.until("frame", lambda f: abs(red(f)[0] - x - 1) < 0.1 and abs(red(f)[1] - y + 0.5) < 0.1)
+            now = viewer.last["frame"]
+            start = (middle[0] + red(now)[0] * scale, middle[1] - red(now)[1] * scale)
+            browser.drag(start, (start[0], start[1] - 3 * scale), shift=True)
+            pushed = viewer.until("frame", lambda f: abs(red(f)[1] - red(now)[1]) > 0.01)
+            check(abs(red(pushed)[1] - red(now)[1]) < 3, "it was pushed, not placed")
+            browser.click_at(*start)
+            browser.click("[data-tab='World']")
+            browser.wait("document.querySelectorAll('.panel:not([hidden]) .output .answer').length === 2")
+            browser.click("[data-tab='agent red']")
+            browser.click(".panel:not([hidden]) summary")
+            browser.click(".panel:not([hidden]) [data-hand=Block]")
+            browser.click("[data-tab='Robots']")
+            browser.click(f"tbody tr:nth-child({names.index('red') + 1})")
+            browser.value("document.getElementById('live').focus(), 1")
+            browser.key("ArrowRight")
+            browser.key("[")
+            browser.click("[data-tab='World']")
+            browser.wait("document.querySelectorAll('.panel:not([hidden]) .output .answer').length === 5")
+            said = browser.value("document.querySelector('.panel:not([hidden]) .output').textContent")
+            for word in ("place red", "push red 0 3", "sensor red all off"):
+                check(f"world> {word}" in said, said)
+            check_equal(browser.value("document.querySelectorAll('.panel:not([hidden]) .output .failure').length"), 0, "")
+            check_equal(browser.said, [], "the page had no fault")
+        viewer.close()
+
+
+def place_of(page, browser):
+    """Where the world's origin is on the screen, when all of it is shown, and pixels of a metre."""
+    x0, y0, x1, y1 = json.loads(page.ask("GET", "/scene").text)["bounds"]
+    box = browser.value(SCREEN)
+    scale = min(box["width"] / ((x1 - x0) * 1.08), (box["height"] - 50) / ((y1 - y0) * 1.08))
+    middle_x, middle_y = (x0 + x1) / 2, (y0 + y1) / 2 - 20 / scale
+    return (box["x"] + box["width"] / 2 - middle_x * scale,
+            box["y"] + box["height"] / 2 + middle_y * scale), scale
 
 
 def test_who_has_no_token_only_looks():

@@ -228,6 +228,54 @@ static void test_limit(void)
     mind_close(m);
 }
 
+/* Instances have names, not indices: a rule may stand on both. */
+static void test_instances(void)
+{
+    struct mind *m = mind_with(
+        true, "(defclass BALL (is-a USER) (role concrete) (pattern-match reactive))\n"
+              "(defrule kick (go) (object (is-a BALL)) (not (tired)) => (assert (kicked)))\n");
+    line(m, "(make-instance [ball] of BALL)");
+    line(m, "(assert (go))");
+    diary(m);
+    step(m, 1);
+    diary(m);
+    CU_ASSERT(has("\nR kick 1,[ball],*\n"));
+    mind_close(m);
+}
+
+/* --- what it wants ---------------------------------------------------------------------------- */
+
+static const char *goal(struct mind *m)
+{
+    static char words[MU_FIELD_MAX + 1];
+    mind_goal(m, words);
+    return words;
+}
+
+static void test_goal(void)
+{
+    struct mind *m = mind_with(false, "");
+    CU_ASSERT_STRING_EQUAL(goal(m), "");
+    line(m, "(assert (goal stay) (goal gohome 3000.0 -2 \"a b\" [i] nil))");
+    CU_ASSERT_STRING_EQUAL(goal(m), "gohome 3000.0 -2 a b i nil");
+    line(m, "(do-for-fact ((?f goal)) (eq (nth$ 1 ?f:implied) gohome) (retract ?f))");
+    CU_ASSERT_STRING_EQUAL(goal(m), "stay");
+    line(m, "(assert (goal a-goal-that-is-longer-than-what-anybody-wants-to-read "
+            "beside-a-robot))");
+    CU_ASSERT_EQUAL(strlen(goal(m)), MU_FIELD_MAX);
+    line(m, "(reset)");
+    CU_ASSERT_STRING_EQUAL(goal(m), "");
+    mind_close(m);
+}
+
+static void test_goal_with_slots_is_none(void)
+{
+    struct mind *m = mind_with(false, "(deftemplate goal (slot x))");
+    line(m, "(assert (goal (x 1)))");
+    CU_ASSERT_STRING_EQUAL(goal(m), "");
+    mind_close(m);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -239,7 +287,10 @@ int main(void)
         {"mail", test_mail},
         {"agenda", test_agenda},
         {"garbage", test_garbage},
+        {"instances", test_instances},
         {"limit: bytes", test_limit},
+        {"goal", test_goal},
+        {"a goal with slots is none", test_goal_with_slots_is_none},
         CU_TEST_INFO_NULL,
     };
     return suite_run("agent/diary", tests);

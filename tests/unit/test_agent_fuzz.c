@@ -14,14 +14,6 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* CLIPS forgets some of what it parses in vain: whether memory is lost is not the question here. */
-__attribute__((visibility("default"))) const char *__asan_default_options(void);
-
-const char *__asan_default_options(void)
-{
-    return "detect_leaks=0";
-}
-
 enum {
     ROUNDS = 4000,
     MINDS_MAX = 512,

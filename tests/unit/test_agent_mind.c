@@ -491,6 +491,24 @@ static void test_limit_readings(void)
     mind_close(m);
 }
 
+/* What was felt before goes; mail and rules go on. */
+static void test_a_mind_without_a_body(void)
+{
+    struct mind_act act;
+    struct mind *m = open_mind(NULL);
+    sense(m);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (position $?)))", "1\n"), MU_OK);
+    mind_feel_nothing(m, 7 * MU_STEP_NS);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (position $?)))", "0\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(length$ (findall (sonar $?)))", "0\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(now)", "0.7\n"), MU_OK);
+    CU_ASSERT_EQUAL(answers(m, "(defrule heard (message hello) =>)", ""), MU_OK);
+    take(m, 1, "hello");
+    mind_fire(m, &act);
+    CU_ASSERT_STRING_EQUAL(act.rules, "heard");
+    mind_close(m);
+}
+
 static void test_same_seed_same_numbers(void)
 {
     char first[256];
@@ -524,6 +542,7 @@ int main(void)
         {"limit: files that extend each other", test_limit_extends},
         {"percepts that are no numbers", test_percepts_that_are_no_numbers},
         {"limit: readings", test_limit_readings},
+        {"a mind without a body", test_a_mind_without_a_body},
         {"the same seed gives the same numbers", test_same_seed_same_numbers},
         CU_TEST_INFO_NULL,
     };

@@ -20,6 +20,7 @@ static muster_Trip trip(muster_TripWord word, const char *agent, uint64_t epoch,
 {
     return (muster_Trip){.word = word,
                          .agent = words(agent),
+                         .asker = words(""),
                          .epoch = epoch,
                          .host = words(host),
                          .process = words(""),
@@ -45,6 +46,17 @@ static void deposit(const char *process, const char *agent, uint64_t epoch, cons
     muster_Trip t = trip(muster_TRIP_DEPOSIT, agent, epoch, host);
     t.text = words("capsule");
     say(process, agent, step, t);
+}
+
+/* An agent's process answers a step and wants a new agent on a host. */
+static void want_new(const char *process, const char *asker, const char *name, const char *host,
+                     int64_t step)
+{
+    muster_Trip t = trip(muster_TRIP_NEW, name, 0, host);
+    t.asker = words(asker);
+    t.state = muster_STATE_RUNNING;
+    t.text = words("capsule");
+    say(process, asker, step, t);
 }
 
 static void refuse(const char *process, const char *agent, uint64_t epoch, const char *why)
@@ -218,6 +230,100 @@ static void test_the_end_of_the_run_ends_a_move(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
 }
 
+/* --- new agents ------------------------------------------------------------------------------- */
+
+static void test_a_new_agent(void)
+{
+    run_begin();
+    muster_Mail m = letter("green", 1, "ruby", "too early");
+    story_up("green", 0, muster_STATE_RUNNING, &m, 1, 0);
+    answer("north", 0);
+    want_new("p-red", "red", "ruby", "north", 0);
+    EXPECT("p-north: ruby arrive 0 capsule");
+    register_as("p-north", "ruby", 0, muster_STATE_MOVING); /* it has made it */
+    EXPECT("");
+    ready("p-north", "ruby", 0);
+    EXPECT(
+        "p-green@0; green 1-1 unknown-name; p-red: ruby taken 0; p-north@0; ruby welcome 0; sim: "
+        "ruby taken 0; p-red@0; sim@0");
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby running p-north");
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    story_tick(5 * S);
+    EXPECT("");
+}
+
+/* The first in order of name of those who ask gets it, whoever is heard first. */
+static void test_two_want_one_name(void)
+{
+    run_begin();
+    want_new("p-red", "red", "ruby", "north", 0);
+    want_new("p-green", "green", "ruby", "north", 0);
+    answer("north", 0);
+    EXPECT("p-north: ruby arrive 0 capsule; p-red: ruby refused 0 name-taken");
+    ready("p-north", "ruby", 0);
+    EXPECT("p-green: ruby taken 0; p-red@0; p-north@0; ruby welcome 0; sim: ruby taken 0; "
+           "p-green@0; sim@0");
+    want_new("p-red", "red", "ruby", "north", 1);
+    answer("green", 1);
+    answer("north", 1);
+    EXPECT("p-red: ruby refused 0 name-taken; p-green@1; p-north@1; sim@1; p-red@1");
+}
+
+/* Nothing of one that is refused stays, not even its name. */
+static void test_a_new_agent_is_refused(void)
+{
+    run_begin();
+    answer("green", 0);
+    answer("north", 0);
+    want_new("p-red", "red", "ruby", "north", 0);
+    (void)story_collect();
+    refuse("p-north", "ruby", 0, "full");
+    EXPECT("p-red: ruby refused 0 full; p-green@0; p-north@0; sim@0; p-red@0");
+    CU_ASSERT_EQUAL(registry_find(&story.b->registry, "ruby"), MU_NONE);
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    ready("p-north", "ruby", 0); /* after all */
+    EXPECT("p-north: ruby refused 0 too-late");
+    answer("green", 1);
+    answer("north", 1);
+    want_new("p-red", "red", "ruby", "nowhere", 1);
+    EXPECT("p-red: ruby refused 0 unknown-host; p-green@1; p-north@1; sim@1; p-red@1");
+}
+
+static void test_the_host_of_a_new_agent_dies(void)
+{
+    run_begin();
+    answer("green", 0);
+    answer("red", 0);
+    want_new("p-north", "north", "ruby", "north", 0); /* it is launched */
+    (void)story_collect();
+    story_gone("p-north");
+    story_tick(S);
+    EXPECT("p-north: ruby refused 0 too-late; p-green@0; p-red@0; sim@0; p-north@0");
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
+static void test_the_end_of_the_run_ends_what_is_new(void)
+{
+    run_begin();
+    want_new("p-red", "red", "ruby", "north", 0);
+    roster_say(1, 0);
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "p-red: ruby refused 0 lock-step"), NULL);
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    want_new("p-red", "red", "ruby", "north", muster_STEP_NOW);
+    EXPECT("p-red: ruby refused 0 lock-step");
+}
+
+static void test_new_agents_of_strangers(void)
+{
+    run_begin();
+    uint64_t malformed = story_status().malformed;
+    want_new("p-red", "green", "ruby", "north", 0); /* in somebody else's name */
+    CU_ASSERT_EQUAL(story_status().malformed, malformed + 1);
+    want_new("p-green", "green", "observer", "north", 0);
+    CU_ASSERT_EQUAL(story_status().malformed, malformed + 2);
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
 /* --- out of lock step ------------------------------------------------------------------------- */
 
 static void free_begin(void)
@@ -309,6 +415,32 @@ static void test_both_die(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
+/* Else an agent that nobody has would be nobody's for ever. */
+static void test_a_silent_host_does_not_keep_it(void)
+{
+    free_begin();
+    story_gone("p-red");
+    story_gone("p-north");
+    host_join("south");
+    host_join("east");
+    story_tick(2 * S);
+    (void)story_collect();
+    say("p-south", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "south"));
+    EXPECT("p-south: red arrive 1 capsule");
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    EXPECT("");
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    EXPECT("p-east: red arrive 1 capsule");
+    ready("p-south", "red", 1);
+    EXPECT("p-south: red refused 1 too-late");
+    ready("p-east", "red", 1);
+    register_as("p-east", "red", 1, muster_STATE_RUNNING);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-east");
+    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
 static void test_an_older_copy_does_not_get_the_name(void)
 {
     free_begin();
@@ -377,10 +509,17 @@ int main(void)
         {"the source dies", test_the_source_dies},
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
+        {"a new agent", test_a_new_agent},
+        {"two want one name", test_two_want_one_name},
+        {"a new agent is refused", test_a_new_agent_is_refused},
+        {"the host of a new agent dies", test_the_host_of_a_new_agent_dies},
+        {"the end of the run ends what is new", test_the_end_of_the_run_ends_what_is_new},
+        {"new agents of strangers", test_new_agents_of_strangers},
         {"a move", test_a_move},
         {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},
         {"both die", test_both_die},
+        {"a silent host does not keep it", test_a_silent_host_does_not_keep_it},
         {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
         {"limit: capsules", test_limit_capsules},
         {"words of strangers", test_words_of_strangers},

@@ -112,6 +112,7 @@ static void capsule_deposit(const char *name, uint64_t epoch, const char *text)
     struct one_up u;
     muster_Trip t = {.word = muster_TRIP_DEPOSIT,
                      .agent = words(name),
+                     .asker = words(""),
                      .epoch = epoch,
                      .host = words("north"),
                      .process = words(""),

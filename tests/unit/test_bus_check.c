@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
+enum { RULES_MAX = 64 * 1024, TEXT_MAX = 270 * 1024, FEW = 3 };
 
 /* idlc makes no const members; the checks write to none. */
 #define W(s) ((char *)(uintptr_t)(s))
@@ -38,13 +38,25 @@ enum { RULES_MAX = 64 * 1024, TEXT_MAX = 70 * 1024, FEW = 3 };
 
 static muster_Mail mails[MU_OUTBOX_MAX + 1] = {A_MAIL, A_MAIL, A_MAIL};
 static muster_Act acts[MU_LOCAL_AGENTS_MAX + 1] = {
-    {.agent = W("red"), .rules = W("wander"), .diary = W("")},
-    {.agent = W("blue"), .rules = W(""), .diary = W("")},
-    {.agent = W("green"), .rules = W("a b"), .mails = LIST(mails), .diary = W("S\n")},
+    {.agent = W("red"), .rules = W("wander"), .goal = W(""), .diary = W("")},
+    {.agent = W("blue"), .rules = W(""), .goal = W(""), .diary = W("")},
+    {.agent = W("green"),
+     .rules = W("a b"),
+     .mails = LIST(mails),
+     .goal = W("stay"),
+     .diary = W("S\n")},
 };
 static muster_Ack acks[MU_LOCAL_AGENTS_MAX + 1] = {
     {.box = W("a")}, {.box = W("b")}, {.box = W("c")}};
-static muster_Up up = {.process = W("p1"), .acts = LIST(acts), .acks = LIST(acks)};
+#define A_GLANCE(says, what)                                                                      \
+    {                                                                                             \
+        .word = (says), .asker = W("operator-1"), .number = 1, .agent = W("red"), .text = W(what) \
+    }
+static muster_Glance glances[MU_GLANCES_MAX + 1] = {A_GLANCE(muster_GLANCE_ASK, "(facts)"),
+                                                    A_GLANCE(muster_GLANCE_DECLINED, ""),
+                                                    A_GLANCE(muster_GLANCE_DONE, "f-0")};
+static muster_Up up = {
+    .process = W("p1"), .acts = LIST(acts), .acks = LIST(acks), .glances = LIST(glances)};
 
 static float sonar_m[MU_SONARS_MAX + 1] = {0.5f, 1.0f, 2.0f};
 static float laser_m[MU_BEAMS_MAX + 1] = {0.5f, 1.0f, 2.0f};
@@ -84,7 +96,8 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .memberships = LIST(memberships),
                                    .offers = LIST(offers),
                                    .outside = LIST(outside),
-                                   .broker = W("b1")};
+                                   .broker = W("b1"),
+                                   .glances = LIST(glances)};
 
 static muster_Entry entries[MU_PART_AGENTS + 1] = {
     {.name = W("red"), .home = W("")},
@@ -133,8 +146,9 @@ static muster_Scene scene = {.simulator = W("sim"),
                              .walls = LIST(walls),
                              .robots = LIST(figures),
                              .objects = LIST(things)};
-static muster_RobotView views[MU_ROBOTS_MAX + 1] = {
-    {.name = W("a")}, {.name = W("b")}, {.name = W("c")}};
+static muster_RobotView views[MU_ROBOTS_MAX + 1] = {{.name = W("a"), .goal = W("")},
+                                                    {.name = W("b"), .goal = W("")},
+                                                    {.name = W("c"), .goal = W("stay")}};
 #define AN_ORDER                                                                         \
     {                                                                                    \
         .simulator = W("sim"), .source = W("operator"), .name = W("red"), .file = W(""), \
@@ -219,9 +233,16 @@ static const struct field {
     {"up.act.forward", check_up, &up, &acts[2].forward_m_s, A_SPEED, 0},
     {"up.act.turn", check_up, &up, &acts[2].turn_rad_s, A_SPEED, 0},
     {"up.act.rules", check_up, &up, &acts[2].rules, A_TEXT, RULES_MAX},
+    {"up.act.goal", check_up, &up, &acts[2].goal, A_TEXT, MU_FIELD_MAX},
     {"up.act.diary", check_up, &up, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     {"up.act.mails", check_up, &up, &acts[2].mails._length, A_LENGTH, MU_OUTBOX_MAX},
     MAIL("up.act.mail", check_up, &up, mails[2]),
+    {"up.glances", check_up, &up, &up.glances._length, A_LENGTH, MU_GLANCES_MAX},
+    {"up.glance.asker", check_up, &up, &glances[2].asker, A_NAME, 0},
+    {"up.glance.number", check_up, &up, &glances[2].number, A_COUNT, 0},
+    {"up.glance.agent", check_up, &up, &glances[2].agent, A_NAME, 0},
+    {"up.glance.line", check_up, &up, &glances[0].text, A_TEXT, MU_GLANCE_LINE_MAX},
+    {"up.glance.shows", check_up, &up, &glances[2].text, A_TEXT, MU_GLANCE_BYTES_MAX - 1},
     {"up.first act.agent", check_up, &up, &acts[0].agent, A_NAME, 0},
     {"up.first mail.src", check_up, &up, &mails[0].src, A_NAME, 0},
     {"up.ack.box", check_up, &up, &acks[2].box, A_NAME, 0},
@@ -270,6 +291,8 @@ static const struct field {
     {"delivery.first parcel.box", check_delivery, &delivery, &parcels[0].box, A_NAME, 0},
     {"delivery.parcel.number", check_delivery, &delivery, &parcels[2].number, A_COUNT, 0},
     MAIL("delivery.parcel", check_delivery, &delivery, parcels[2].letter),
+    {"delivery.glance.asker", check_delivery, &delivery, &glances[2].asker, A_NAME, 0},
+    {"delivery.glance.agent", check_delivery, &delivery, &glances[1].agent, A_NAME, 0},
     {"delivery.receipt.agent", check_delivery, &delivery, &receipts[2].agent, A_NAME, 0},
     {"delivery.first receipt.agent", check_delivery, &delivery, &receipts[0].agent, A_NAME, 0},
     {"delivery.verdict.agent", check_delivery, &delivery, &verdicts[2].agent, A_TEXT, MU_FIELD_MAX},
@@ -388,6 +411,7 @@ static const struct field {
     {"frame.percept.beam", check_frame, &frame, &laser_m[2], A_FLOAT, 0},
     {"frame.acts", check_frame, &frame, &frame.acts._length, A_LENGTH, MU_FRAME_ACTS_MAX},
     {"frame.act.agent", check_frame, &frame, &acts[2].agent, A_NAME, 0},
+    {"frame.robot.goal", check_frame, &frame, &views[2].goal, A_TEXT, MU_FIELD_MAX},
     {"frame.act.diary", check_frame, &frame, &acts[2].diary, A_TEXT, MU_NOTE_MAX},
     MAIL("frame.act.mail", check_frame, &frame, mails[2]),
     {"frame.outside", check_frame, &frame, &frame.outside._length, A_LENGTH, MU_FRAME_MAILS_MAX},
@@ -499,6 +523,9 @@ static int lists_fill(void)
         acks[i] = acks[0];
         percepts[i] = percepts[0];
     }
+    for (size_t i = FEW; i <= MU_GLANCES_MAX; i++) {
+        glances[i] = glances[0];
+    }
     for (size_t i = 2; i <= MU_PART_AGENTS; i++) {
         entries[i] = entries[0];
     }
@@ -564,6 +591,32 @@ static void test_bad_names_of_agents_reach_the_broker(void)
     entries[0].name = W("red");
 }
 
+static void test_words_about_trips(void)
+{
+    muster_Trip t = {.word = muster_TRIP_NEW,
+                     .agent = W("ruby"),
+                     .asker = W("red"),
+                     .host = W("north"),
+                     .process = W(""),
+                     .reason = W(""),
+                     .text = W("capsule")};
+    up.trips = (dds_sequence_muster_Trip){._length = 1, ._maximum = 1, ._buffer = &t};
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = W("");
+    CU_ASSERT_FALSE(check_up(&up));
+    t.word = muster_TRIP_DEPOSIT;
+    CU_ASSERT_TRUE(check_up(&up));
+    t.asker = NULL;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.asker = W("red");
+    t.state = muster_STATE_ABSENT + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    t.state = muster_STATE_STANDBY;
+    t.word = muster_TRIP_NEW + 1;
+    CU_ASSERT_FALSE(check_up(&up));
+    up.trips._length = up.trips._maximum = 0;
+}
+
 /* Corners come in pairs, and an outline has no more than 64. */
 static void test_outlines(void)
 {
@@ -618,6 +671,7 @@ int main(void)
         {"whole samples pass", test_whole_samples_pass},
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
+        {"words about trips", test_words_about_trips},
         {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},
         CU_TEST_INFO_NULL,

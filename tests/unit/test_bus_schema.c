@@ -56,6 +56,17 @@ static void test_every_topic_can_be_said(void)
     }
 }
 
+static void test_what_an_older_recording_says(void)
+{
+    CU_ASSERT_EQUAL(write_of(&muster_PartStatus_desc), MU_OK);
+    CU_ASSERT(bus_schema_is(BUS_PART_STATUS, text.at, text.len));
+    CU_ASSERT(bus_schema_is(BUS_PART_STATUS, "", 0)); /* it does not say */
+    CU_ASSERT_FALSE(bus_schema_is(BUS_PART_STATUS, text.at, text.len - 1));
+    CU_ASSERT_FALSE(bus_schema_is(BUS_BROKER_EVENT, text.at, text.len));
+    text.at[3] ^= 1;
+    CU_ASSERT_FALSE(bus_schema_is(BUS_PART_STATUS, text.at, text.len));
+}
+
 static void test_a_type_that_is_silent(void)
 {
     dds_topic_descriptor_t silent = {.m_typename = "muster::Page", .m_flagset = 0};
@@ -77,6 +88,7 @@ int main(void)
         {"lists and nested types", test_lists_and_nested},
         {"an enumeration", test_an_enumeration},
         {"every topic can be said", test_every_topic_can_be_said},
+        {"what an older recording says", test_what_an_older_recording_says},
         {"a type that is silent", test_a_type_that_is_silent},
         {"limit: room", test_limit_room},
         CU_TEST_INFO_NULL,

@@ -160,12 +160,31 @@ static void test_random_bytes_are_walked_through(void)
     printf("seed %d ", SEED);
 }
 
+/* What somebody's file says must not move a cursor, or worse. */
+static void test_control_characters_are_not_shown(void)
+{
+    static const char evil[] = "a\033[2Jb\nc\177d\302\233e\303\244\302\251\302";
+    char buffer[64];
+    struct mu_text t;
+    mu_text_init(&t, buffer, sizeof buffer);
+    mu_text_add_plain(&t, evil, sizeof evil - 1);
+    READS(t.at, "a?[2Jb?c?d?e\303\244\302\251\302");
+    mu_text_init(&t, buffer, 4);
+    mu_text_add_plain(&t, "\001\002\003\004", 4);
+    READS(t.at, "???");
+    CU_ASSERT(t.cut);
+    mu_text_init(&t, buffer, sizeof buffer);
+    mu_text_add_plain(&t, "", 0);
+    READS(t.at, "");
+}
+
 int main(void)
 {
     CU_TestInfo texts[] = {
         {"grows and is cleared", test_text_grows_and_is_cleared},
         {"limit: what does not fit is cut", test_limit_text_is_cut},
         {"limit: a buffer of one byte", test_text_of_one_byte_holds_nothing},
+        {"control characters are not shown", test_control_characters_are_not_shown},
         {"copy", test_copy_says_whether_it_fitted},
         CU_TEST_INFO_NULL,
     };

@@ -127,6 +127,32 @@ static void test_several_live(void)
     expect_none();
 }
 
+/* Another user's locks lie in another folder; his broker and simulator are not up yet. */
+static void test_somebody_elses_run_has_another_domain(void)
+{
+    struct holder ours;
+    struct holder theirs;
+    char other[64];
+    char path[96];
+    snprintf(other, sizeof other, "%s/other", folder);
+    CU_ASSERT_EQUAL_FATAL(mkdir(other, 0700), 0);
+    holder_start(&ours, -1, "follow");
+    setenv("XDG_RUNTIME_DIR", other, 1);
+    holder_start(&theirs, -1, "follow");
+    CU_ASSERT(ours.told.result == MU_OK && theirs.told.result == MU_OK);
+    CU_ASSERT_NOT_EQUAL(ours.told.domain, theirs.told.domain);
+    holder_kill(&ours);
+    holder_kill(&theirs);
+    snprintf(path, sizeof path, "%s/muster/domain-%d", other, theirs.told.domain);
+    CU_ASSERT_EQUAL(unlink(path), 0);
+    for (int d = RUNS_DOMAIN_FIRST; d < theirs.told.domain; d++) {
+        snprintf(path, sizeof path, "%s/muster/domain-%d", other, d);
+        CU_ASSERT_EQUAL(unlink(path), 0); /* it was looked at, and is nobody's */
+    }
+    snprintf(path, sizeof path, "%s/muster", other);
+    CU_ASSERT(rmdir(path) == 0 && rmdir(other) == 0);
+}
+
 static void test_a_stale_file_is_no_run(void)
 {
     char path[96];
@@ -234,6 +260,7 @@ int main(void)
         {"none lives", test_none_lives},
         {"one lives", test_one_lives},
         {"several live", test_several_live},
+        {"somebody else's run has another domain", test_somebody_elses_run_has_another_domain},
         {"a stale file is no run", test_a_stale_file_is_no_run},
         {"ports in use", test_ports_in_use},
         {"limit: domains", test_limit_domains},

@@ -42,9 +42,10 @@ static struct {
     bool drives;
     double forward_m_s;
     char reason[MU_FIELD_MAX + 1];
+    char glances[512];
 } seen;
 
-static char heard_buffer[1024];
+static char heard_buffer[4096];
 static struct mu_text heard;
 static bool idle; /* who acts sets no speed */
 static bool slow; /* who acts takes long, and says so */
@@ -98,6 +99,17 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 static const struct mu_handlers handlers = {
     .on_registered = on_registered, .on_mail = on_mail, .on_act = on_act, .on_receipt = on_receipt};
 
+static void look_at_glances(const muster_Up *up)
+{
+    size_t len = strlen(seen.glances);
+    for (uint32_t i = 0; i < up->glances._length && len < sizeof seen.glances; i++) {
+        const muster_Glance *g = &up->glances._buffer[i];
+        len += (size_t)snprintf(seen.glances + len, sizeof seen.glances - len, "%s/%llu %s %s %s; ",
+                                g->asker, (unsigned long long)g->number, g->agent,
+                                glance_word(g->word), g->text);
+    }
+}
+
 static void look_at_up(struct bus_reader *reader)
 {
     enum bus_life life;
@@ -109,6 +121,7 @@ static void look_at_up(struct bus_reader *reader)
         seen.step = up->step;
         seen.ack = up->acks._length > 0 ? up->acks._buffer[0].number : seen.ack;
         const muster_Act *act = up->acts._buffer;
+        look_at_glances(up);
         if (up->acts._length == 0) {
             continue;
         }
@@ -171,6 +184,11 @@ static void spin_for(struct peer *p, uint64_t ns)
         CU_ASSERT_TRUE_FATAL(condition);                   \
     } while (0)
 
+static bool has(const char *text, const char *part)
+{
+    return strstr(text, part) != NULL;
+}
+
 static void forget(void)
 {
     memset(&seen, 0, sizeof seen);
@@ -220,6 +238,20 @@ static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64
     muster_Delivery d = delivery_to(p, step);
     d.parcels._buffer = &parcel;
     d.parcels._length = d.parcels._maximum = 1;
+    deliver(p, &d);
+}
+
+static void deliver_glance(struct peer *p, muster_GlanceWord word, const char *asker,
+                           uint64_t number, const char *text)
+{
+    muster_Glance g = {.word = word,
+                       .asker = words(asker),
+                       .number = number,
+                       .agent = words("robot"),
+                       .text = words(text)};
+    muster_Delivery d = delivery_to(p, muster_STEP_NOW);
+    d.glances._buffer = &g;
+    d.glances._length = d.glances._maximum = 1;
     deliver(p, &d);
 }
 
@@ -343,6 +375,59 @@ static void test_mail_without_an_answer_goes_out_again(void)
     CU_ASSERT_EQUAL(box->first_seq, box->next_seq);
 }
 
+static void on_end(void *self, uint64_t number, enum glance_end end, const char *text)
+{
+    (void)self;
+    mu_text_format(&heard, "%llu %s %s; ", (unsigned long long)number,
+                   glance_word((muster_GlanceWord)end), text);
+}
+
+static void test_glances_out_and_answers_in(void)
+{
+    mu_agent *red = agent_find(mind.process, "red");
+    uint64_t number = 0;
+    forget();
+    glances_hear(red, on_end, NULL);
+    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(assert (a))", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(glances_ask(red, "group:scouts", "(facts)", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+    CU_ASSERT_EQUAL(number, 1);
+    CU_ASSERT_EQUAL(glances_ask(red, "robot", "?*mate*", &number), MU_OK);
+    SPIN_UNTIL(&mind, has(seen.glances, "red/2"));
+    CU_ASSERT_STRING_EQUAL(seen.glances, "red/1 robot asks (facts); red/2 robot asks ?*mate*; ");
+    deliver_glance(&mind, muster_GLANCE_DONE, "red", 1, "f-0");
+    deliver_glance(&mind, muster_GLANCE_DONE, "red", 1, "f-0"); /* has its answer */
+    deliver_glance(&mind, muster_GLANCE_FAILED, "red", 2, "no such");
+    SPIN_UNTIL(&mind, has(heard.at, "2 failed"));
+    CU_ASSERT_STRING_EQUAL(heard.at, "1 done f-0; 2 failed no such; ");
+    CU_ASSERT_EQUAL(seen.mails, 0);
+}
+
+static void test_limit_glances_of_a_process(void)
+{
+    mu_agent *red = agent_find(mind.process, "red");
+    uint64_t number = 0;
+    forget();
+    for (unsigned i = 0; i < MU_GLANCES_EACH; i++) {
+        CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+    }
+    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_FULL);
+    SPIN_UNTIL(&mind, has(seen.glances, "red/18"));
+    deliver_glance(&mind, muster_GLANCE_DONE, "red", 5, "");
+    SPIN_UNTIL(&mind, heard.len > 0);
+    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+    CU_ASSERT_EQUAL(number, 19);
+    SPIN_UNTIL(&mind, has(seen.glances, "red/19"));
+}
+
+/* It knows nothing of them. */
+static void glances_are_declined(void)
+{
+    CU_ASSERT_EQUAL(mind.process->glances.count, 0);
+    CU_ASSERT_TRUE(has(heard.at, "19 declined ; "));
+    mu_text_clear(&heard);
+}
+
 static void test_another_life_of_the_broker(void)
 {
     uint64_t before = mind.process->incarnation;
@@ -350,6 +435,7 @@ static void test_another_life_of_the_broker(void)
     shine(&mind, "alpha", 7, 2);
     SPIN_UNTIL(&mind, seen.registrations >= 1);
     CU_ASSERT_EQUAL(seen.incarnation, before); /* it keeps what it has for the agents */
+    glances_are_declined();
     CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
     SPIN_UNTIL(&mind, seen.incarnation > before); /* it is asked again, as it does not answer */
 
@@ -506,15 +592,51 @@ static void test_free_running(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "robot#2 blue hi; ");
 }
 
+static enum glance_end on_look(void *self, const char *line, const char **text)
+{
+    (void)self;
+    mu_text_format(&heard, "looks %s; ", line);
+    *text = "f-0";
+    return line[0] == '(' ? GLANCE_DONE : GLANCE_FAILED;
+}
+
+/* Who looks does not wait for the step that mail waits for. */
+static void test_looks_pass_the_mail_that_waits(void)
+{
+    mu_agent *robot = agent_find(body.process, "robot");
+    uint64_t number;
+    forget();
+    CU_ASSERT_EQUAL(glances_ask(robot, "robot", "(facts)", &number), MU_REFUSED);
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 1, "(facts)");
+    SPIN_UNTIL(&body, has(seen.glances, "operator/1 robot declined ; "));
+    glances_answer(robot, on_look);
+    sense(&body, 14, false, false);
+    SPIN_UNTIL(&body, seen.step == 14);
+    forget();
+    for (uint64_t i = 3; i < 23; i++) {
+        deliver_mail(&body, muster_STEP_NOW, "robot", i);
+    }
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 2, "(facts)");
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 3, "?*mate*");
+    SPIN_UNTIL(&body, has(seen.glances, "operator/3 robot failed f-0; "));
+    CU_ASSERT_STRING_EQUAL(heard.at, "looks (facts); looks ?*mate*; ");
+    sense(&body, 15, false, false);
+    SPIN_UNTIL(&body, seen.step == 15);
+    CU_ASSERT_EQUAL(seen.ack, 22);
+    CU_ASSERT_TRUE(has(heard.at, "robot#3 blue hi; robot#4 blue hi; "));
+    CU_ASSERT_TRUE(has(heard.at, "robot#22 blue hi; robot acts in 15; "));
+    CU_ASSERT_EQUAL(seen.mails, 0);
+}
+
 /* The simulator counts the steps in which nobody has set a speed. */
 static void test_a_speed_is_said_once(void)
 {
     idle = true;
     forget();
     seen.drives = true;
-    sense(&body, 12, false, false);
-    SPIN_UNTIL(&body, seen.step == 12);
-    CU_ASSERT_STRING_EQUAL(heard.at, "robot acts in 12; ");
+    sense(&body, 16, false, false);
+    SPIN_UNTIL(&body, seen.step == 16);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot acts in 16; ");
     CU_ASSERT_FALSE(seen.drives);
     idle = false;
 }
@@ -523,10 +645,10 @@ static void test_who_is_busy_says_so_meanwhile(void)
 {
     forget();
     slow = true;
-    sense(&body, 13, false, false);
-    SPIN_UNTIL(&body, seen.step == 13);
+    sense(&body, 17, false, false);
+    SPIN_UNTIL(&body, seen.step == 17);
     slow = false;
-    CU_ASSERT_STRING_EQUAL(heard.at, "busy since; robot acts in 13; ");
+    CU_ASSERT_STRING_EQUAL(heard.at, "busy since; robot acts in 17; ");
     SPIN_UNTIL(&body, seen.reason[0] == '\0');
     process_work(body.process); /* no handler runs */
     CU_ASSERT_STRING_EQUAL(body.process->busy, "");
@@ -538,42 +660,70 @@ static void test_lock_step_waits_for_its_mail(void)
     sense(&body, 21, true, false);
     spin_for(&body, 50000000);
     CU_ASSERT_EQUAL(seen.ups, 0);
-    deliver_mail(&body, 20, "robot", 3);
+    deliver_mail(&body, 20, "robot", 23);
     SPIN_UNTIL(&body, seen.ups == 2);
     CU_ASSERT_EQUAL(seen.step, 21);
-    CU_ASSERT_STRING_EQUAL(heard.at, "robot#3 blue hi; robot acts in 21; ");
-    CU_ASSERT_EQUAL(seen.ack, 3);
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#23 blue hi; robot acts in 21; ");
+    CU_ASSERT_EQUAL(seen.ack, 23);
 
     forget(); /* the mail may come first */
-    deliver_mail(&body, 21, "robot", 4);
+    deliver_mail(&body, 21, "robot", 24);
     spin_for(&body, 20000000);
     CU_ASSERT_STRING_EQUAL(heard.at, "");
     sense(&body, 22, true, false);
     SPIN_UNTIL(&body, seen.ups == 2);
     CU_ASSERT_EQUAL(seen.step, 22);
-    CU_ASSERT_STRING_EQUAL(heard.at, "robot#4 blue hi; robot acts in 22; ");
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#24 blue hi; robot acts in 22; ");
     CU_ASSERT_EQUAL(mu_agent_broadcast(agent_find(body.process, "robot"), "later"), MU_OK);
     spin_for(&body, 20000000);
     CU_ASSERT_EQUAL(seen.mails, 0); /* goes out with the next step */
+}
+
+/* While the mail of a step is there, or its senses are, and the other is not. */
+static void test_looks_fall_between_two_steps(void)
+{
+    forget();
+    deliver_mail(&body, 22, "robot", 25);
+    spin_for(&body, 20000000);
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 4, "(facts)");
+    SPIN_UNTIL(&body, has(seen.glances, "operator/4 robot done f-0; "));
+    CU_ASSERT_STRING_EQUAL(heard.at, "looks (facts); ");
+    CU_ASSERT_EQUAL(seen.mails, 0); /* what waits for the step still does */
+    sense(&body, 23, true, false);
+    SPIN_UNTIL(&body, seen.step == 23);
+    CU_ASSERT_STRING_EQUAL(heard.at, "looks (facts); robot#25 blue hi; robot acts in 23; ");
+    CU_ASSERT(seen.mails > 0);
+    forget();
+    sense(&body, 24, true, false);
+    spin_for(&body, 20000000);
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 5, "(facts)");
+    SPIN_UNTIL(&body, has(seen.glances, "operator/5 robot done f-0; "));
+    CU_ASSERT_STRING_EQUAL(heard.at, "looks (facts); ");
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 6, "(rules)");
+    deliver_mail(&body, 23, "robot", 26);
+    deliver_glance(&body, muster_GLANCE_ASK, "operator", 7, "(agenda)");
+    SPIN_UNTIL(&body, seen.step == 24 && has(seen.glances, "operator/7"));
+    CU_ASSERT_TRUE(has(heard.at, "looks (rules); "));
+    CU_ASSERT_TRUE(has(heard.at, "robot#26 blue hi; robot acts in 24; "));
 }
 
 /* Its simulator is gone, and nothing goes with it. */
 static void test_mail_of_an_earlier_lock_step_is_dropped(void)
 {
     forget();
-    deliver_mail(&body, 5, "robot", 5);
-    sense(&body, 23, true, false);
+    deliver_mail(&body, 5, "robot", 27);
+    sense(&body, 25, true, false);
     spin_for(&body, 20000000);
     CU_ASSERT_STRING_EQUAL(heard.at, "");
-    deliver_mail(&body, 22, "robot", 5);
+    deliver_mail(&body, 24, "robot", 27);
     SPIN_UNTIL(&body, seen.ups == 2);
-    CU_ASSERT_STRING_EQUAL(heard.at, "robot#5 blue hi; robot acts in 23; ");
+    CU_ASSERT_STRING_EQUAL(heard.at, "robot#27 blue hi; robot acts in 25; ");
 }
 
 static void test_who_watches_serves_the_next_run(void)
 {
     body.process->watches = true;
-    sense(&body, 24, true, true);
+    sense(&body, 26, true, true);
     SPIN_UNTIL(&body, !body.process->in_lockstep);
     CU_ASSERT_EQUAL(mu_process_spin(body.process, 0), MU_OK);
     body.process->watches = false;
@@ -584,7 +734,7 @@ static void test_the_end_of_the_run(void)
     mu_result spun = MU_OK;
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
     forget();
-    sense(&body, 25, true, true);
+    sense(&body, 27, true, true);
     while (spun == MU_OK && mu_clock_ns() < until_ns) {
         spun = mu_process_spin(body.process, 2000000);
     }
@@ -610,6 +760,8 @@ int main(void)
         {"joining", test_joining},
         {"mail out and in", test_mail_out_and_in},
         {"mail without an answer goes out again", test_mail_without_an_answer_goes_out_again},
+        {"glances out and answers in", test_glances_out_and_answers_in},
+        {"limit: glances of a process", test_limit_glances_of_a_process},
         {"another life of the broker", test_another_life_of_the_broker},
         {"another life is known by what it delivers",
          test_another_life_is_known_by_what_it_delivers},
@@ -618,9 +770,11 @@ int main(void)
         {"closing takes the agents back", test_closing_takes_the_agents_back},
         {"a body is ready when all have matched", test_a_body_is_ready_when_all_have_matched},
         {"free running", test_free_running},
+        {"looks pass the mail that waits", test_looks_pass_the_mail_that_waits},
         {"a speed is said once", test_a_speed_is_said_once},
         {"who is busy says so meanwhile", test_who_is_busy_says_so_meanwhile},
         {"lock step waits for its mail", test_lock_step_waits_for_its_mail},
+        {"looks fall between two steps", test_looks_fall_between_two_steps},
         {"mail of an earlier lock step", test_mail_of_an_earlier_lock_step_is_dropped},
         {"who watches serves the next run", test_who_watches_serves_the_next_run},
         {"the end of the run", test_the_end_of_the_run},

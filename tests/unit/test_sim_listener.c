@@ -72,7 +72,8 @@ static int end(void)
 /* One step, in which the robot does something. */
 static void step(bool last)
 {
-    muster_Act act = {.agent = words("robot0"), .rules = words("go"), .diary = words("")};
+    muster_Act act = {
+        .agent = words("robot0"), .rules = words("go"), .goal = words("stay"), .diary = words("")};
     s.robots[0].percept = engine_sense_all(s.engine, wanted)[0];
     session_view_begin(&s, last);
     session_view_act(&s, 0, &act);

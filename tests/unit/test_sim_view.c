@@ -151,8 +151,11 @@ static struct view *view_start(void)
 
 static muster_Act act_of(const char *agent, const char *rules, muster_Mail *mails, uint32_t count)
 {
-    muster_Act act = {
-        .agent = words(agent), .rules = words(rules), .diary = words(""), .firings = 1};
+    muster_Act act = {.agent = words(agent),
+                      .rules = words(rules),
+                      .goal = words("stay"),
+                      .diary = words(""),
+                      .firings = 1};
     act.mails = (dds_sequence_muster_Mail){._length = count, ._buffer = mails};
     return act;
 }

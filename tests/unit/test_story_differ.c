@@ -31,14 +31,15 @@ static muster_Mail mail_make(const char *src, const char *content)
 static void sample_make(struct sample *s)
 {
     memset(s, 0, sizeof *s);
-    s->robots[0] = (muster_RobotView){.name = W("red"), .x_m = 1};
-    s->robots[1] = (muster_RobotView){.name = W("blue"), .x_m = 2};
+    s->robots[0] = (muster_RobotView){.name = W("red"), .goal = W(""), .x_m = 1};
+    s->robots[1] = (muster_RobotView){.name = W("blue"), .goal = W(""), .x_m = 2};
     s->puck = (muster_ObjectPlace){.name = W("puck")};
     s->mail = mail_make("red", "near 1.0");
     s->outside = mail_make("operator", "(stop)");
     s->order = (muster_RunCommand){.source = W("operator"), .name = W("red")};
-    s->acts[0] = (muster_Act){.agent = W("red"), .rules = W("a b"), .diary = W("S\n")};
-    s->acts[1] = (muster_Act){.agent = W("blue"), .rules = W(""), .diary = W("")};
+    s->acts[0] =
+        (muster_Act){.agent = W("red"), .rules = W("a b"), .goal = W(""), .diary = W("S\n")};
+    s->acts[1] = (muster_Act){.agent = W("blue"), .rules = W(""), .goal = W(""), .diary = W("")};
     s->acts[0].mails = (dds_sequence_muster_Mail){._length = 1, ._buffer = &s->mail};
     s->frame = (muster_Frame){.step = 7, .digest = 9};
     s->frame.robots._buffer = s->robots;

@@ -60,8 +60,11 @@ static void frame_write(int64_t step)
                                   {.name = W("blue"), .x_m = -5, .state = muster_STATE_STANDBY}};
     snprintf(diary, sizeof diary, "%sS\n+%lld (position %lld)\nR go %lld\nV 500.0 0.0\n",
              step == 0 ? "0\n" : "", (long long)step, (long long)step, (long long)step);
-    muster_Act act = {
-        .agent = W("red"), .state = muster_STATE_RUNNING, .rules = W(""), .diary = diary};
+    muster_Act act = {.agent = W("red"),
+                      .state = muster_STATE_RUNNING,
+                      .rules = W(""),
+                      .goal = W(""),
+                      .diary = diary};
     muster_Frame frame = {
         .simulator = W("sim"), .step = step, .time_ns = (uint64_t)step * STEP_MS * 1000000};
     frame.robots._buffer = robots;
@@ -228,9 +231,69 @@ static void test_something_else(void)
     recording_close(&r);
 }
 
+/* --- of another version ----------------------------------------------------------------------- */
+
+/* Opens a recording whose Frames are described so.  @return as recording_open */
+static mu_result described_open(const char *schema, size_t size, struct mu_fault *fault)
+{
+    static struct recording r;
+    static const struct mcap_pair about[] = {{"muster", "0.0.7"},
+                                             {"began_wall_ns", "1767225600000000000"}};
+    struct mcap_channel c = {.topic = "Frame",
+                             .encoding = "cdr",
+                             .schema_name = "muster/msg/Frame",
+                             .schema_encoding = "ros2msg",
+                             .schema = schema,
+                             .schema_size = size};
+    CU_ASSERT_EQUAL_FATAL(mcap_writer_open(writer, path, "test"), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_metadata(writer, "run", about, 2), MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_channel(writer, &c, &frames), MU_OK);
+    frame_write(0);
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, fault), MU_OK);
+    mu_result opened = recording_open(&r, path, fault);
+    recording_close(&r);
+    return opened;
+}
+
+static void test_another_versions_type(void)
+{
+    static char bytes[65536];
+    char name_bytes[64];
+    struct mu_fault fault = {.text = ""};
+    struct mu_text name, schema;
+    mu_text_init(&name, name_bytes, sizeof name_bytes);
+    mu_text_init(&schema, bytes, sizeof bytes);
+    CU_ASSERT_EQUAL_FATAL(bus_schema(BUS_FRAME, &name, &schema), MU_OK);
+    CU_ASSERT_EQUAL(described_open(schema.at, schema.len, &fault), MU_OK);
+    CU_ASSERT_EQUAL(described_open(schema.at, schema.len - 1, &fault), MU_FAULT_FILE);
+    READS(fault.text, "it was written by muster 0.0.7 on 2026-01-01, whose Frame is another type "
+                      "than that of this muster, " MU_VERSION ": use the one that wrote it, or do "
+                      "the run again with this one");
+}
+
+/* Whoever counts steps in 32 bits never sees one that does not fit. */
+static void test_steps_that_are_none(void)
+{
+    recording_begin();
+    scene_write();
+    frame_write(INT64_MIN);
+    frame_write(3);
+    frame_write(UINT32_MAX);
+    frame_write(INT64_MAX);
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    struct recording *r = recording_read();
+    CU_ASSERT_EQUAL(r->malformed, 3);
+    CU_ASSERT_EQUAL_FATAL(r->steps_count, 1);
+    CU_ASSERT_EQUAL(r->steps[0].step, 3);
+    recording_close(r);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
+        {"another version's type", test_another_versions_type},
+        {"steps that are none", test_steps_that_are_none},
         {"steps", test_steps},
         {"on from a step", test_on_from_a_step},
         {"times", test_times},

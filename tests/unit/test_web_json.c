@@ -5,7 +5,6 @@
 #include "muster/memory.h"
 #include "web/beams.h"
 #include "web/frame_json.h"
-#include "web/goals.h"
 #include "web/mind_json.h"
 #include "web/run_json.h"
 #include "web/scene_json.h"
@@ -19,7 +18,6 @@ enum { BYTES = 64 * 1024 };
 static char bytes[BYTES];
 static struct mu_text text;
 static struct mu_json j;
-static struct goals goals;
 
 static void has(const char *wanted)
 {
@@ -45,6 +43,7 @@ static muster_Mail mails[FRAME_JSON_MAILS_MAX + 6];
 static muster_Frame frame_make(void)
 {
     views[0] = (muster_RobotView){.name = words("red"),
+                                  .goal = words(""),
                                   .state = muster_STATE_RUNNING,
                                   .x_m = 1.2345,
                                   .y_m = -0.5,
@@ -58,6 +57,7 @@ static muster_Frame frame_make(void)
                                   .mails_sent = 8,
                                   .mails_received = 9};
     views[1] = (muster_RobotView){.name = words("blue"),
+                                  .goal = words(""),
                                   .state = muster_STATE_SUSPENDED,
                                   .x_m = NAN,
                                   .y_m = INFINITY,
@@ -83,7 +83,7 @@ static void test_a_frame_in_thousandths(void)
 {
     muster_Frame f = frame_make();
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     READS(text.at,
           "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
           "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
@@ -141,8 +141,19 @@ static void test_a_frame_says_whose_beams_they_are(void)
     percepts[0].laser_m._buffer = near;
     percepts[0].laser_m._length = 2;
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     has("\"sonar\": [[1, \"BkBA\"]], \"laser\": []");
+}
+
+static void test_a_lean_frame_has_no_beams(void)
+{
+    static float near[] = {1.0f};
+    muster_Frame f = frame_make();
+    percepts[1].sonar_m._buffer = percepts[1].laser_m._buffer = near;
+    percepts[1].sonar_m._length = percepts[1].laser_m._length = 1;
+    begin();
+    frame_json_write(&j, NULL, &f, true);
+    has("\"sonar\": [], \"laser\": []");
 }
 
 /* --- names and words of strangers ------------------------------------------------------------- */
@@ -157,7 +168,7 @@ static void test_names_from_hell_stay_text(void)
     mails[1] = letter("\xff\xfe\xc3", 2, SEPARATORS, "\xf0\x9f\x90\x9e");
     acts[0].mails = (dds_sequence_muster_Mail){._length = 2, ._buffer = mails};
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     has("[\"</script><script>alert(1)</script>\", \"a\\\"b\\\\c\", \"tell\", "
         "\"x\\n\\ndata: {}\\r\\u0001\\u007f\"]");
     has("[\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\", \"" SEPARATORS "\", \"tell\", "
@@ -176,7 +187,7 @@ static void test_a_character_that_is_cut_is_no_broken_json(void)
     mails[0] = letter("red", 1, "blue", content);
     acts[0].mails = (dds_sequence_muster_Mail){._length = 1, ._buffer = mails};
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     has("x\xef\xbf\xbd\"]]");
 }
 
@@ -192,7 +203,7 @@ static void test_of_many_mails_some_are_shown_people_s_first(void)
     f.outside =
         (dds_sequence_muster_Mail){._length = 1, ._buffer = &mails[FRAME_JSON_MAILS_MAX + 5]};
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     unsigned shown = 0;
     for (const char *at = text.at; (at = strstr(at, "\"blue\", \"tell\"")); at++) {
         shown++;
@@ -210,7 +221,7 @@ static void test_rules_and_orders(void)
     acts[1].rules = words("wander avoid <img>");
     f.orders = (dds_sequence_muster_RunCommand){._length = 1, ._buffer = &command};
     begin();
-    frame_json_write(&j, NULL, &f, &goals);
+    frame_json_write(&j, NULL, &f, false);
     has("\"fired\": [[1, 3, \"wander avoid <img>\"]]");
     has("\"orders\": [[\"operator\", \"push\", \"<b>\"]]");
 }
@@ -271,43 +282,13 @@ static void test_a_run(void)
 
 /* --- goals ------------------------------------------------------------------------------------ */
 
-static const char *goals_after(int64_t step, const char *diary)
+static void test_what_robots_want(void)
 {
     muster_Frame f = frame_make();
-    f.step = step;
-    acts[1].diary = words(diary);
-    goals_take(&goals, &f);
+    views[1].goal = words("gohome 3000.0 \"a b\"");
     begin();
-    goals_write(&j, NULL, &goals, 2);
-    return text.at;
-}
-
-static void test_goals_come_and_go_with_their_facts(void)
-{
-    memset(&goals, 0, sizeof goals);
-    READS(goals_after(1, "R go 1\n+12 (goal gohome 3000.0 \"a b\")\nV 1 2\n"),
-          "[\"\", \"gohome 3000.0 \\\"a b\\\"\"]\n");
-    READS(goals_after(2, "S\n-11\n+13 (position 1 2)\n"),
-          "[\"\", \"gohome 3000.0 \\\"a b\\\"\"]\n");
-    READS(goals_after(3, ""), "[\"\", \"gohome 3000.0 \\\"a b\\\"\"]\n");
-    READS(goals_after(4, "L (stay)\n-12\n+14 (goal stay)"), "[\"\", \"stay\"]\n");
-    READS(goals_after(5, "0\n"), "[\"\", \"\"]\n");
-}
-
-static void test_after_a_gap_nothing_is_known(void)
-{
-    memset(&goals, 0, sizeof goals);
-    (void)goals_after(1, "+12 (goal stay)\n");
-    READS(goals_after(3, "S\n"), "[]\n");
-}
-
-static void test_goals_of_odd_lines(void)
-{
-    memset(&goals, 0, sizeof goals);
-    READS(goals_after(1, "+\n+12\n+13 (goal\n+14 (goals x)\n\n-\n+x (goal y)"), "[]\n");
-    READS(goals_after(2, "+15 (goal "
-                         "a-goal-with-a-name-that-is-longer-than-what-anybody-wants-to-read-here)"),
-          "[\"\", \"a-goal-with-a-name-that-is-longer-than-what-anybody-wants-to-re\"]\n");
+    frame_json_write(&j, NULL, &f, false);
+    has("\"goals\": [\"\", \"gohome 3000.0 \\\"a b\\\"\"]");
 }
 
 /* --- minds ------------------------------------------------------------------------------------ */
@@ -376,26 +357,6 @@ static void test_of_long_facts_the_beginning_is_shown(void)
     CU_ASSERT_EQUAL(strcspn(at + 1, "\""), MIND_JSON_TEXT_MAX);
 }
 
-static void test_the_youngest_goal_is_what_it_wants(void)
-{
-    static const struct {
-        const char *robot;
-        uint32_t step;
-        long long fact;
-        const char *text;
-    } cases[] = {{"red", 0, 0, ""},
-                 {"red", 1, 1, "wander"},
-                 {"red", 3, 4, "gohome 1 2"},
-                 {"blue", 9, 1, "stay"},
-                 {"green", 9, 0, ""}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct goal goal = {.fact = 77};
-        mind_json_goal(&goal, minds_make(), cases[i].robot, cases[i].step);
-        CU_ASSERT_EQUAL(goal.fact, cases[i].fact);
-        CU_ASSERT_STRING_EQUAL(goal.fact ? goal.text : "", cases[i].text);
-    }
-}
-
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -412,13 +373,11 @@ int main(void)
         {"rules and orders", test_rules_and_orders},
         {"a scene", test_a_scene},
         {"a run", test_a_run},
-        {"goals come and go with their facts", test_goals_come_and_go_with_their_facts},
-        {"after a gap nothing is known", test_after_a_gap_nothing_is_known},
-        {"goals of odd lines", test_goals_of_odd_lines},
+        {"a lean frame has no beams", test_a_lean_frame_has_no_beams},
+        {"what robots want", test_what_robots_want},
         {"a mind at a step", test_a_mind_at_a_step},
         {"a mind that nobody knows", test_a_mind_that_nobody_knows},
         {"of long facts the beginning is shown", test_of_long_facts_the_beginning_is_shown},
-        {"the youngest goal is what it wants", test_the_youngest_goal_is_what_it_wants},
         CU_TEST_INFO_NULL,
     };
     return suite_run("web/json", tests);

@@ -54,14 +54,15 @@ static void test_a_part_replaces_itself(void)
     begin();
     PART("main", 0, "red robot running main p1 here 12 99", "blue robot standby main p2 - 13 99");
     PART("main", 1, "observer special running main p3 here 14 99");
-    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"running\", \"here\"], "
-                     "[\"blue\", \"robot\", \"standby\", \"\"], "
-                     "[\"observer\", \"special\", \"running\", \"here\"]]}\n");
-    PART("main", 0, "blue robot suspended main p2 there 13 99");
-    READS(written(), "{\"agents\": [[\"blue\", \"robot\", \"suspended\", \"there\"], "
-                     "[\"observer\", \"special\", \"running\", \"here\"]]}\n");
+    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"running\", \"here\", \"\"], "
+                     "[\"blue\", \"robot\", \"standby\", \"\", \"\"], "
+                     "[\"observer\", \"special\", \"running\", \"here\", \"\"]]}\n");
+    PART("main", 0, "blue robot suspended main p2 there 13 99 break: see me");
+    READS(written(),
+          "{\"agents\": [[\"blue\", \"robot\", \"suspended\", \"there\", \"break: see me\"], "
+          "[\"observer\", \"special\", \"running\", \"here\", \"\"]]}\n");
     EMPTY("main", 0);
-    READS(written(), "{\"agents\": [[\"observer\", \"special\", \"running\", \"here\"]]}\n");
+    READS(written(), "{\"agents\": [[\"observer\", \"special\", \"running\", \"here\", \"\"]]}\n");
 }
 
 static void test_of_two_brokers_the_last_word_counts(void)
@@ -69,9 +70,9 @@ static void test_of_two_brokers_the_last_word_counts(void)
     begin();
     PART("a", 0, "red robot running a p1 here 12 99");
     PART("b", 0, "red robot suspended a p1 here 12 99");
-    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"suspended\", \"here\"]]}\n");
+    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"suspended\", \"here\", \"\"]]}\n");
     EMPTY("a", 0); /* its pages are empty, but b's are not */
-    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"suspended\", \"here\"]]}\n");
+    READS(written(), "{\"agents\": [[\"red\", \"robot\", \"suspended\", \"here\", \"\"]]}\n");
     EMPTY("b", 0);
     READS(written(), "{\"agents\": []}\n");
 }

@@ -62,6 +62,16 @@ export function createActor() {
       const ask = ++asks;
       return {ask, failed: postInTurn(`/lines/${encodeURIComponent(agent)}`, ask, text)};
     },
+    /** Asks how a line goes on.  @return likewise */
+    complete(agent, text) {
+      const ask = ++asks;
+      return {ask, failed: postInTurn(`/words/${encodeURIComponent(agent)}`, ask, text)};
+    },
+    /** Sends an order to the world.  @return likewise */
+    order(line) {
+      const ask = ++asks;
+      return {ask, failed: postInTurn('/world', ask, line)};
+    },
     /** Asks to be shown what the agent prints, or no longer. */
     watch: (agent, on) => postInTurn(`/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),
   };

@@ -2,9 +2,7 @@
 // The console of one agent: its facts, agenda and rules, buttons, and a line of CLIPS.
 
 import {element, mark, say} from './dom.js';
-
-const NODES_MAX = 1500;
-const HISTORY_MAX = 200;
+import {createLine, createPane} from './pane.js';
 
 /* button, line, key for its title; N stands for the number beside it */
 const ROBOT_BUTTONS = [['Start', '(run)'], ['Suspend', '(suspend)'], ['Step', '(step N)'], ['Resume', '(resume)']];
@@ -15,37 +13,14 @@ const WATCHES = ['facts', 'rules', 'activations'];
 
 const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus zero */
 
-/** One pane of text; what comes is put at its end. */
-function createPane() {
-  const pane = element('pre', {class: 'output', tabindex: '0'});
-  return {
-    pane,
-    add(kind, text) {
-      const below = pane.scrollTop + pane.clientHeight >= pane.scrollHeight - 20;
-      pane.append(element('span', {class: kind}, text));
-      while (pane.childNodes.length > NODES_MAX) pane.firstChild.remove();
-      if (below) pane.scrollTop = pane.scrollHeight;
-    },
-    /** Shows a whole answer; lines that the last one had not are marked. */
-    replace(text, old) {
-      const had = new Set(old.split('\n'));
-      const lines = text.split('\n').map((line) =>
-        element('span', {class: old && !had.has(line) ? 'new' : ''}, line + '\n'));
-      const top = pane.scrollTop;
-      pane.replaceChildren(...lines);
-      pane.scrollTop = top;
-    },
-    clear: () => pane.replaceChildren(),
-  };
-}
-
-export function createConsole(name, actor, {onFacts}) {
+/** hands: a row of what hands can do to it; null: none. */
+export function createConsole(name, actor, hands) {
   const isObserver = name === 'observer';
   const panes = new Map(VIEWS.map(([title]) => [title, createPane()]));
   const shownText = new Map();
   const asked = new Map(); /* by number: {view, text} */
-  const history = [];
-  let view = 'Log', place = 0, watching = false, stepNow = 0;
+  const completions = new Map(); /* what waits for a word's end, by number */
+  let view = 'Log', watching = false, stepNow = 0;
 
   const dot = element('span', {class: 'dot'});
   const state = element('span', {class: 'state'});
@@ -54,8 +29,8 @@ export function createConsole(name, actor, {onFacts}) {
   const rule = element('div', {class: 'pose', hidden: isObserver});
   const denied = element('p', {class: 'denied'});
   const count = element('input', {type: 'number', value: '1', min: '1', max: '10000', 'aria-label': 'rules in a step'});
-  const input = element('input', {spellcheck: 'false', autocomplete: 'off', 'aria-label': `a line for ${name}`,
-    placeholder: isObserver ? '(you-do red wander)' : '(facts)', keydown: onKey});
+  const {row: line, input} = createLine({label: `${name}>`, about: `a line for ${name}; TAB completes`,
+    placeholder: isObserver ? '(you-do red wander)' : '(facts)', onLine: type, onTab: complete});
   const buttons = (isObserver ? OBSERVER_BUTTONS : ROBOT_BUTTONS).map(([title, line]) =>
     element('button', {type: 'button', 'data-do': title, click: () => act(line)}, title));
   if (!isObserver) buttons.splice(3, 0, count);
@@ -69,8 +44,7 @@ export function createConsole(name, actor, {onFacts}) {
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what it is to do'}, ...buttons),
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views),
     element('div', {class: 'row', hidden: isObserver}, element('span', {class: 'quiet'}, 'watch'), ...watches),
-    holder,
-    element('div', {class: 'line'}, element('label', {}, `${name}>`), input));
+    hands?.row ?? '', holder, line);
   show('Log', false);
 
   /* What is asked first makes the console known to the agent, so that breaks and traces come. */
@@ -124,20 +98,11 @@ export function createConsole(name, actor, {onFacts}) {
     if (fresh) refresh();
   }
 
-  function onKey(event) {
-    if (event.key === 'Enter' && input.value.trim()) {
-      history.push(input.value);
-      if (history.length > HISTORY_MAX) history.shift();
-      place = history.length;
-      type(input.value);
-      input.value = '';
-    } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
-      place = Math.min(history.length, Math.max(0, place + (event.key === 'ArrowUp' ? -1 : 1)));
-      input.value = history[place] ?? '';
-      event.preventDefault();
-    } else if (event.key === 'Escape') {
-      input.blur();
-    }
+  /** @return a promise of how the line goes on */
+  function complete(text) {
+    const {ask: number, failed} = actor.complete(name, text);
+    failed.then((why) => why && completions.delete(number));
+    return new Promise((done) => completions.set(number, done));
   }
 
   return {
@@ -145,7 +110,7 @@ export function createConsole(name, actor, {onFacts}) {
     focus: () => input.focus(),
     /** The same as a press on Suspend, or on Resume or Start. */
     toggle() {
-      const now = state.textContent.trim();
+      const now = state.dataset.state;
       if (!actor.denied) act(now === 'suspended' ? '(resume)' : now === 'standby' ? '(run)' : '(suspend)');
     },
     said({kind, ask: number, text}) {
@@ -153,30 +118,39 @@ export function createConsole(name, actor, {onFacts}) {
       if (question && question.view !== 'Log') question.text += text;
       else panes.get('Log').add(kind, kind === 'note' ? text + '\n' : text);
     },
-    ended({ask: number, good}) {
+    ended({ask: number}) {
       const question = asked.get(number);
       asked.delete(number);
       if (!question || question.view === 'Log') return;
       panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
       shownText.set(question.view, question.text);
       panes.get(question.view).add('note', `as of step ${stepNow}\n`);
-      if (question.view === 'Facts' && good) onFacts(name, question.text);
     },
-    /** The server is there again, and knows nothing of us. */
+    /** One way to go on is taken; several are shown. */
+    completed({ask: number, rest, words}) {
+      completions.get(number)?.(rest);
+      completions.delete(number);
+      if (words.length === 0) return;
+      show('Log', false);
+      panes.get('Log').add('trace', words.join('  ') + '\n');
+    },
+    /** The server is there again, and knows nothing of us; or answers were lost. */
     forget() {
       watching = false;
       asked.clear();
+      completions.clear();
     },
     draw({color, robot, agent, fired, over, step}) {
       stepNow = step ?? 0;
       dot.style.setProperty('--robot', color ?? '');
       const word = agent?.state ?? (over ? 'gone' : robot?.state ?? 'not there');
-      say(state, ` ${word}`);
+      say(state, agent?.reason ? ` ${word}: ${agent.reason}` : ` ${word}`);
       mark(state, 'data-state', word);
       say(denied, actor.denied);
       denied.hidden = !actor.denied;
       for (const button of buttons) button.disabled = Boolean(actor.denied);
       input.disabled = Boolean(actor.denied);
+      hands?.allow(!actor.denied && !over);
       say(rule, fired ? `last fired: ${fired.rules} (step ${fired.step})` : '');
       if (!robot) return;
       say(pose, `x ${robot.x.toFixed(2)} m   y ${robot.y.toFixed(2)} m   heading ${degrees(robot.heading)}°   ` +

@@ -46,7 +46,7 @@ function bannerOf({linked, hello, run, scene}) {
 export function createHeader() {
   const pace = createPace();
   const state = {linked: true, hello: null, run: null, scene: null, frame: null, missed: 0,
-    mails: 0, rate: 0}; /* of a recording */
+    lost: 0, mails: 0, rate: 0}; /* mails, rate: of a recording */
   let shown = '';
 
   function sayBanner() {
@@ -66,7 +66,7 @@ export function createHeader() {
       Object.assign(state, change);
     },
     draw() {
-      const {run, scene, frame, missed} = state;
+      const {run, scene, frame, missed, lost} = state;
       const time = Math.max(frame?.time ?? 0, run?.state === 'running' ? 0 : (run?.time_ms ?? 0) / 1000);
       const name = state.linked ? run?.state ?? 'none' : 'none';
       const length = (run?.duration_ms ?? 0) / 1000;
@@ -82,7 +82,8 @@ export function createHeader() {
       say(byId('mails'), String(run?.state === 'recorded' ? state.mails : run?.mails[0] ?? 0));
       byId('progress').value = length > 0 ? Math.min(1, time / length) : 0;
       byId('progress').hidden = length <= 0;
-      say(byId('note'), missed > 0 ? `${missed} frames passed over` : '');
+      const notes = [missed > 0 && `${missed} frames passed over`, lost > 0 && `${lost} answers lost`];
+      say(byId('note'), notes.filter(Boolean).join(', '));
       sayBanner();
     },
   };

@@ -3,8 +3,11 @@
 
 import {byId, element} from './dom.js';
 
-/** table: rows of {keys, shown, help, run}. */
-export function attachKeys(table) {
+const TYPING = 'input:not([type=checkbox]):not([type=range]), textarea, select';
+const MOVED = 'input[type=range]'; /* it knows arrows, and nothing of spaces */
+
+/** table: rows of {keys, shown, help, run}; onFirst: may take a key before them, with Shift or not. */
+export function attachKeys(table, onFirst) {
   const dialog = byId('keys');
   const words = table.flatMap(({shown, help}) => [element('dt', {}, ...shown.split(' ').flatMap((key) => [element('kbd', {}, key), ' '])), element('dd', {}, help)]);
   dialog.append(element('h2', {}, 'Keys'), element('dl', {}, ...words));
@@ -12,8 +15,7 @@ export function attachKeys(table) {
   byId('help').addEventListener('click', () => dialog.showModal());
 
   addEventListener('keydown', (event) => {
-    /* A slider knows arrows, and nothing of spaces. */
-    const typing = event.target.matches(event.key === ' ' ? 'input:not([type=range])' : 'input, textarea');
+    const typing = event.target.matches(TYPING) || (event.target.matches(MOVED) && event.key !== ' ');
     if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === '?') {
       if (dialog.open) dialog.close();
@@ -21,7 +23,11 @@ export function attachKeys(table) {
       return;
     }
     if (dialog.open) return;
-    const onButton = event.target.matches('button, select') && (event.key === ' ' || event.key === 'Enter');
+    const onButton = event.target.matches('button, summary, input') && (event.key === ' ' || event.key === 'Enter');
+    if (!onButton && onFirst(event.key, event.shiftKey)) {
+      event.preventDefault();
+      return;
+    }
     const row = onButton ? null : table.find(({keys}) => keys.includes(event.key));
     if (!row) return;
     event.preventDefault();

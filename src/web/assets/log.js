@@ -8,9 +8,9 @@ const EACH_STEP_MAX = 12;
 
 export function createLog() {
   const list = element('ol', {class: 'log', 'aria-label': 'mail'});
-  const filter = element('input', {placeholder: 'show mail with...', 'aria-label': 'show mail with'});
+  const filter = element('input', {placeholder: 'show mail with...', 'aria-label': 'show mail with', input: again});
   const panel = element('div', {class: 'panel console'}, element('div', {class: 'line'}, filter), list);
-  let waiting = [];
+  let kept = [], waiting = []; /* {time, mail}: those that are shown, and those that are not yet */
 
   function lineOf({time, mail}) {
     const performative = mail.performative ? ` ${mail.performative}` : '';
@@ -23,24 +23,33 @@ export function createLog() {
     return !word || [mail.from, mail.to, mail.performative, mail.content].some((text) => text.includes(word));
   };
 
+  /* Another word looks through all that is kept. */
+  function again() {
+    list.replaceChildren();
+    waiting = kept.concat(waiting);
+    kept = [];
+  }
+
+  function add(lines) {
+    waiting = waiting.concat(lines).slice(-LINES_MAX);
+  }
+
   return {
     panel,
     clear() {
-      waiting = [];
+      kept = waiting = [];
       list.replaceChildren();
     },
     take(frame) {
-      const lines = frame.mails.map((mail) => ({time: frame.time, mail})).filter(wanted);
-      waiting = waiting.concat(lines.slice(0, EACH_STEP_MAX)).slice(-LINES_MAX);
+      add(frame.mails.slice(0, EACH_STEP_MAX).map((mail) => ({time: frame.time, mail})));
     },
     /** Mails of several steps: {time, mail}. */
-    takeLately(lines) {
-      waiting = waiting.concat(lines.filter(wanted)).slice(-LINES_MAX);
-    },
+    takeLately: add,
     draw() {
       if (waiting.length === 0 || panel.hidden) return;
       const below = list.scrollTop + list.clientHeight >= list.scrollHeight - 20;
-      list.append(...waiting.map(lineOf));
+      list.append(...waiting.filter(wanted).map(lineOf));
+      kept = kept.concat(waiting).slice(-LINES_MAX);
       waiting = [];
       while (list.children.length > LINES_MAX) list.firstChild.remove();
       if (below) list.scrollTop = list.scrollHeight;

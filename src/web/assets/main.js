@@ -8,6 +8,7 @@ import {decodeFrame, decodeLately, decodeStatistics} from './decode.js';
 import {createDiary} from './diary.js';
 import {byId, mark} from './dom.js';
 import {fetchScene, openFeed} from './feed.js';
+import {createHands} from './hands.js';
 import {createHeader} from './header.js';
 import {attachKeys} from './keys.js';
 import {createLog} from './log.js';
@@ -18,6 +19,7 @@ import {createStatistics} from './statistics.js';
 import {createTabs} from './tabs.js';
 import {createTween} from './tween.js';
 import {createView} from './view.js';
+import {createHandsRow, createWorld} from './world.js';
 
 const WORDS_MS = 200; /* tables and texts need not change more often */
 const PAN_PX = 60;
@@ -29,10 +31,12 @@ const view = createView(byId('ground'), byId('live'));
 const tween = createTween(), minds = createMinds(), header = createHeader(), log = createLog();
 const model = {scene: null, frame: null, run: null, agents: new Map(), fired: new Map()};
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
-const onFacts = (name, text) => minds.takeFacts(name, text);
-const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel]],
-  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : createConsole(name, actor, {onFacts})),
+const world = createWorld(actor);
+const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel], ...(recording ? [] : [['World', world.panel]])],
+  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : consoleFor(name)),
   recording ? [] : ['observer']);
+const hands = createHands({camera: view.camera, bodiesOf, order: world.order, canAct: () => !recording && !actor.denied && !isOver()});
+view.onTop = hands.draw;
 const theme = createTheme(paint);
 
 function paint(name) {
@@ -48,6 +52,20 @@ function pick(index) {
 
 const nameOf = (index) => model.scene?.robots[index]?.name;
 
+const poseOf = (name) => bodiesOf().find((body) => body.name === name)?.pose ?? null;
+
+function consoleFor(name) {
+  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)));
+}
+
+/* All that hands can take. */
+function bodiesOf() {
+  const {scene, frame} = model;
+  if (!scene || !frame) return [];
+  const pair = (figures, poses) => figures.flatMap(({name, shape}, i) => (poses[i] ? [{name, shape, pose: poses[i]}] : []));
+  return [...pair(scene.robots, frame.robots), ...pair(scene.objects, frame.objects)];
+}
+
 // --- what comes ----------------------------------------------------------------------------------
 
 async function takeScene() {
@@ -58,7 +76,7 @@ async function takeScene() {
   model.frame = null;
   model.fired.clear();
   tween.clear();
-  minds.load(scene);
+  minds.load();
   view.load(scene);
   statistics.load(scene);
   paint(theme.name);
@@ -80,17 +98,24 @@ function takeFrame(data) {
   view.trails.add(frame);
   view.mails.take(frame, now);
   log.take(frame);
+  world.take(frame);
   header.set({frame});
+}
+
+/* What was asked has no answer any more. */
+function forgetAsked() {
+  world.forget();
+  tabs.consoles.forEach(({console}) => console.forget());
 }
 
 openFeed({
   link(linked) {
     header.set({linked});
-    if (!linked) tabs.consoles.forEach(({console}) => console.forget());
+    if (!linked) forgetAsked();
   },
   hello(hello) {
     actor.hello(hello);
-    header.set({hello, missed: 0});
+    header.set({hello, missed: 0, lost: 0});
   },
   run(run) {
     model.run = run;
@@ -100,11 +125,16 @@ openFeed({
   frame: takeFrame,
   statistics: (data) => statistics.take(decodeStatistics(data)),
   agents({agents}) {
-    model.agents = new Map(agents.map(([name, kind, state, host]) => [name, {name, kind, state, host}]));
+    model.agents = new Map(agents.map(([name, kind, state, host, reason]) => [name, {name, kind, state, host, reason}]));
   },
   said: (data) => tabs.consoleOf(data.agent)?.said(data),
   ended: (data) => tabs.consoleOf(data.agent)?.ended(data),
-  missed: ({frames}) => header.set({missed: frames}),
+  completed: (data) => tabs.consoleOf(data.agent)?.completed(data),
+  ordered: (data) => world.ordered(data),
+  missed({frames, answers}) {
+    header.set({missed: frames, lost: answers});
+    if (answers > 0) forgetAsked();
+  },
 });
 
 // --- a recording ---------------------------------------------------------------------------------
@@ -173,6 +203,10 @@ const tools = {
   trails: () => turn('trails'),
   mail: () => turn('mail'),
   names: () => turn('names'),
+  hands() {
+    hands.on = !hands.on;
+    drawTools();
+  },
   beams() {
     view.look.beams = BEAMS[view.look.beams];
     drawTools();
@@ -183,8 +217,10 @@ function drawTools() {
   for (const button of byId('tools').children) {
     const tool = button.dataset.tool;
     if (tool === 'beams') button.textContent = `Beams: ${view.look.beams}`;
+    else if (tool === 'hands') mark(button, 'aria-pressed', String(hands.on));
     else if (button.hasAttribute('aria-pressed')) mark(button, 'aria-pressed', String(view.look[tool]));
   }
+  byId('live').classList.toggle('hands', hands.on);
 }
 
 byId('tools').addEventListener('click', (event) => {
@@ -196,7 +232,7 @@ byId('theme').addEventListener('click', () => theme.toggle());
 
 const pickAt = (x, y) => (model.frame ? view.robots.pick(view.camera, model.frame, x, y) : -1);
 
-attachPointer(byId('live'), view.camera, {
+attachPointer(byId('live'), view.camera, hands, {
   onPick: (x, y) => pick(pickAt(x, y)),
   onOpen(x, y) {
     const name = nameOf(pickAt(x, y));
@@ -217,7 +253,16 @@ function withConsole(run) {
   if (name) run(tabs.show(name));
 }
 
+/* With hands on, arrows and brackets move the picked robot. */
+function handsKey(key, shift) {
+  if (key === 'Escape' && hands.on) tools.hands();
+  else return hands.key(key, shift, bodiesOf()[view.look.picked]);
+  return true;
+}
+
 const RUN_KEYS = [
+  {keys: ['h'], shown: 'H', help: 'hands: drag a body to place it, with Shift to push it; or arrows, [ and ], for the picked robot', run: () => tools.hands()},
+  {keys: ['w'], shown: 'W', help: 'orders to the world', run: () => { tabs.select('World'); world.focus(); }},
   {keys: ['s'], shown: 'S', help: 'suspend it, or let it go on', run: () => withConsole((c) => c.toggle())},
   {keys: ['o'], shown: 'O', help: 'the observer\'s console', run: () => tabs.show('observer').focus()},
 ];
@@ -247,7 +292,7 @@ attachKeys([
   {keys: ['n'], shown: 'N', help: 'names', run: tools.names},
   {keys: ['d'], shown: 'D', help: 'light or dark', run: () => theme.toggle()},
   {keys: [], shown: '?', help: 'these keys', run() {}},
-]);
+], handsKey);
 
 // --- sixty times a second ------------------------------------------------------------------------
 
@@ -274,8 +319,10 @@ function draw(now) {
     log.draw();
     statistics.draw(model.frame, model.agents, view.look.picked, isOver());
     tabs.draw(lookOf);
+    world.draw();
   }
 }
 
+document.querySelector('[data-tool=hands]').hidden = Boolean(recording);
 drawTools();
 requestAnimationFrame(draw);

@@ -3,9 +3,10 @@
 
 const CLICK_PX = 5;
 
-export function attachPointer(canvas, camera, {onPick, onOpen, onMove}) {
+/** hands: may take what is dragged. */
+export function attachPointer(canvas, camera, hands, {onPick, onOpen, onMove}) {
   const down = new Map();
-  let moved = 0, spread = 0;
+  let moved = 0, spread = 0, holds = false;
 
   const placeOf = (event) => {
     const box = canvas.getBoundingClientRect();
@@ -21,6 +22,8 @@ export function attachPointer(canvas, camera, {onPick, onOpen, onMove}) {
     down.set(event.pointerId, placeOf(event));
     moved = down.size > 1 ? Infinity : 0;
     spread = down.size === 2 ? spreadOf().far : 0;
+    if (down.size > 1) hands.cancel();
+    holds = down.size === 1 && event.button === 0 && hands.grab(...placeOf(event), event.shiftKey);
     canvas.classList.add('dragging');
   });
   canvas.addEventListener('pointermove', (event) => {
@@ -35,12 +38,16 @@ export function attachPointer(canvas, camera, {onPick, onOpen, onMove}) {
       return;
     }
     moved += Math.hypot(x - before[0], y - before[1]);
-    if (moved <= CLICK_PX) return;
+    if (holds) hands.drag(x, y);
+    if (holds || moved <= CLICK_PX) return;
     camera.pan(x - before[0], y - before[1]);
     onMove();
   });
   const up = (event) => {
-    if (down.delete(event.pointerId) && event.type === 'pointerup' && moved <= CLICK_PX) onPick(...placeOf(event));
+    const lets = down.delete(event.pointerId) && event.type === 'pointerup';
+    if (holds) hands.drop(lets && moved > CLICK_PX);
+    if (lets && moved <= CLICK_PX) onPick(...placeOf(event));
+    holds = false;
     canvas.classList.toggle('dragging', down.size > 0);
   };
   canvas.addEventListener('pointerup', up);

@@ -21,7 +21,8 @@ const COLUMNS = [
 export function createStatistics({onPick, onOpen}) {
   const body = element('tbody');
   const heads = COLUMNS.map(([title, unit], i) =>
-    element('th', {scope: 'col', title: 'sort', click: () => sortBy(i)}, title, element('small', {}, unit)));
+    element('th', {scope: 'col', 'aria-sort': 'none'},
+      element('button', {type: 'button', title: 'sort', click: () => sortBy(i)}, title, element('small', {}, unit))));
   const others = element('p', {class: 'quiet also'});
   const panel = element('div', {class: 'panel'},
     element('table', {}, element('thead', {}, element('tr', {}, ...heads)), body), others);
@@ -30,6 +31,7 @@ export function createStatistics({onPick, onOpen}) {
   function sortBy(column) {
     downwards = order === column ? !downwards : column > 1;
     order = column;
+    heads.forEach((head, i) => mark(head, 'aria-sort', i !== order ? 'none' : downwards ? 'descending' : 'ascending'));
     arrange();
   }
 
@@ -50,12 +52,13 @@ export function createStatistics({onPick, onOpen}) {
       ? element('td', {}, element('span', {class: 'name', title: name}, dot, name))
       : element('td', {class: i === 1 ? 'state' : ''})));
     const node = element('tr', {click: () => onPick(index), dblclick: () => onOpen(name)}, ...cells);
-    return {name, index, node, dot, cells, state: '', stalled: false, total: null};
+    return {name, index, node, dot, cells, state: '', reason: '', stalled: false, total: null};
   }
 
   function drawRow(row, picked) {
     mark(row.node, 'aria-selected', String(row.index === picked));
     mark(row.cells[1], 'data-state', row.stalled ? 'stalled' : row.state);
+    mark(row.cells[1], 'title', row.reason);
     COLUMNS.forEach(([, , text], i) => text && say(row.cells[i], text(row)));
   }
 
@@ -79,6 +82,7 @@ export function createStatistics({onPick, onOpen}) {
         const robot = frame?.robots[i];
         row.state = agents.get(row.name)?.state ?? (over ? 'gone' : robot?.state ?? '');
         row.stalled = Boolean(robot?.stalled);
+        row.reason = agents.get(row.name)?.reason ?? '';
         drawRow(row, picked);
       });
       const known = new Set(rows.map((row) => row.name));

@@ -22,6 +22,8 @@ export function createView(groundCanvas, liveCanvas) {
 
   const view = {
     camera, robots, mails, trails,
+    /** Draws above all else, if somebody wants to. */
+    onTop: null,
     /** What people switch. */
     look: {picked: -1, follow: false, trails: true, beams: 'picked', mail: true, names: true},
     get colors() {
@@ -81,6 +83,7 @@ export function createView(groundCanvas, liveCanvas) {
       const {names} = view.look;
       robots.draw(above, camera, frame, minds, {colors, ink, picked, names, ratio});
       if (view.look.mail) mails.draw(above, camera, frame, now, {colors, ink, ratio});
+      view.onTop?.(above, ink, ratio);
     },
   };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a console makes of what is typed: forms, and words that are completed. */
 #include "../support/suite.h"
-#include "ctl/complete.h"
+#include "desk/complete.h"
 #include "desk/forms.h"
 
 #include <CUnit/Basic.h>
@@ -111,6 +111,40 @@ static void test_words_are_completed(void)
     becomes("", 5, "");
 }
 
+/* Asserts how the line goes on. */
+static void goes_on(const char *line, size_t wanted_count, const char *wanted_rest)
+{
+    char rest[COMPLETE_REST];
+    CU_ASSERT_EQUAL(complete_rest(words, complete_word(line, strlen(line)), rest), wanted_count);
+    READS(rest, wanted_rest);
+}
+
+static void test_a_line_goes_on(void)
+{
+    goes_on("(fa", 1, "cts ");
+    goes_on("(facts", 1, " ");
+    goes_on("(f", 3, "");
+    goes_on("(ppdefrule fo", 2, "llow");
+    goes_on("(nothing", 0, "");
+}
+
+static void test_no_character_is_cut(void)
+{
+    static const char two[] = "f gr\xc3\xa4\nf gr\xc3\xb6\n";
+    char rest[COMPLETE_REST];
+    CU_ASSERT_EQUAL(complete_rest(two, complete_word("(g", 2), rest), 2);
+    READS(rest, "r");
+}
+
+static void test_limit_rest(void)
+{
+    static char one[COMPLETE_REST + 8] = "f ";
+    char rest[COMPLETE_REST];
+    memset(one + 2, 'x', COMPLETE_REST + 4);
+    CU_ASSERT_EQUAL(complete_rest(one, complete_word("(x", 2), rest), 1);
+    CU_ASSERT(strlen(rest) < COMPLETE_REST);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {{"forms are found", test_forms_are_found},
@@ -118,6 +152,9 @@ int main(void)
                            {"one too many is left out", test_one_too_many_is_left_out},
                            {"limit: form", test_limit_form},
                            {"words are completed", test_words_are_completed},
+                           {"a line goes on", test_a_line_goes_on},
+                           {"no character is cut", test_no_character_is_cut},
+                           {"limit: rest", test_limit_rest},
                            CU_TEST_INFO_NULL};
-    return suite_run("ctl/console", tests);
+    return suite_run("desk/console", tests);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ctl/complete.h"
+#include "desk/complete.h"
 
+#include <stdio.h>
 #include <string.h>
 
 struct complete_word complete_word(const char *line, size_t len)
@@ -77,5 +78,20 @@ size_t complete_common(const char *words, struct complete_word w, size_t *count,
         }
         common = same;
     }
+    while (common > w.len && (first->at[common] & 0xc0) == 0x80) {
+        common--; /* not in the middle of a character */
+    }
     return common > w.len ? common - w.len : 0;
+}
+
+size_t complete_rest(const char *words, struct complete_word w, char rest[COMPLETE_REST])
+{
+    struct complete_match first;
+    size_t count, common = complete_common(words, w, &count, &first);
+    int len = common < COMPLETE_REST - 2 ? (int)common : 0;
+    rest[0] = '\0';
+    if (count == 1 || len > 0) {
+        snprintf(rest, COMPLETE_REST, "%.*s%s", len, first.at + w.len, count == 1 ? " " : "");
+    }
+    return count;
 }

@@ -3,11 +3,13 @@
  * @file complete.h
  * What a half-typed word of a line may become.  Pure.
  */
-#ifndef MUSTER_CTL_COMPLETE_H
-#define MUSTER_CTL_COMPLETE_H
+#ifndef MUSTER_DESK_COMPLETE_H
+#define MUSTER_DESK_COMPLETE_H
 
 #include <stdbool.h>
 #include <stddef.h>
+
+enum { COMPLETE_REST = 128, COMPLETE_LISTED_MAX = 200 };
 
 /* The word before the cursor. */
 struct complete_word {
@@ -38,5 +40,14 @@ bool complete_next(const char *words, const char **from, struct complete_word w,
 /** @return how many bytes behind w all matches share; *count: how many there are */
 size_t complete_common(const char *words, struct complete_word w, size_t *count,
                        struct complete_match *first);
+
+/**
+ * Says how the line is to go on behind w: with what all matches share, and a space when there is
+ * one match alone.
+ *
+ * @param rest  out: ""; there is none, or several that differ from here on
+ * @return how many matches there are
+ */
+size_t complete_rest(const char *words, struct complete_word w, char rest[COMPLETE_REST]);
 
 #endif

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/glances.h"
+
+#include "core/glance.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "runtime/process.h"
+
+#include <string.h>
+
+void glances_answer(mu_agent *a,
+                    enum glance_end (*look)(void *self, const char *line, const char **text))
+{
+    a->glances.look = look;
+}
+
+void glances_hear(mu_agent *a,
+                  void (*on_end)(void *self, uint64_t number, enum glance_end end,
+                                 const char *text),
+                  void *self)
+{
+    a->glances.on_end = on_end;
+    a->glances.on_end_self = self;
+}
+
+/* --- questions -------------------------------------------------------------------------------- */
+
+mu_result glances_ask(mu_agent *a, const char *agent, const char *line, uint64_t *number)
+{
+    mu_process *p = a->process;
+    struct glances *g = &p->glances;
+    if (process_takes_steps(p) || !mu_glance_is(line) || !mu_name_valid(agent)) {
+        return MU_REFUSED;
+    }
+    if (g->count == MU_GLANCES_EACH || !a->registered) {
+        return MU_FULL;
+    }
+    struct glances_asked *q = g->asked;
+    while (q->asker) {
+        q++;
+    }
+    *q = (struct glances_asked){.asker = a, .number = ++g->numbers};
+    (void)mu_text_copy(q->agent, sizeof q->agent, agent);
+    (void)mu_text_copy(q->line, sizeof q->line, line);
+    *number = q->number;
+    g->count++;
+    g->unsent++;
+    return MU_OK;
+}
+
+/* In the order of their numbers. */
+static struct glances_asked *unsent_after(struct glances *g, uint64_t number)
+{
+    struct glances_asked *first = NULL;
+    for (uint32_t i = 0; i < MU_GLANCES_EACH; i++) {
+        struct glances_asked *q = &g->asked[i];
+        bool later = q->asker && !q->out && q->number > number;
+        first = later && (!first || q->number < first->number) ? q : first;
+    }
+    return first;
+}
+
+bool glances_fill(mu_process *p, muster_Up *up)
+{
+    struct glances *g = &p->glances;
+    uint32_t count = 0;
+    uint64_t number = 0;
+    while (count < g->unsent) {
+        struct glances_asked *q = unsent_after(g, number);
+        number = q->number;
+        g->out[count++] = (muster_Glance){.word = muster_GLANCE_ASK,
+                                          .asker = q->asker->name,
+                                          .number = q->number,
+                                          .agent = q->agent,
+                                          .text = q->line};
+    }
+    up->glances._buffer = g->out;
+    up->glances._length = up->glances._maximum = count;
+    return count > 0;
+}
+
+void glances_sent(mu_process *p, const muster_Up *up)
+{
+    struct glances *g = &p->glances;
+    for (uint32_t i = 0; i < up->glances._length && g->unsent > 0; i++) {
+        if (up->glances._buffer[i].word == muster_GLANCE_ASK) {
+            unsent_after(g, 0)->out = true;
+            g->unsent--;
+            g->incarnation = p->link.incarnation;
+        }
+    }
+}
+
+static void question_end(mu_process *p, struct glances_asked *q, enum glance_end end,
+                         const char *text)
+{
+    mu_agent *a = q->asker;
+    q->asker = NULL;
+    p->glances.count--;
+    p->glances.unsent -= !q->out;
+    if (a->glances.on_end && !a->gone) {
+        a->glances.on_end(a->glances.on_end_self, q->number, end, text);
+    }
+}
+
+void glances_review(mu_process *p)
+{
+    struct glances *g = &p->glances;
+    for (uint32_t i = 0; i < MU_GLANCES_EACH && g->count > 0; i++) {
+        struct glances_asked *q = &g->asked[i];
+        if (q->asker && q->out && g->incarnation != p->link.incarnation) {
+            question_end(p, q, GLANCE_DECLINED, "");
+        }
+    }
+}
+
+void glances_forget(mu_agent *a)
+{
+    struct glances *g = &a->process->glances;
+    for (uint32_t i = 0; i < MU_GLANCES_EACH && g->count > 0; i++) {
+        struct glances_asked *q = &g->asked[i];
+        if (q->asker == a) {
+            question_end(a->process, q, GLANCE_DECLINED, "");
+        }
+    }
+}
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+static enum glance_end due_look(mu_process *p, const struct glances_due *due, const char **text)
+{
+    mu_agent *a = agent_find(p, due->agent);
+    *text = "";
+    if (!a || a->gone || a->departed || a->state == MU_MOVING || !a->glances.look) {
+        return GLANCE_DECLINED;
+    }
+    return a->glances.look(a->handlers.self, due->line, text);
+}
+
+/* The text is in the Up until that is out; no step is lived, and nobody looks, before. */
+static void due_answer(mu_process *p, struct glances_due *due)
+{
+    struct glances *g = &p->glances;
+    const char *text;
+    enum glance_end end = due_look(p, due, &text);
+    g->out[0] = (muster_Glance){.word = (muster_GlanceWord)end,
+                                .asker = due->asker,
+                                .number = due->number,
+                                .agent = due->agent,
+                                .text = (char *)(uintptr_t)text}; /* idlc makes none const */
+    p->out = (muster_Up){.process = p->name, .step = muster_STEP_NOW};
+    p->out.glances._buffer = g->out;
+    p->out.glances._length = p->out.glances._maximum = 1;
+    p->out_pending = true;
+    (void)step_retry(p);
+}
+
+void glances_look(mu_process *p)
+{
+    struct glances *g = &p->glances;
+    while (g->due_count > 0 && step_retry(p)) {
+        struct glances_due *due = &g->due[g->due_first];
+        g->due_first = (g->due_first + 1) % MU_GLANCES_MAX;
+        g->due_count--;
+        due_answer(p, due);
+    }
+}
+
+static void question_keep(struct glances *g, const muster_Glance *asked)
+{
+    if (g->due_count == MU_GLANCES_MAX) {
+        return; /* of two brokers: an asker of the earlier one has none any more */
+    }
+    struct glances_due *due = &g->due[(g->due_first + g->due_count++) % MU_GLANCES_MAX];
+    due->number = asked->number;
+    (void)mu_text_copy(due->asker, sizeof due->asker, asked->asker);
+    (void)mu_text_copy(due->agent, sizeof due->agent, asked->agent);
+    (void)mu_text_copy(due->line, sizeof due->line, asked->text);
+}
+
+static void answer_take(mu_process *p, const muster_Glance *answer)
+{
+    for (uint32_t i = 0; i < MU_GLANCES_EACH; i++) {
+        struct glances_asked *q = &p->glances.asked[i];
+        if (q->asker && q->out && q->number == answer->number &&
+            strcmp(q->asker->name, answer->asker) == 0) {
+            question_end(p, q, (enum glance_end)answer->word, answer->text);
+            return;
+        }
+    }
+}
+
+void glances_take(mu_process *p, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->glances._length; i++) {
+        const muster_Glance *g = &d->glances._buffer[i];
+        if (g->word == muster_GLANCE_ASK) {
+            question_keep(&p->glances, g);
+        } else {
+            answer_take(p, g);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What consoles are made of: a pane of text, and a line with a history.
+
+import {element} from './dom.js';
+
+const NODES_MAX = 1500;
+const HISTORY_MAX = 200;
+
+/** One pane of text; what comes is put at its end. */
+export function createPane() {
+  const pane = element('pre', {class: 'output', tabindex: '0'});
+  return {
+    pane,
+    add(kind, text) {
+      const below = pane.scrollTop + pane.clientHeight >= pane.scrollHeight - 20;
+      pane.append(element('span', {class: kind}, text));
+      while (pane.childNodes.length > NODES_MAX) pane.firstChild.remove();
+      if (below) pane.scrollTop = pane.scrollHeight;
+    },
+    /** Shows a whole answer; lines that the last one had not are marked. */
+    replace(text, old) {
+      const had = new Set(old.split('\n'));
+      const lines = text.split('\n').map((line) =>
+        element('span', {class: old && !had.has(line) ? 'new' : ''}, line + '\n'));
+      const top = pane.scrollTop;
+      pane.replaceChildren(...lines);
+      pane.scrollTop = top;
+    },
+  };
+}
+
+/**
+ * A line to type in.
+ *
+ * @param onLine  is given what was typed, at Enter
+ * @param onTab  is given the line up to the cursor; what it promises is put there.  May be missing
+ */
+export function createLine({label, about, placeholder, onLine, onTab}) {
+  const input = element('input', {spellcheck: 'false', autocomplete: 'off', 'aria-label': about, placeholder, keydown: onKey});
+  const history = [];
+  let place = 0;
+
+  function enter() {
+    history.push(input.value);
+    if (history.length > HISTORY_MAX) history.shift();
+    place = history.length;
+    onLine(input.value);
+    input.value = '';
+  }
+
+  function recall(by) {
+    place = Math.min(history.length, Math.max(0, place + by));
+    input.value = history[place] ?? '';
+  }
+
+  /* Only if nothing was typed meanwhile. */
+  async function complete() {
+    const before = input.value, at = input.selectionStart;
+    const rest = await onTab(before.slice(0, at));
+    if (rest && input.value === before) input.setRangeText(rest, at, at, 'end');
+  }
+
+  function onKey(event) {
+    const completes = onTab && event.key === 'Tab' && !event.shiftKey && input.value.trim();
+    if (event.key === 'Enter' && input.value.trim()) enter();
+    else if (event.key === 'ArrowUp') recall(-1);
+    else if (event.key === 'ArrowDown') recall(1);
+    else if (completes) complete();
+    else if (event.key === 'Escape') input.blur();
+    if (completes || event.key === 'ArrowUp' || event.key === 'ArrowDown') event.preventDefault();
+  }
+
+  return {row: element('div', {class: 'line'}, element('label', {}, label), input), input};
+}
