@@ -142,6 +142,9 @@ bool run_monitors_start(const struct run *r);
 /** @return whether every monitor sees the run, and has its name if it is to have one */
 bool run_monitors_ready(const struct run *r);
 
+/** Writes the names of those who do not see the run yet, for people. */
+void run_monitors_missing(const struct run *r, char *text, size_t size);
+
 /** Says of monitors that have died while the run lives that they are no more. */
 void run_monitors_look(struct run *r);
 

@@ -6,6 +6,8 @@
  * from then on nobody waits for them, and their death is told and ends nothing.
  */
 #include "ctl/run.h"
+
+#include "core/text.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
 
@@ -47,6 +49,17 @@ bool run_monitors_ready(const struct run *r)
         all = all && is_ready(r, i);
     }
     return all;
+}
+
+void run_monitors_missing(const struct run *r, char *text, size_t size)
+{
+    struct mu_text t;
+    mu_text_init(&t, text, size);
+    for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
+        if (!is_ready(r, i)) {
+            mu_text_format(&t, "%s%s", t.len ? " " : "", r->experiment->monitors[i].name);
+        }
+    }
 }
 
 static bool is_well(const struct child *child)

@@ -349,6 +349,21 @@ def test_the_death_of_a_monitor_ends_nothing():
               text_of(out / "said"), text_of(out / "said"))
 
 
+def test_a_monitor_that_never_sees_the_run_is_named():
+    """A program that says nothing of it is waited for as long as a robot is."""
+    with folder() as out:
+        done, summary = watched(out, "mute", "monitors: [{name: mute, program: /bin/cat}]\n",
+                                "--programs")
+        check_equal(done.returncode, 0, f"a program that ends at once: {done.stderr}")
+        check_equal(summary["monitors"][0]["ended"], "with the run", "ends well")
+        (out / "mute.sh").write_text("#!/bin/sh\nexec sleep 100\n")
+        (out / "mute.sh").chmod(0o755)
+        done, summary = watched(out, "waits", "monitors: [{name: mute, program: mute.sh}]\n",
+                                "--programs")
+        check_equal((done.returncode, summary), (4, None), done.stderr)
+        check("missing: mute\n" in done.stderr, done.stderr)
+
+
 def test_wrong_rules_of_a_monitor_are_a_wrong_file():
     with folder() as out:
         (out / "wrong.clp").write_text("\n(defrule x (step) => (no-such-function))\n")
