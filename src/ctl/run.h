@@ -51,8 +51,9 @@ struct run {
     int domain;
     char folder[PATH_MAX]; /* of the report */
     struct supervise children;
-    struct run_part *parts; /* what each of them is */
-    bool begun;             /* it was told to go */
+    struct run_part *parts;                      /* what each of them is */
+    bool begun;                                  /* it was told to go */
+    bool monitors_late[EXPERIMENT_MONITORS_MAX]; /* so slow that they were ended after the run */
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */

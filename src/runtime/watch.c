@@ -214,6 +214,9 @@ static void end_tell(mu_watch *w)
 static void end_look(mu_watch *w)
 {
     bool here = bus_reader_matches(&w->frames) > 0;
+    if (w->met && !here && !w->over) {
+        statuses_look(w); /* its last word may have come while Frames were handed out */
+    }
     bool whole = w->over && w->step >= w->last_step;
     bool late = w->over && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
     if (w->met && !w->told && (whole || late || !here)) {

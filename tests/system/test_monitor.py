@@ -364,6 +364,19 @@ def test_a_monitor_that_never_sees_the_run_is_named():
         check("missing: mute\n" in done.stderr, done.stderr)
 
 
+def test_a_monitor_that_is_slower_than_the_run_sees_its_end():
+    """It has the steps that wait for it, and how the run ended, when the simulator has gone."""
+    with folder() as out:
+        (out / "slow.clp").write_text("""
+(deffunction burn (?n) (bind ?x 0) (loop-for-count (?i 1 ?n) do (bind ?x (+ ?x (sqrt ?i)))) ?x)
+(defrule step (step (number ?n)) => (burn 3000))
+(defrule over (run-ended (how ?how) (step ?n)) => (printout t ?how " " ?n crlf))
+""")
+        _, summary = watched(out, "slow", "monitors: [{rules: slow.clp}]\n")
+        check_equal(summary["monitors"][0]["ended"], "with the run", "its end")
+        check_equal(text_of(out / "slow/monitor.log"), "done 300\n", "what it saw")
+
+
 def test_wrong_rules_of_a_monitor_are_a_wrong_file():
     with folder() as out:
         (out / "wrong.clp").write_text("\n(defrule x (step) => (no-such-function))\n")
