@@ -273,6 +273,6 @@ int world_run(const struct mu_options *o, const struct world_run_options *set)
         fprintf(stderr, "%s: %s\n", program, wrong);
         return MU_EXIT_USAGE;
     }
-    bool good = r.command.order != muster_RUN_SAVE || file_find(&r);
-    return good && later_read(&r) ? request_run(&r) : MU_EXIT_USAGE;
+    bool good = (r.command.order != muster_RUN_SAVE || file_find(&r)) && later_read(&r);
+    return good ? request_run(&r) : MU_EXIT_USAGE;
 }

@@ -22,7 +22,7 @@ import support  # noqa: E402
 def tests(words):
     for path in sorted(HERE.glob("test_*.py")):
         module = importlib.import_module(path.stem)
-        for name, function in vars(module).items():
+        for name, function in list(vars(module).items()):
             if name.startswith("test_") and callable(function):
                 full = f"{path.stem}.{name}"
                 if not words or any(word in full for word in words):

@@ -81,7 +81,8 @@ def test_a_robot_moves_with_all_that_it_knows():
             check_equal(members(t.domain)["red"]["state"], "running", "its state")
             check_equal(t.ask("red", "?*mate*"), "green", "a global")
             check('(kept "a b" 0.1)' in t.ask("red", "(facts)"), "a fact is lost")
-            check("(event on-arrive)" in t.ask("red", "(facts)"), "the event of its arrival")
+            wait_for(lambda: "(event on-arrive)" in t.ask("red", "(facts)"), 10,
+                     "the event of its arrival, in its first step here")
         check_equal(robot.wait(10), 0, "the process that it left")
         check("red" in t.done("group", "members", "scouts").split(), "it is no longer in its group")
         wait_for(lambda: float(t.ask("red", "(nth$ 1 (position))")) > before + 2, 10, "new senses")

@@ -23,6 +23,22 @@ static void test_every_word_looks_with_and_without_literals(void)
     CU_ASSERT(count > 30);
 }
 
+/* The manual has the list; it is checked where the words are. */
+static void test_the_manual_names_every_word(void)
+{
+    static char page[64 * 1024];
+    char quoted[MU_FIELD_MAX + 3];
+    FILE *f = fopen("docs/console.md", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+    size_t len = fread(page, 1, sizeof page - 1, f);
+    fclose(f);
+    CU_ASSERT(len > 0 && len < sizeof page - 1);
+    for (size_t i = 0; mu_glance_at(i); i++) {
+        snprintf(quoted, sizeof quoted, "`%s`", mu_glance_at(i));
+        CU_ASSERT_PTR_NOT_NULL(strstr(page, quoted));
+    }
+}
+
 static void test_globals_look(void)
 {
     CU_ASSERT_TRUE(mu_glance_is("?*mate*"));
@@ -104,6 +120,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"every word looks, with and without literals",
          test_every_word_looks_with_and_without_literals},
+        {"the manual names every word", test_the_manual_names_every_word},
         {"globals look", test_globals_look},
         {"nothing else does", test_nothing_else_does},
         {"the word is found", test_the_word_is_found},
