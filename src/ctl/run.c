@@ -597,8 +597,11 @@ static int start_patience(const struct run *r)
     if (mu_clock_ns() - r->began_wall_ns < patience_ns) {
         return -1;
     }
-    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s\n",
-            (int)(patience_ns / 1000000000u), r->waits_for);
+    char monitors[256];
+    run_monitors_missing(r, monitors, sizeof monitors);
+    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s%s%s\n",
+            (int)(patience_ns / 1000000000u), r->waits_for,
+            r->waits_for[0] && monitors[0] ? " " : "", monitors);
     return MU_EXIT_DDS;
 }
 

@@ -51,8 +51,9 @@ struct run {
     int domain;
     char folder[PATH_MAX]; /* of the report */
     struct supervise children;
-    struct run_part *parts; /* what each of them is */
-    bool begun;             /* it was told to go */
+    struct run_part *parts;                      /* what each of them is */
+    bool begun;                                  /* it was told to go */
+    bool monitors_late[EXPERIMENT_MONITORS_MAX]; /* so slow that they were ended after the run */
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
@@ -141,6 +142,9 @@ bool run_monitors_start(const struct run *r);
 
 /** @return whether every monitor sees the run, and has its name if it is to have one */
 bool run_monitors_ready(const struct run *r);
+
+/** Writes the names of those who do not see the run yet, for people. */
+void run_monitors_missing(const struct run *r, char *text, size_t size);
 
 /** Says of monitors that have died while the run lives that they are no more. */
 void run_monitors_look(struct run *r);
