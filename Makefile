@@ -282,6 +282,15 @@ soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files,
 soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
 	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
 
+# The tests of what reads recordings and samples of strangers; each case is one file or sample.
+STRANGERS := test_mcap_garbage test_story_garbage test_runtime_garbage test_bus_foreign test_bus_tap
+.PHONY: soak-strangers
+soak-strangers: ## 200,000 damaged recordings and samples, and a hundred of them to whole programs, under the sanitizers
+	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger $(STRANGERS:%=build/asan/test/%)
+	@set -e; for t in $(STRANGERS); do MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=40000 \
+	  timeout 3000 build/asan/test/$$t; done
+	@BUILD=asan tests/soak/strangers.py
+
 .PHONY: soak-crush
 soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
 	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush

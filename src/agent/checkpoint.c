@@ -90,37 +90,40 @@ static void head_add(struct mu_text *out, const struct robot *r)
     answer_add(out, r->agent);
 }
 
-bool checkpoint_write(struct robot *r, enum mu_state state)
+/* Writes an agent down, and its file.  @return NULL, or why that cannot be */
+static const char *agent_write(struct robot *r, enum mu_state state, struct mu_fault *fault)
 {
     struct checkpoints *k = &r->crew->checkpoints;
-    struct saved *s = &k->saved[r - r->crew->robots];
-    struct mu_fault fault;
+    struct mu_text rest;
     struct passport p = {.purpose = TRIP_MOVE,
                          .state = state,
                          .mails = r->mails,
                          .passage = mu_agent_passage(r->agent)};
-    s->written_ns = clock_ns(r);
-    s->state = state;
-    s->tried = true;
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
     mu_text_clear(&k->text);
     head_add(&k->text, r);
-    struct mu_text rest;
     mu_text_init(&rest, k->text.at + k->text.len, k->text.size - k->text.len);
-    const char *why = trip_write(r, &p, &rest, &fault);
+    const char *why = trip_write(r, &p, &rest, fault);
     k->text.len += rest.len;
-    if (!why && !file_write(k, r->name)) {
-        why = strerror(errno);
-    }
+    return why || file_write(k, r->name) ? why : strerror(errno);
+}
+
+bool checkpoint_write(struct robot *r, enum mu_state state)
+{
+    struct saved *s = &r->crew->checkpoints.saved[r - r->crew->robots];
+    struct mu_fault fault;
+    s->written_ns = clock_ns(r);
+    s->state = state;
+    s->tried = true;
+    const char *why = agent_write(r, state, &fault);
     if (why && !s->failing) {
         mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", r->name, why);
     }
     s->failing = why;
-    if (why) {
-        return false;
+    if (!why) {
+        (void)mu_text_copy(s->name, sizeof s->name, r->name);
     }
-    (void)mu_text_copy(s->name, sizeof s->name, r->name);
-    return true;
+    return !why;
 }
 
 /* It is not here any more, and is not to come back here. */

@@ -29,7 +29,7 @@ static bool answer_write(struct mind *m, DATA_OBJECT *value, struct mu_text *out
 
 bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out)
 {
-    if (!m->env || CLIPS_BROKEN(m)) {
+    if (CLIPS_BROKEN(m)) {
         return false;
     }
     struct deffunctionStruct *f = answer_function(m, mail->content);

@@ -6,7 +6,8 @@
  */
 #include "agent/clips_engine.h"
 
-enum { FLOAT_PLACES_LEAST = 256, FLOAT_PLACES_MOST = 8192 }; /* powers of two */
+/* Powers of two.  With fewer, -0.0 and 0.0, which are equal, would be in one list, and one atom. */
+enum { FLOAT_PLACES_LEAST = 256, FLOAT_PLACES_MOST = 8192 };
 
 /* Every hash table begins its entries like that. */
 typedef struct genericHashNode atom;

@@ -9,12 +9,58 @@
 #include <string.h>
 
 static const char CAPSULE_WORD[] = "muster-capsule";
-enum { CAPSULE_VERSION = 2, CAPSULE_HEAD_MAX = 96 };
+enum { CAPSULE_VERSION = 3, CAPSULE_HEAD_MAX = 96 };
 
 /* Against pieces that are lost or mixed up, not against attackers. */
 static uint64_t capsule_sum(const char *body, size_t len)
 {
     return mu_hash_bytes(MU_HASH_EMPTY, body, len);
+}
+
+/* --- switches --------------------------------------------------------------------------------- */
+
+/* What (set-strategy) and the like have changed, in the order of a capsule. */
+static const struct {
+    int (*get)(void *env);
+    int (*set)(void *env, int value);
+    int most;
+} switches[] = {
+    {EnvGetStrategy, EnvSetStrategy, RANDOM_STRATEGY},
+    {EnvGetSalienceEvaluation, EnvSetSalienceEvaluation, EVERY_CYCLE},
+    {EnvGetFactDuplication, EnvSetFactDuplication, 1},
+    {EnvGetResetGlobals, EnvSetResetGlobals, 1},
+    {EnvGetSequenceOperatorRecognition, EnvSetSequenceOperatorRecognition, 1},
+    {EnvGetIncrementalReset, EnvSetIncrementalReset, 1}, /* before there are rules */
+    {EnvGetAutoFloatDividend, EnvSetAutoFloatDividend, 1},
+    {EnvGetDynamicConstraintChecking, EnvSetDynamicConstraintChecking, 1},
+    {EnvGetStaticConstraintChecking, EnvSetStaticConstraintChecking, 1},
+};
+
+enum { SWITCHES = sizeof switches / sizeof switches[0] };
+
+static void switches_save(struct mind *m, struct mu_text *out)
+{
+    mu_text_add(out, "switches");
+    for (size_t i = 0; i < SWITCHES; i++) {
+        mu_text_format(out, " %d", switches[i].get(m->env));
+    }
+    mu_text_add(out, "\n");
+}
+
+static mu_result switches_load(struct capsule *c)
+{
+    uint64_t values[SWITCHES];
+    bool good = clips_capsule_line(c, "switches");
+    for (size_t i = 0; i < SWITCHES && good; i++) {
+        good = clips_capsule_count(c, &values[i]) && values[i] <= (uint64_t)switches[i].most;
+    }
+    if (!good || !clips_capsule_end(c)) {
+        return clips_capsule_wrong(c, "the switches");
+    }
+    for (size_t i = 0; i < SWITCHES; i++) {
+        (void)switches[i].set(c->mind->env, (int)values[i]);
+    }
+    return MU_OK;
 }
 
 /* --- rules ------------------------------------------------------------------------------------ */
@@ -87,12 +133,19 @@ static mu_result constructs_load(struct capsule *c)
     return good && clips_capsule_end(c) ? MU_OK : clips_capsule_wrong(c, "the end of the rules");
 }
 
-/* --- switches --------------------------------------------------------------------------------- */
+/* What was taken where it was written is taken here. */
+static mu_result rules_load(struct capsule *c)
+{
+    void *env = c->mind->env;
+    int sequence = EnvSetSequenceOperatorRecognition(env, FALSE);
+    int checks = EnvSetStaticConstraintChecking(env, FALSE);
+    mu_result r = constructs_load(c);
+    (void)EnvSetSequenceOperatorRecognition(env, sequence);
+    (void)EnvSetStaticConstraintChecking(env, checks);
+    return r;
+}
 
-/* What (set-strategy) and the like have changed, and the number of (gensym). */
-struct switches {
-    uint64_t strategy, salience, duplication, reset, sequence, incremental, gensym;
-};
+/* --- the number of (gensym) ------------------------------------------------------------------- */
 
 static uint64_t gensym_next(struct mind *m)
 {
@@ -112,38 +165,21 @@ static void gensym_set(struct mind *m, uint64_t number)
     (void)EnvFunctionCall(m->env, "setgen", digits, &out);
 }
 
-static void switches_save(struct mind *m, struct mu_text *out)
+static void gensym_save(struct mind *m, struct mu_text *out)
 {
-    void *env = m->env;
-    uint64_t gensym = gensym_next(m);
-    gensym_set(m, gensym);
-    mu_text_format(out, "switches %d %d %d %d %d %d %" PRIu64 "\n", EnvGetStrategy(env),
-                   EnvGetSalienceEvaluation(env), EnvGetFactDuplication(env),
-                   EnvGetResetGlobals(env), EnvGetSequenceOperatorRecognition(env),
-                   EnvGetIncrementalReset(env), gensym);
+    uint64_t number = gensym_next(m);
+    gensym_set(m, number);
+    mu_text_format(out, "gensym %" PRIu64 "\n", number);
 }
 
-static mu_result switches_load(struct capsule *c)
+static mu_result gensym_load(struct capsule *c)
 {
-    void *env = c->mind->env;
-    struct switches s;
-    uint64_t *const all[] = {&s.strategy, &s.salience,    &s.duplication, &s.reset,
-                             &s.sequence, &s.incremental, &s.gensym};
-    bool good = clips_capsule_line(c, "switches");
-    for (size_t i = 0; i < sizeof all / sizeof all[0] && good; i++) {
-        good = clips_capsule_count(c, all[i]);
-    }
-    if (!good || s.strategy > RANDOM_STRATEGY || s.salience > EVERY_CYCLE ||
+    uint64_t number;
+    if (!clips_capsule_line(c, "gensym") || !clips_capsule_count(c, &number) ||
         !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "the switches");
+        return clips_capsule_wrong(c, "the number of (gensym)");
     }
-    (void)EnvSetStrategy(env, (int)s.strategy);
-    (void)EnvSetSalienceEvaluation(env, (int)s.salience);
-    (void)EnvSetFactDuplication(env, s.duplication != 0);
-    (void)EnvSetResetGlobals(env, s.reset != 0);
-    (void)EnvSetSequenceOperatorRecognition(env, s.sequence != 0);
-    (void)EnvSetIncrementalReset(env, s.incremental != 0); /* before there are facts */
-    gensym_set(c->mind, s.gensym);
+    gensym_set(c->mind, number);
     return MU_OK;
 }
 
@@ -170,8 +206,9 @@ static bool body_save(struct mind *m, struct mu_text *out, const char **why)
     mu_text_add(out, "agent");
     clips_capsule_add_word(out, m->options.name);
     mu_text_add(out, "\n");
-    constructs_save(m, out);
     switches_save(m, out);
+    constructs_save(m, out);
+    gensym_save(m, out);
     if (!clips_capsule_save_globals(m, out, why) || !clips_capsule_save_facts(m, out, why)) {
         return false;
     }
@@ -251,11 +288,12 @@ static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
         return clips_capsule_wrong(c, "whose mind it is");
     }
     facts_clear(m);
-    MU_TRY(constructs_load(c));
+    MU_TRY(switches_load(c));
+    MU_TRY(rules_load(c));
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
-    mu_result r = switches_load(c);
+    mu_result r = gensym_load(c);
     struct capsule globals = *c; /* patterns look at them, and they at facts */
     r = r == MU_OK ? clips_capsule_load_globals(c) : r;
     r = r == MU_OK ? clips_capsule_load_facts(c) : r;

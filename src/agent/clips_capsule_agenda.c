@@ -48,17 +48,6 @@ static void key_make(struct mu_text *key, const struct activation *a)
     basis_add(key, a->basis);
 }
 
-static void modules_each(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
-{
-    struct defmodule *current = EnvGetCurrentModule(m->env);
-    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
-         module = EnvGetNextDefmodule(m->env, module)) {
-        EnvSetCurrentModule(m->env, module);
-        visit(m, self);
-    }
-    EnvSetCurrentModule(m->env, current);
-}
-
 static void module_save(struct mind *m, void *self)
 {
     struct mu_text *out = self;
@@ -76,7 +65,7 @@ static void module_save(struct mind *m, void *self)
 
 void clips_capsule_save_agenda(struct mind *m, struct mu_text *out)
 {
-    modules_each(m, out, module_save);
+    clips_env_each_module(m, out, module_save);
     mu_text_format(out, "agenda-end %llu\n", AgendaData(m->env)->CurrentTimetag);
     mu_text_add(out, "focus");
     for (const struct focus *f = EngineData(m->env)->CurrentFocus; f; f = f->next) {
@@ -177,7 +166,7 @@ static mu_result activations_load(struct capsule *c)
     agenda_make(m, &g, c->at);
     bool read = agenda_read(c, &g);
     if (read) {
-        modules_each(m, &g, module_load);
+        clips_env_each_module(m, &g, module_load);
     }
     rm(m->env, g.lines, g.places * sizeof *g.lines);
     if (!read) {

@@ -19,12 +19,12 @@ static bool fields_add(struct mu_text *out, const struct multifield *fields, lon
 
 /* --- globals ---------------------------------------------------------------------------------- */
 
-static bool global_save(struct mu_text *out, const char *module, const struct defglobal *g)
+static bool global_save(struct mu_text *out, const struct defglobal *g)
 {
     const DATA_OBJECT *value = &g->current;
     bool many = value->type == MULTIFIELD;
-    mu_text_format(out, "global");
-    clips_capsule_add_word(out, module);
+    mu_text_add(out, "global");
+    clips_capsule_add_word(out, ValueToString(g->header.whichModule->theModule->name));
     clips_capsule_add_word(out, ValueToString(g->header.name));
     mu_text_add(out, many ? " many" : " one");
     bool good = many ? fields_add(out, value->value, value->begin, value->end)
@@ -33,21 +33,26 @@ static bool global_save(struct mu_text *out, const char *module, const struct de
     return good;
 }
 
+struct globals_saved {
+    struct mu_text *out;
+    bool good;
+};
+
+static void globals_save(struct mind *m, void *self)
+{
+    struct globals_saved *s = self;
+    for (struct defglobal *g = EnvGetNextDefglobal(m->env, NULL); g && s->good;
+         g = EnvGetNextDefglobal(m->env, g)) {
+        s->good = global_save(s->out, g);
+    }
+}
+
 bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char **why)
 {
-    struct defmodule *current = EnvGetCurrentModule(m->env);
-    bool good = true;
-    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module && good;
-         module = EnvGetNextDefmodule(m->env, module)) {
-        EnvSetCurrentModule(m->env, module);
-        for (struct defglobal *g = EnvGetNextDefglobal(m->env, NULL); g && good;
-             g = EnvGetNextDefglobal(m->env, g)) {
-            good = global_save(out, ValueToString(module->name), g);
-        }
-    }
-    EnvSetCurrentModule(m->env, current);
-    *why = good ? NULL : "a global holds an address that means nothing elsewhere";
-    return good;
+    struct globals_saved s = {.out = out, .good = true};
+    clips_env_each_module(m, &s, globals_save);
+    *why = s.good ? NULL : "a global holds an address that means nothing elsewhere";
+    return s.good;
 }
 
 /* Takes a module, which becomes the current one, and a name in it.  @return NULL: there is none */

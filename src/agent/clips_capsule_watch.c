@@ -48,6 +48,12 @@ static void templates_save(struct mind *m, struct mu_text *out)
     }
 }
 
+static void module_save(struct mind *m, void *self)
+{
+    rules_save(m, self);
+    templates_save(m, self);
+}
+
 void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
 {
     mu_text_add(out, "watch");
@@ -57,14 +63,7 @@ void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
     mu_text_format(out, " %d", m->passes);
     clips_capsule_add_word(out, m->stands);
     mu_text_add(out, "\n");
-    struct defmodule *current = EnvGetCurrentModule(m->env);
-    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
-         module = EnvGetNextDefmodule(m->env, module)) {
-        EnvSetCurrentModule(m->env, module);
-        rules_save(m, out);
-        templates_save(m, out);
-    }
-    EnvSetCurrentModule(m->env, current);
+    clips_env_each_module(m, out, module_save);
 }
 
 /* --- loading ---------------------------------------------------------------------------------- */

@@ -174,6 +174,17 @@ bool clips_env_leave(struct mind *m)
     return failed;
 }
 
+void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
+{
+    struct defmodule *current = EnvGetCurrentModule(m->env);
+    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
+         module = EnvGetNextDefmodule(m->env, module)) {
+        EnvSetCurrentModule(m->env, module);
+        visit(m, self);
+    }
+    EnvSetCurrentModule(m->env, current);
+}
+
 /* (reset) gives globals their first values: these two are kept over it. */
 static void env_keep_globals(void *env)
 {

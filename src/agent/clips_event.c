@@ -59,21 +59,26 @@ static bool stands_on(const struct activation *a, const struct fact *fact)
     return false;
 }
 
-/* @return whether a rule is about to fire for a fact */
+/* A fact, and whether a rule is about to fire for it. */
+struct awaited {
+    const struct fact *fact;
+    bool is;
+};
+
+static void agenda_look(struct mind *m, void *self)
+{
+    struct awaited *awaited = self;
+    for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited->is;
+         a = EnvGetNextActivation(m->env, a)) {
+        awaited->is = stands_on(a, awaited->fact);
+    }
+}
+
 static bool is_awaited(struct mind *m, const struct fact *fact)
 {
-    bool awaited = false;
-    struct defmodule *current = EnvGetCurrentModule(m->env);
-    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
-         module = EnvGetNextDefmodule(m->env, module)) {
-        EnvSetCurrentModule(m->env, module);
-        for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited;
-             a = EnvGetNextActivation(m->env, a)) {
-            awaited = stands_on(a, fact);
-        }
-    }
-    EnvSetCurrentModule(m->env, current);
-    return awaited;
+    struct awaited awaited = {.fact = fact};
+    clips_env_each_module(m, &awaited, agenda_look);
+    return awaited.is;
 }
 
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)

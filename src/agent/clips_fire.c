@@ -40,9 +40,35 @@ static bool fire_was_shown(struct mind *m, const char *text)
     return false;
 }
 
-void clips_fire_complain(struct mind *m, const char *kind, const char *name)
+/* Leaves out of what was said that the actions of this very rule were halted. */
+static void complaint_cut(char *said, const char *kind)
 {
     static const char halt[] = "[PRCCODE4] Execution halted during the actions of def";
+    char *halted = strstr(said, halt);
+    while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
+        halted = strstr(halted + 1, halt);
+    }
+    if (halted) {
+        *halted = '\0';
+    }
+}
+
+/* Adds what was said, as one line. */
+static void complaint_add(struct mu_text *line, const char *said)
+{
+    size_t start = line->len;
+    for (const char *s = said; *s; s++) {
+        bool blank = line->len == start || line->at[line->len - 1] == ' ';
+        if (*s != '\n') {
+            mu_text_add_bytes(line, s, 1);
+        } else if (!blank) {
+            mu_text_add(line, " ");
+        }
+    }
+}
+
+void clips_fire_complain(struct mind *m, const char *kind, const char *name)
+{
     char bytes[CLIPS_SAID_MAX];
     struct mu_text line;
     mu_text_init(&line, bytes, sizeof bytes);
@@ -50,22 +76,9 @@ void clips_fire_complain(struct mind *m, const char *kind, const char *name)
     clips_place_add(m, name, &line);
     mu_text_add(&line, ": ");
     clips_text_as_written(m->said.at);
-    char *halted = strstr(m->said.at, halt);
-    while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
-        halted = strstr(halted + 1, halt);
-    }
-    if (halted) {
-        *halted = '\0';
-    }
+    complaint_cut(m->said.at, kind);
     size_t start = line.len;
-    for (const char *s = m->said.at; *s; s++) {
-        bool blank = line.len == start || line.at[line.len - 1] == ' ';
-        if (*s != '\n') {
-            mu_text_add_bytes(&line, s, 1);
-        } else if (!blank) {
-            mu_text_add(&line, " ");
-        }
-    }
+    complaint_add(&line, m->said.at);
     if (line.len == start) {
         mu_text_format(&line, "stopped%s%s", m->stopped ? " by the guard for " : "",
                        m->stopped ? m->stopped : "");

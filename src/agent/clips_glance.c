@@ -87,7 +87,7 @@ mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out)
     char sink_bytes[1];
     struct mu_text sink;
     size_t start = out->len;
-    if (!m->env || m->broken || !mu_glance_is(line) || !glance_is_plain(m, line)) {
+    if (!m->env || !mu_glance_is(line) || !glance_is_plain(m, line)) {
         return MU_ABSENT;
     }
     mu_text_init(&sink, sink_bytes, sizeof sink_bytes);

@@ -19,7 +19,7 @@ void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1])
 {
     struct mu_text out;
     mu_text_init(&out, goal, MU_FIELD_MAX + 1);
-    const struct deftemplate *t = EnvFindDeftemplate(m->env, "goal");
+    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, "goal") : NULL;
     if (!t || !t->implied || !t->lastFact) {
         return;
     }

@@ -15,7 +15,8 @@ enum {
     HEAP_CHUNK = 64 << 10,
     HEAP_CHUNKS = 64,
     HEAP_REGION = HEAP_CHUNK * HEAP_CHUNKS,
-    HEAP_ALIGNMENT = 8
+    HEAP_ALIGNMENT = 8,
+    HEAP_MUCH = 8 << 20 /* more than most minds have */
 };
 
 /* The heap of a checker sees what runs over. */
@@ -301,6 +302,7 @@ static void heap_end_environment(struct environmentData *env)
 void clips_heap_drop(struct mind *m)
 {
     struct clips_heap *h = &m->heap;
+    bool much = h->held > HEAP_MUCH;
     heap_end_environment(m->env);
     m->env = NULL;
     while (h->pieces) {
@@ -314,5 +316,7 @@ void clips_heap_drop(struct mind *m)
         h->regions = next;
     }
     *h = (struct clips_heap){.held = 0};
-    (void)malloc_trim(0);
+    if (much) {
+        (void)malloc_trim(0); /* else it keeps some of it */
+    }
 }

@@ -217,6 +217,9 @@ void clips_env_enter(struct mind *m, enum clips_mode mode);
 /** After every call.  @return whether it ended in an error */
 bool clips_env_leave(struct mind *m);
 
+/** Visits each module, which is the current one meanwhile. */
+void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
+
 /** @return the number that a global is set to; its first value when it is set to none */
 double clips_env_global(const struct mind *m, enum clips_global which);
 
@@ -238,7 +241,7 @@ void clips_atom_install(struct mind *m);
  * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
  * had is gone.
  */
-#define CLIPS_BROKEN(m) ((m)->broken || setjmp((m)->shelter) != 0)
+#define CLIPS_BROKEN(m) (!(m)->env || setjmp((m)->shelter) != 0)
 
 /** The answer of a broken mind. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"

@@ -6,6 +6,7 @@
  */
 #include "agent/clips_number.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -21,6 +22,7 @@ static const long double number_tens[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5
 /* So near to the middle between two numbers of 15 digits the product does not tell which is nearer;
  * it is off by at most 2^-14. */
 static const long double number_doubt = 0x1p-12L;
+_Static_assert(LDBL_MANT_DIG >= 64, "else the product is off by more");
 
 /* The digits of a size as a whole number.  @return 0: in doubt */
 static uint64_t number_digits(long double size, int exponent)

@@ -233,6 +233,26 @@ void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations
  */
 mu_result mind_tell(struct mind *m, const char *fact);
 
+/* A slot of a fact that it is told. */
+enum mind_slot_kind { MIND_SLOT_SYMBOL, MIND_SLOT_STRING, MIND_SLOT_REAL, MIND_SLOT_COUNT };
+
+struct mind_slot {
+    const char *name;
+    enum mind_slot_kind kind;
+    const char *word; /* of a symbol or a string */
+    double real;
+    uint64_t count;
+};
+
+/**
+ * Tells it one fact of a deftemplate, slot by slot, which is a tenth of the work of a text.
+ *
+ * @param slots  single ones, fastest in the order of the deftemplate; others have their defaults
+ * @return MU_OK; MU_MALFORMED: there is no such deftemplate or slot, or that fact is there already
+ */
+mu_result mind_tell_slots(struct mind *m, const char *relation, const struct mind_slot *slots,
+                          size_t count);
+
 /** @return whether a pattern or a query of some construct looks at facts of that relation, or
  * somebody watches them */
 bool mind_looks_at(const struct mind *m, const char *relation);

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/feed.h"
 
+#include "bus/offer.h"
 #include "bus/topics.h"
-#include "core/clock.h"
+#include "bus/type_bytes.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* DDS's own headers want a word that C11 does not have. */
 #define asm __asm__
+#include <dds/ddsc/dds_rhc.h>
+
 #include <dds/ddsi/ddsi_serdata.h>
+#include <dds/ddsi/ddsi_sertype.h>
 
-static const uint64_t PATIENCE_NS = 1000000000;
-static const dds_duration_t PAUSE_NS = 1000000;
-
-bool feed_topic(const char *name, enum bus_topic *topic)
+bool feed_topic(const char *name, const char *type, enum bus_topic *topic)
 {
     for (int i = 0; i < BUS_TOPICS; i++) {
-        if (strcmp(topic_table[i].name, name) == 0) {
+        bool same_type = !type || strcmp(topic_table[i].descriptor->m_typename, type) == 0;
+        if (same_type && strcmp(topic_table[i].name, name) == 0) {
             *topic = (enum bus_topic)i;
             return true;
         }
@@ -25,99 +27,194 @@ bool feed_topic(const char *name, enum bus_topic *topic)
     return false;
 }
 
-/* A publisher or subscriber whose only partitions are these. */
-static dds_qos_t *group_qos(const char *first, const char *second)
+/* --- what DDS makes samples of bytes with ----------------------------------------------------- */
+
+/* A history of a reader that keeps nothing: DDS tells it what the type is. */
+struct witness {
+    struct dds_rhc base;
+    const struct ddsi_sertype *type; /* the topic holds it */
+};
+
+static dds_return_t witness_associate(struct dds_rhc *rhc, struct dds_reader *reader,
+                                      const struct ddsi_sertype *type, struct ddsi_tkmap *map)
 {
-    const char *partitions[] = {first ? first : "", second};
+    (void)reader;
+    (void)map;
+    ((struct witness *)(void *)rhc)->type = type;
+    return DDS_RETCODE_OK;
+}
+
+static bool witness_store(struct ddsi_rhc *rhc, const struct ddsi_writer_info *writer,
+                          struct ddsi_serdata *sample, struct ddsi_tkmap_instance *instance)
+{
+    (void)rhc;
+    (void)writer;
+    (void)sample;
+    (void)instance;
+    return true;
+}
+
+static void witness_unregister(struct ddsi_rhc *rhc, const struct ddsi_writer_info *writer)
+{
+    (void)rhc;
+    (void)writer;
+}
+
+static void witness_relinquish(struct ddsi_rhc *rhc, const uint64_t writer)
+{
+    (void)rhc;
+    (void)writer;
+}
+
+static void witness_qos(struct ddsi_rhc *rhc, const dds_qos_t *qos)
+{
+    (void)rhc;
+    (void)qos;
+}
+
+static void witness_free(struct ddsi_rhc *rhc)
+{
+    (void)rhc; /* it is ours */
+}
+
+static const struct dds_rhc_ops witness_ops = {
+    .rhc_ops = {.store = witness_store,
+                .unregister_wr = witness_unregister,
+                .relinquish_ownership = witness_relinquish,
+                .set_qos = witness_qos,
+                .free = witness_free},
+    .associate = witness_associate,
+};
+
+static dds_qos_t *group_qos(const char *const *partitions, size_t count)
+{
     dds_qos_t *qos = dds_create_qos();
-    dds_qset_partition(qos, second ? 2 : 1, partitions);
+    MU_ASSERT(qos);
+    dds_qset_partition(qos, (uint32_t)count, (const char **)(uintptr_t)partitions);
     return qos;
 }
 
-static dds_qos_t *writer_qos(enum bus_topic topic)
+/* Opens a reader of the topic where nobody writes, and closes it again. */
+static const struct ddsi_sertype *type_find(const struct bus *bus, dds_entity_t topic)
 {
-    dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    if (!topic_table[topic].for_late_comers) { /* else old samples would stay for ever */
-        dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
-    }
-    return qos;
-}
-
-/* What DDS makes a sample of bytes with is in no interface, but in every sample that it has made.
- */
-static const struct ddsi_sertype *type_read(dds_entity_t reader)
-{
-    const struct ddsi_sertype *type = NULL;
-    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    while (!type && mu_clock_ns() < until_ns) {
-        struct ddsi_serdata *data[1];
-        dds_sample_info_t info[1];
-        if (dds_takecdr(reader, data, 1, info, DDS_ANY_STATE) == 1) {
-            type = data[0]->type; /* the topic holds it */
-            ddsi_serdata_unref(data[0]);
-        } else {
-            dds_sleepfor(PAUSE_NS);
-        }
-    }
-    return type;
-}
-
-/* Writes an empty sample to ourselves alone, and looks at it.  A writer's partition with a wildcard
- * in it is passed over by readers of "*", such as taps. */
-static const struct ddsi_sertype *type_find(struct bus *bus, enum bus_topic topic)
-{
-    static union {
-        char bytes[4096];
-        long double aligned;
-    } empty;
-    MU_ASSERT(topic_table[topic].descriptor->m_size <= sizeof empty);
-    dds_qos_t *of_writer = group_qos("muster.feed.sel?", NULL);
-    dds_qos_t *of_reader = group_qos("muster.feed.self", NULL);
-    dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    dds_entity_t publisher = dds_create_publisher(bus->participant, of_writer, NULL);
-    dds_entity_t subscriber = dds_create_subscriber(bus->participant, of_reader, NULL);
-    dds_entity_t writer = dds_create_writer(publisher, bus->topics[topic], qos, NULL);
-    dds_entity_t reader = dds_create_reader(subscriber, bus->topics[topic], qos, NULL);
-    dds_delete_qos(of_writer);
-    dds_delete_qos(of_reader);
-    dds_delete_qos(qos);
-    bool written = reader > 0 && dds_write(writer, empty.bytes) == DDS_RETCODE_OK;
-    const struct ddsi_sertype *type = written ? type_read(reader) : NULL;
-    (void)dds_delete(publisher);
+    static struct witness witness; /* a reader that goes is done with it later */
+    static const char *const nowhere[] = {"muster.feed.nowhere"};
+    witness = (struct witness){.base.common.ops = &witness_ops};
+    dds_qos_t *group = group_qos(nowhere, 1);
+    dds_entity_t subscriber = dds_create_subscriber(bus->participant, group, NULL);
+    (void)dds_create_reader_rhc(subscriber, topic, NULL, NULL, &witness.base);
     (void)dds_delete(subscriber);
-    return type;
+    dds_delete_qos(group);
+    return witness.type;
+}
+
+/* --- feeds ------------------------------------------------------------------------------------ */
+
+static mu_result writer_open(struct feed *feed, const struct bus *bus, dds_entity_t topic,
+                             const dds_qos_t *group, const dds_qos_t *qos)
+{
+    feed->type = topic > 0 ? type_find(bus, topic) : NULL;
+    feed->out.publisher = dds_create_publisher(bus->participant, group, NULL);
+    feed->out.writer = dds_create_writer(feed->out.publisher, topic, qos, NULL);
+    return feed->type && feed->out.writer > 0 ? MU_OK : MU_FAULT_DDS;
+}
+
+/* Nothing is overwritten that a reader does not have; who comes late gets what he would have. */
+static void history_widen(dds_qos_t *qos, dds_history_kind_t kind, int32_t depth)
+{
+    dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
+    dds_qset_durability_service(qos, 0, kind, depth, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED);
 }
 
 mu_result feed_open(struct feed *feed, struct bus *bus, enum bus_topic topic, const char *first,
                     const char *second)
 {
-    *feed = (struct feed){.topic = topic};
+    const char *partitions[] = {first ? first : "", second};
+    *feed = (struct feed){0};
     if (!bus->topics[topic]) {
         bus->topics[topic] = dds_create_topic(bus->participant, topic_table[topic].descriptor,
                                               topic_table[topic].name, NULL, NULL);
     }
-    feed->type = bus->topics[topic] > 0 ? type_find(bus, topic) : NULL;
-    dds_qos_t *group = group_qos(first, second);
-    dds_qos_t *qos = writer_qos(topic);
-    feed->out.publisher = dds_create_publisher(bus->participant, group, NULL);
-    feed->out.writer = dds_create_writer(feed->out.publisher, bus->topics[topic], qos, NULL);
+    dds_qos_t *group = group_qos(partitions, second ? 2 : 1);
+    dds_qos_t *qos = topics_qos(&topic_table[topic]);
+    history_widen(qos, DDS_HISTORY_KEEP_LAST, topics_depth(&topic_table[topic]));
+    mu_result opened = writer_open(feed, bus, bus->topics[topic], group, qos);
     dds_delete_qos(group);
     dds_delete_qos(qos);
-    return feed->type && feed->out.writer > 0 ? MU_OK : MU_FAULT_DDS;
+    return opened;
+}
+
+/* As the writer was, but that it is reliable, and that an instance goes only when it is said. */
+static dds_qos_t *foreign_qos(const char *words)
+{
+    dds_history_kind_t kind = DDS_HISTORY_KEEP_LAST;
+    int32_t depth = 1;
+    dds_qos_t *qos = dds_create_qos();
+    MU_ASSERT(qos);
+    offer_read(words, qos);
+    (void)dds_qget_history(qos, &kind, &depth);
+    history_widen(qos, kind, depth);
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
+    dds_qset_writer_data_lifecycle(qos, false);
+    return qos;
+}
+
+mu_result feed_open_foreign(struct feed *feed, struct bus *bus, const struct feed_foreign *of)
+{
+    dds_entity_t topic = 0;
+    *feed = (struct feed){0};
+    mu_result made = type_bytes_topic(bus->participant, of->type_bytes, of->type_size, of->topic,
+                                      of->type, &topic);
+    if (made != MU_OK) {
+        return made < 0 ? MU_REFUSED : made;
+    }
+    dds_qos_t *group = group_qos(of->partitions, of->partition_count);
+    dds_qos_t *qos = foreign_qos(of->words);
+    offer_read(of->words, group); /* of it, how samples are presented is the publisher's */
+    mu_result opened = writer_open(feed, bus, topic, group, qos);
+    dds_delete_qos(group);
+    dds_delete_qos(qos);
+    return opened == MU_OK ? MU_OK : MU_REFUSED;
+}
+
+/* --- samples ---------------------------------------------------------------------------------- */
+
+static struct ddsi_serdata *sample_make(const struct feed *feed, enum ddsi_serdata_kind kind,
+                                        const void *bytes, size_t size)
+{
+    /* Nobody writes through it. */
+    ddsrt_iovec_t all = {.iov_base = (void *)(uintptr_t)bytes, .iov_len = size};
+    return size >= 4 ? ddsi_serdata_from_ser_iov(feed->type, kind, 1, &all, size) : NULL;
+}
+
+static mu_result result_of(dds_return_t code)
+{
+    return code == DDS_RETCODE_OK ? MU_OK : code == DDS_RETCODE_TIMEOUT ? MU_BUSY : MU_FAULT_DDS;
 }
 
 mu_result feed_write(struct feed *feed, const void *bytes, size_t size)
 {
-    /* Nobody writes through it. */
-    ddsrt_iovec_t all = {.iov_base = (void *)(uintptr_t)bytes, .iov_len = size};
-    struct ddsi_serdata *data =
-        size >= 4 ? ddsi_serdata_from_ser_iov(feed->type, SDK_DATA, 1, &all, size) : NULL;
+    struct ddsi_serdata *data = sample_make(feed, SDK_DATA, bytes, size);
     if (!data) {
         return MU_MALFORMED;
     }
-    dds_return_t code = dds_writecdr(feed->out.writer, data); /* it takes the sample over */
-    if (code == DDS_RETCODE_OK) {
-        return MU_OK;
+    return result_of(dds_writecdr(feed->out.writer, data)); /* it takes the sample over */
+}
+
+mu_result feed_gone(struct feed *feed, enum gone_what what, const void *key, size_t size)
+{
+    struct ddsi_serdata *data = sample_make(feed, SDK_KEY, key, size);
+    if (!data) {
+        return MU_MALFORMED;
     }
-    return code == DDS_RETCODE_TIMEOUT ? MU_BUSY : MU_FAULT_DDS;
+    void *sample = ddsi_sertype_alloc_sample(feed->type);
+    mu_result told = MU_MALFORMED;
+    if (ddsi_serdata_to_sample(data, sample, NULL, NULL)) {
+        told = result_of(what == GONE_DISPOSED ? dds_dispose(feed->out.writer, sample)
+                                               : dds_unregister_instance(feed->out.writer, sample));
+    }
+    ddsi_sertype_free_sample(feed->type, sample, DDS_FREE_ALL);
+    ddsi_serdata_unref(data);
+    return told;
 }

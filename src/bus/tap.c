@@ -1,36 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/tap.h"
 
-#include "bus/profile.h"
-#include "bus/schema.h"
 #include "bus/topics.h"
+#include "bus/type_bytes.h"
 #include "core/clock.h"
 #include "core/log.h"
-#include "core/sort.h"
 
 #include <string.h>
 
-/* DDS's own headers want a word that C11 does not have. */
-#define asm __asm__
-#include <dds/ddsi/ddsi_serdata.h>
-
-enum { ENDPOINTS_MAX = 4096, ROUNDS_MAX = 16 };
+enum { ENDPOINTS_MAX = 4096 };
 
 static const dds_duration_t TYPE_NS = 200000000;
 static const uint64_t RETRY_NS = 1000000000;
 
 /* --- one tap ---------------------------------------------------------------------------------- */
-
-static const struct topic *topic_of(const char *name, const char *type)
-{
-    for (size_t i = 0; i < BUS_TOPICS; i++) {
-        if (strcmp(topic_table[i].name, name) == 0 &&
-            strcmp(topic_table[i].descriptor->m_typename, type) == 0) {
-            return &topic_table[i];
-        }
-    }
-    return NULL;
-}
 
 static dds_qos_t *qos_of(const struct tap *t)
 {
@@ -40,6 +23,7 @@ static dds_qos_t *qos_of(const struct tap *t)
                          0);
     dds_qset_durability(qos, t->durable ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
     dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, TAP_DEPTH);
+    dds_qset_ownership(qos, t->exclusive ? DDS_OWNERSHIP_EXCLUSIVE : DDS_OWNERSHIP_SHARED);
     return qos;
 }
 
@@ -97,14 +81,14 @@ static dds_entity_t foreign_topic(struct bus *bus, const struct tap *t,
     if (got != DDS_RETCODE_OK) {
         return got;
     }
-    dds_entity_t topic = dds_create_topic(bus->participant, descriptor, t->name, NULL, NULL);
+    dds_entity_t topic = type_topic(bus->participant, descriptor, t->name);
     dds_delete_topic_descriptor(descriptor);
     return topic;
 }
 
 static void tap_try(struct bus *bus, struct tap *t, dds_builtintopic_endpoint_t *endpoint)
 {
-    const struct topic *ours = topic_of(t->name, t->type);
+    const struct topic *ours = topics_find(t->name, t->type);
     uint64_t now_ns = mu_clock_ns();
     if (now_ns < t->retry_ns) {
         return;
@@ -137,16 +121,6 @@ mu_result tap_watch_open(struct tap_watch *watch, struct bus *bus)
     return watch->publications < 0 || watch->subscriptions < 0 ? MU_FAULT_DDS : MU_OK;
 }
 
-static struct tap *tap_find(struct tap *taps, size_t count, const dds_builtintopic_endpoint_t *e)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (strcmp(taps[i].name, e->topic_name) == 0 && strcmp(taps[i].type, e->type_name) == 0) {
-            return &taps[i];
-        }
-    }
-    return NULL;
-}
-
 static bool offers_reliable(const dds_builtintopic_endpoint_t *e)
 {
     dds_reliability_kind_t kind = DDS_RELIABILITY_RELIABLE;
@@ -159,6 +133,25 @@ static bool offers_durable(const dds_builtintopic_endpoint_t *e)
     dds_durability_kind_t kind = DDS_DURABILITY_VOLATILE;
     (void)dds_qget_durability(e->qos, &kind);
     return kind >= DDS_DURABILITY_TRANSIENT_LOCAL;
+}
+
+/* A reader has both kinds of instances from nobody: each has a tap of its own. */
+static bool offers_exclusive(const dds_builtintopic_endpoint_t *e)
+{
+    dds_ownership_kind_t kind = DDS_OWNERSHIP_SHARED;
+    (void)dds_qget_ownership(e->qos, &kind);
+    return kind == DDS_OWNERSHIP_EXCLUSIVE;
+}
+
+static struct tap *tap_find(struct tap *taps, size_t count, const dds_builtintopic_endpoint_t *e)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(taps[i].name, e->topic_name) == 0 && strcmp(taps[i].type, e->type_name) == 0 &&
+            taps[i].exclusive == offers_exclusive(e)) {
+            return &taps[i];
+        }
+    }
+    return NULL;
 }
 
 /* Asks for no more than a writer offers: else there is nothing from it. */
@@ -196,7 +189,9 @@ static void publication_take(struct tap_watch *w, struct tap *taps, size_t *coun
     struct tap *t = tap_find(taps, *count, e);
     if (!t && *count < max) {
         t = &taps[(*count)++];
-        *t = (struct tap){.reliable = offers_reliable(e), .durable = offers_durable(e)};
+        *t = (struct tap){.reliable = offers_reliable(e),
+                          .durable = offers_durable(e),
+                          .exclusive = offers_exclusive(e)};
         mu_text_copy(t->name, sizeof t->name, e->topic_name);
         mu_text_copy(t->type, sizeof t->type, e->type_name);
     }
@@ -259,122 +254,4 @@ size_t tap_watch_look(struct tap_watch *watch, struct tap *taps, size_t count, s
     }
     watch->looked_ns = watch->looked_ns ? watch->looked_ns : now_ns;
     return count;
-}
-
-/* --- samples ---------------------------------------------------------------------------------- */
-
-struct batch {
-    struct ddsi_serdata *data[TAP_BATCH];
-    dds_sample_info_t infos[TAP_BATCH];
-};
-
-static int order_compare(const void *one, const void *other, const void *context)
-{
-    const struct batch *b = context;
-    uint32_t a = *(const uint32_t *)one;
-    uint32_t c = *(const uint32_t *)other;
-    dds_time_t first = b->infos[a].source_timestamp;
-    dds_time_t second = b->infos[c].source_timestamp;
-    if (first != second) {
-        return first < second ? -1 : 1;
-    }
-    return (a > c) - (a < c);
-}
-
-static void sample_hand(struct tap *t, struct ddsi_serdata *data, const dds_sample_info_t *info,
-                        tap_taker *take, void *self)
-{
-    ddsrt_iovec_t bytes;
-    struct ddsi_serdata *ref = ddsi_serdata_to_ser_ref(data, 0, ddsi_serdata_size(data), &bytes);
-    struct tap_sample s = {.data = bytes.iov_base,
-                           .size = bytes.iov_len,
-                           .source_ns = (uint64_t)info->source_timestamp,
-                           .writer = info->publication_handle};
-    take(self, t, &s);
-    ddsi_serdata_to_ser_unref(ref, &bytes);
-}
-
-static size_t batch_take(struct tap *t, tap_taker *take, void *self)
-{
-    static struct batch b;
-    uint32_t order[TAP_BATCH];
-    dds_return_t got = dds_takecdr(t->reader, b.data, TAP_BATCH, b.infos, DDS_ANY_STATE);
-    size_t count = got > 0 ? (size_t)got : 0;
-    for (uint32_t i = 0; i < count; i++) {
-        order[i] = i;
-    }
-    mu_sort(order, count, sizeof order[0], order_compare, &b);
-    for (size_t i = 0; i < count; i++) {
-        if (b.infos[order[i]].valid_data) {
-            sample_hand(t, b.data[order[i]], &b.infos[order[i]], take, self);
-        }
-    }
-    for (size_t i = 0; i < count; i++) {
-        ddsi_serdata_unref(b.data[i]);
-    }
-    return count;
-}
-
-size_t tap_take(struct tap *tap, tap_taker *take, void *self)
-{
-    size_t all = 0;
-    size_t count = TAP_BATCH;
-    for (int i = 0; i < ROUNDS_MAX && count == TAP_BATCH && tap->reader > 0; i++) {
-        count = batch_take(tap, take, self);
-        all += count;
-    }
-    return all;
-}
-
-bool tap_partition(const struct tap *tap, uint64_t writer, char *partition, size_t size)
-{
-    uint32_t count = 0;
-    char **names = NULL;
-    dds_builtintopic_endpoint_t *e = dds_get_matched_publication_data(tap->reader, writer);
-    partition[0] = '\0';
-    if (e && e->qos && dds_qget_partition(e->qos, &count, &names)) {
-        if (count > 0) {
-            (void)mu_text_copy(partition, size, names[0]);
-        }
-        for (uint32_t i = 0; i < count; i++) {
-            dds_free(names[i]);
-        }
-        dds_free(names);
-    }
-    if (e) {
-        dds_builtintopic_free_endpoint(e);
-    }
-    return e != NULL;
-}
-
-/* --- what recordings say of it ---------------------------------------------------------------- */
-
-mu_result tap_schema(const struct tap *tap, struct mu_text *name, struct mu_text *text)
-{
-    dds_typeinfo_t *info = NULL;
-    dds_topic_descriptor_t *descriptor = NULL;
-    const struct topic *ours = topic_of(tap->name, tap->type);
-    if (ours) {
-        return schema_write(ours->descriptor, name, text);
-    }
-    if (dds_get_typeinfo(tap->topic, &info) != DDS_RETCODE_OK || !info) {
-        return MU_ABSENT;
-    }
-    dds_entity_t participant = dds_get_participant(tap->topic);
-    mu_result written = MU_ABSENT;
-    if (dds_create_topic_descriptor(DDS_FIND_SCOPE_GLOBAL, participant, info, TYPE_NS,
-                                    &descriptor) == DDS_RETCODE_OK) {
-        written = schema_write(descriptor, name, text);
-        dds_delete_topic_descriptor(descriptor);
-    }
-    (void)dds_free_typeinfo(info);
-    return written;
-}
-
-void tap_profile(const struct tap *tap, struct mu_text *text)
-{
-    const struct topic *ours = topic_of(tap->name, tap->type);
-    dds_qos_t *qos = ours ? topics_qos(ours) : qos_of(tap);
-    profile_write(qos, text);
-    dds_delete_qos(qos);
 }

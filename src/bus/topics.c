@@ -4,6 +4,8 @@
 #include "bus/check.h"
 #include "wire.h"
 
+#include <string.h>
+
 const struct topic topic_table[BUS_TOPICS] = {
     [BUS_REGISTRATION] =
         {"Registration", &muster_Registration_desc, .for_late_comers = true,
@@ -66,6 +68,17 @@ const struct topic topic_table[BUS_TOPICS] = {
                    .from_to = "simulator to whoever looks",
                    .carries = "a step as a whole: poses, percepts, what was done, mails"},
 };
+
+const struct topic *topics_find(const char *name, const char *type)
+{
+    for (size_t i = 0; i < BUS_TOPICS; i++) {
+        if (strcmp(topic_table[i].name, name) == 0 &&
+            strcmp(topic_table[i].descriptor->m_typename, type) == 0) {
+            return &topic_table[i];
+        }
+    }
+    return NULL;
+}
 
 int32_t topics_depth(const struct topic *topic)
 {

@@ -26,6 +26,9 @@ struct topic {
 
 extern const struct topic topic_table[BUS_TOPICS];
 
+/** @return one of our topics, by its name and that of its type on DDS; NULL: it is none */
+const struct topic *topics_find(const char *name, const char *type);
+
 /** @return how many samples of an instance KEEP_LAST keeps */
 int32_t topics_depth(const struct topic *topic);
 

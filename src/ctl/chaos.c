@@ -19,7 +19,8 @@ enum { PATIENCE_MS = 2000, REASON_MAX = 255 };
 struct stroke {
     struct report_chaos fate;
     char reason[REASON_MAX + 1];
-    uint64_t undo_wall_ns; /* 0: nothing is to be undone */
+    uint64_t undo_wall_ns; /* when it is undone; 0: it is not, or by the run's clock */
+    bool undone;
 };
 
 struct chaos {
@@ -43,7 +44,8 @@ static const char *child_of(const struct run *r, const char *part, char name[RUN
     for (unsigned i = 0; robot >= 0 && i < e->crews_count; i++) {
         const struct experiment_crew *crew = &e->crews[i];
         if ((unsigned)robot >= crew->robot && (unsigned)robot < crew->robot + crew->count) {
-            mu_text_copy(name, RUN_CHILD_MAX, e->robots[crew->robot].name);
+            const struct experiment_robot *first = &e->robots[crew->robot];
+            mu_text_copy(name, RUN_CHILD_MAX, first->host ? first->host : first->name);
         }
     }
     for (unsigned i = 0; robot < 0 && i < run_brokers(r); i++) {
@@ -139,6 +141,7 @@ mu_result chaos_prepare(struct run *r, struct mu_fault *fault)
     const struct experiment *e = r->experiment;
     bool traffic = false;
     mu_result checked = names_check(r, fault);
+    checked = checked == MU_OK ? chaos_check(r, fault) : checked;
     if (checked != MU_OK || e->chaos_count == 0) {
         return checked;
     }
@@ -202,24 +205,31 @@ static void source_name(char source[MU_PROCESS_MAX + 1], unsigned index)
     snprintf(source, MU_PROCESS_MAX + 1, "chaos.%03u", index);
 }
 
+/* @param seq  1: it begins; 2: it ends */
+static mu_result order_send(struct run *r, unsigned index, uint64_t seq, uint64_t due_ns)
+{
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
+    char source[MU_PROCESS_MAX + 1];
+    static char none[1];
+    source_name(source, index);
+    muster_RunCommand o = {.simulator = r->simulator,
+                           .source = source,
+                           .seq = seq,
+                           .name = none,
+                           .file = none,
+                           .due_ns = due_ns,
+                           .when = c->when && seq == 1 ? c->when : none};
+    order_fill(&o, c);
+    return bus_write(&r->command, &o);
+}
+
 mu_result chaos_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    char source[MU_PROCESS_MAX + 1];
-    static char none[1];
     for (unsigned i = 0; i < e->chaos_count; i++) {
-        const struct experiment_chaos *c = &e->chaos[i];
-        source_name(source, i);
-        muster_RunCommand o = {.simulator = r->simulator,
-                               .source = source,
-                               .seq = 1,
-                               .name = none,
-                               .file = none,
-                               .due_ns = (uint64_t)llround(c->at * 1e9),
-                               .when = c->when ? c->when : none};
-        o.due_ns = o.due_ns > 0 || c->when ? o.due_ns : 1; /* 0: at once, not at the first step */
-        order_fill(&o, c);
-        MU_TRY(bus_write(&r->command, &o));
+        uint64_t due_ns = (uint64_t)llround(e->chaos[i].at * 1e9);
+        bool at_once = due_ns == 0 && !e->chaos[i].when; /* 0 is none: the first step's end is */
+        MU_TRY(order_send(r, i, 1, at_once ? 1 : due_ns));
     }
     if (r->chaos) {
         r->chaos->go_seq = 1; /* that of the word to begin */
@@ -229,33 +239,44 @@ mu_result chaos_send(struct run *r)
 
 /* --- what is done to processes and packets ---------------------------------------------------- */
 
-/* A killed process, once more.  In free running it finds its place again; in lock step somebody
- * waits for a second life of a robot with `on-crash: restart` alone. */
+/* A killed process, once more.  It finds its place again; the lock step waits for it. */
 static bool part_restart(struct run *r, struct child *child)
 {
     supervise_await(&r->children, child, PATIENCE_MS);
-    if (!child->ended || run_start_again(r, child) != MU_OK) {
-        return false;
-    }
-    run_wake(r, child->name);
-    return true;
+    return child->ended && run_start_again(r, child) == MU_OK;
 }
 
-static bool process_strike(struct run *r, const struct experiment_chaos *c)
+/* Who begins anew is told to run, as all were at the beginning.  In lock step that is said while
+ * the clock stands still, with the step at which it comes, so that it is the same in every run; a
+ * run that is done again has it from the recording. */
+static void part_wake(struct run *r, const struct child *child, double at_s)
 {
+    double step_s = r->experiment->step_ms / 1e3;
+    if (!r->options.inputs && !run_remembers(r, child)) {
+        run_wake(r, child->name, r->options.free ? -1 : at_s + step_s);
+    }
+}
+
+static bool process_strike(struct run *r, unsigned index)
+{
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
+    double at_s = r->chaos->strokes[index].fate.at_s;
     char name[RUN_CHILD_MAX];
     struct child *child = supervise_find(&r->children, child_of(r, c->who, name));
     switch (c->kind) {
     case CHAOS_KILL:
         /* Who comes back by itself has died as if nobody had meant it. */
-        child->struck = c->for_s > 0 || !run_restarts(r, child);
+        child->struck = chaos_restarts(r, index) || !run_restarts(r, child);
         if (child->struck) {
             run_mail_keep(r, name);
         }
         supervise_signal(child, SIGKILL);
         supervise_await(&r->children, child, PATIENCE_MS);
+        if (child->ended && c->wall_s > 0 && !r->options.free) {
+            part_wake(r, child, at_s);
+        }
         return child->ended;
-    case CHAOS_RESTART: return part_restart(r, child);
+    case CHAOS_RESTART: part_wake(r, child, at_s); return part_restart(r, child);
     case CHAOS_STOP: supervise_signal(child, SIGSTOP); return true;
     case CHAOS_CONTINUE: supervise_signal(child, SIGCONT); return true;
     case CHAOS_NONE:
@@ -282,26 +303,37 @@ static void traffic_strike(struct run *r, const struct experiment_chaos *c, bool
     }
 }
 
-static bool strike(struct run *r, const struct experiment_chaos *c)
+static bool strike(struct run *r, unsigned index)
 {
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
     if (!c->whom) {
-        return process_strike(r, c);
+        return process_strike(r, index);
     }
     traffic_strike(r, c, false);
     return true;
 }
 
-/* What lasts for a while only. */
-static void undo(struct run *r, const struct experiment_chaos *c)
+static void return_of(struct run *r, const struct experiment_chaos *c, struct child *child)
 {
+    if (!part_restart(r, child)) {
+        fprintf(stderr, "muster run: %s does not start again\n", c->who);
+    } else if (r->options.free) {
+        part_wake(r, child, 0);
+    }
+}
+
+/* What lasts for a while only. */
+static void undo(struct run *r, unsigned index)
+{
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
     char name[RUN_CHILD_MAX];
     struct child *child = supervise_find(&r->children, child_of(r, c->who, name));
     if (c->whom) {
         traffic_strike(r, c, true);
     } else if (c->kind == CHAOS_STOP) {
         supervise_signal(child, SIGCONT);
-    } else if (c->kind == CHAOS_KILL && !part_restart(r, child)) {
-        fprintf(stderr, "muster run: %s does not start again\n", c->who);
+    } else if (c->kind == CHAOS_KILL) {
+        return_of(r, c, child);
     }
 }
 
@@ -322,25 +354,51 @@ static void go_on(struct run *r)
     }
 }
 
-static void answer_take(struct run *r, const muster_RunAnswer *a)
+/* How long it lasts: by the clock on the wall, or by the run's, for which the simulator holds once
+ * more.  In free running they are one. */
+static void end_plan(struct run *r, unsigned index)
 {
-    unsigned index;
-    const struct experiment *e = r->experiment;
-    if (sscanf(a->source, "chaos.%u", &index) != 1 || index >= e->chaos_count) {
-        return;
-    }
-    const struct experiment_chaos *c = &e->chaos[index];
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
     struct stroke *s = &r->chaos->strokes[index];
-    if (s->fate.done) {
-        return; /* the end of it is answered, too */
+    double wall_s = c->wall_s > 0 ? c->wall_s : r->options.free ? c->for_s : 0;
+    if (wall_s > 0) {
+        s->undo_wall_ns = mu_clock_ns() + (uint64_t)(wall_s * 1e9);
+    } else if (c->for_s > 0) {
+        uint64_t due_ns = (uint64_t)llround((s->fate.at_s + c->for_s) * 1e9);
+        if (order_send(r, index, 2, due_ns) != MU_OK) {
+            fprintf(stderr, "muster run: the end of '%s' is lost\n", c->text);
+        }
     }
+}
+
+static void begin_take(struct run *r, unsigned index, const muster_RunAnswer *a)
+{
+    const struct experiment *e = r->experiment;
+    struct stroke *s = &r->chaos->strokes[index];
     s->fate.done = a->result == muster_ORDER_DONE;
     s->fate.at_s = (double)a->step * e->step_ms / 1e3;
     mu_text_copy(s->reason, sizeof s->reason, a->reason);
-    if (c->kind > CHAOS_BLOCK && s->fate.done) {
-        s->fate.done = strike(r, c);
+    if (e->chaos[index].kind > CHAOS_BLOCK && s->fate.done) {
+        s->fate.done = strike(r, index);
         mu_text_copy(s->reason, sizeof s->reason, s->fate.done ? "" : "it could not be done");
-        s->undo_wall_ns = c->for_s > 0 ? mu_clock_ns() + (uint64_t)(c->for_s * 1e9) : 0;
+        end_plan(r, index);
+        go_on(r);
+    }
+}
+
+static void answer_take(struct run *r, const muster_RunAnswer *a)
+{
+    unsigned index;
+    if (sscanf(a->source, "chaos.%u", &index) != 1 || index >= r->experiment->chaos_count) {
+        return;
+    }
+    struct stroke *s = &r->chaos->strokes[index];
+    bool ours = r->experiment->chaos[index].kind > CHAOS_BLOCK;
+    if (!s->fate.done) {
+        begin_take(r, index, a);
+    } else if (ours && a->seq == 2 && !s->undone) { /* the world undoes its own */
+        s->undone = true;
+        undo(r, index);
         go_on(r);
     }
 }
@@ -361,7 +419,7 @@ void chaos_look(struct run *r)
         struct stroke *s = &r->chaos->strokes[i];
         if (s->undo_wall_ns > 0 && mu_clock_ns() >= s->undo_wall_ns) {
             s->undo_wall_ns = 0;
-            undo(r, &r->experiment->chaos[i]);
+            undo(r, i);
         }
     }
 }

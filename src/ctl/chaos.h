@@ -21,6 +21,19 @@
  */
 MU_MUST_USE mu_result chaos_prepare(struct run *r, struct mu_fault *fault);
 
+/**
+ * Checks, in chaos_check.c, that all of it can be done as the run goes: in lock step, or free.
+ *
+ * @return MU_OK, or MU_FAULT_FILE with the place and the reason
+ */
+MU_MUST_USE mu_result chaos_check(const struct run *r, struct mu_fault *fault);
+
+/** @return whether a process may be started again by it */
+bool chaos_restarts_any(const struct run *r);
+
+/** @return whether it starts what a kill of it strikes again, then or later */
+bool chaos_restarts(const struct run *r, unsigned index);
+
 /** Says which part of the run is started next, before its process is. */
 void chaos_child(const struct run *r, const char *child);
 

@@ -364,7 +364,7 @@ static mu_result directive_send(struct run *r, struct mu_mail mail)
 }
 
 /* The mail waits for them at the broker. */
-void run_wake(struct run *r, const char *child)
+void run_wake(struct run *r, const char *child, double due_s)
 {
     const struct experiment *e = r->experiment;
     for (unsigned i = 0; i < e->crews_count; i++) {
@@ -372,7 +372,9 @@ void run_wake(struct run *r, const char *child)
         bool meant = strcmp(e->robots[crew->robot].name, child) == 0;
         for (unsigned k = 0; meant && k < crew->count; k++) {
             struct mu_mail start = {.dst = e->robots[crew->robot + k].name,
-                                    .performative = "start"};
+                                    .performative = "start",
+                                    .timed = due_s >= 0,
+                                    .due_ns = due_s >= 0 ? (uint64_t)llround(due_s * 1e9) : 0};
             if (directive_send(r, start) != MU_OK) {
                 fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
             }

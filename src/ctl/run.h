@@ -118,9 +118,12 @@ char *run_robot_name(const struct run *r, const char *name);
 /** Writes the command that does the run again, without the words that change nothing in it. */
 void run_command_write(const struct run *r, char *buffer, size_t size);
 
-/** Takes the robots of a process that was started once more out of standby, as soon as they are
- * there. */
-void run_wake(struct run *r, const char *child);
+/** Takes the robots of a process that is started once more out of standby, as soon as they are
+ * there.  @param due_s  simulated time before which the word does not come; < 0: at once */
+void run_wake(struct run *r, const char *child, double due_s);
+
+/** @return whether a child that is started again goes on from its checkpoint, in run_restart.c */
+bool run_remembers(const struct run *r, const struct child *child);
 
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);

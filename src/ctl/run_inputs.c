@@ -13,8 +13,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Agents outside a run that had something to say. */
-enum { INPUTS_SENDERS_MAX = 64 };
+/* Agents outside a run that had something to say; sensors that were switched for a while. */
+enum { INPUTS_SENDERS_MAX = 64, INPUTS_UNDONE_MAX = 1024 };
 
 struct sender {
     char name[MU_NAME_MAX + 1];
@@ -22,10 +22,10 @@ struct sender {
     bool refused;
 };
 
-/* Whoever did something to the world. */
+/* A sensor that somebody switched for a while. */
 struct hand {
     char source[MU_PROCESS_MAX + 1];
-    uint64_t last; /* the number of what was done last */
+    uint64_t seq;
 };
 
 struct run_inputs {
@@ -36,8 +36,8 @@ struct run_inputs {
     const char *simulator;
     struct sender senders[INPUTS_SENDERS_MAX];
     size_t senders_count;
-    struct hand hands[INPUTS_SENDERS_MAX];
-    size_t hands_count;
+    struct hand undone[INPUTS_UNDONE_MAX];
+    size_t undone_count;
     const muster_Frame *frame; /* whose mails are handed over; NULL: none yet, or all are */
     uint32_t mail, order;      /* of the frame: the next ones */
     bool begun, refused;
@@ -119,37 +119,40 @@ static bool mail_tell(struct run_inputs *in, const muster_Mail *m)
     return sent == MU_OK || sent == MU_MALFORMED;
 }
 
+/* @return the number of a sensor's order that the simulator is to undo; undone_count: it is none */
+static size_t undone_find(const struct run_inputs *in, const muster_RunCommand *c)
+{
+    size_t i = 0;
+    while (i < in->undone_count &&
+           (in->undone[i].seq != c->seq || strcmp(in->undone[i].source, c->source) != 0)) {
+        i++;
+    }
+    return i;
+}
+
 /* @return whether an order is one that a person gave, and that changes the world.  What an
- * experiment's chaos does comes of the experiment; what the simulator undoes by itself has a number
- * that there was already. */
-static bool order_counts(struct run_inputs *in, const muster_RunCommand *c)
+ * experiment's chaos does comes of the experiment; what the simulator undoes by itself has the
+ * number of what it undoes. */
+static bool order_counts(const struct run_inputs *in, const muster_RunCommand *c)
 {
     bool changes = c->order == muster_RUN_PLACE || c->order == muster_RUN_PUSH ||
                    c->order == muster_RUN_RESET || c->order == muster_RUN_SENSOR;
-    if (!changes || strncmp(c->source, "chaos.", 6) == 0) {
-        return false;
-    }
-    for (size_t i = 0; i < in->hands_count; i++) {
-        if (strcmp(in->hands[i].source, c->source) == 0) {
-            return c->seq > in->hands[i].last;
-        }
-    }
-    return true;
+    bool undoes = c->order == muster_RUN_SENSOR && undone_find(in, c) < in->undone_count;
+    return changes && !undoes && strncmp(c->source, "chaos.", 6) != 0;
 }
 
 static void order_note(struct run_inputs *in, const muster_RunCommand *c)
 {
-    size_t i = 0;
-    while (i < in->hands_count && strcmp(in->hands[i].source, c->source) != 0) {
-        i++;
+    if (c->order != muster_RUN_SENSOR || !(c->time_s > 0)) {
+        return;
     }
-    if (i == INPUTS_SENDERS_MAX) {
+    if (in->undone_count == INPUTS_UNDONE_MAX) {
         in->refused = true;
         return;
     }
-    in->hands_count = i == in->hands_count ? i + 1 : in->hands_count;
-    mu_text_copy(in->hands[i].source, sizeof in->hands[i].source, c->source);
-    in->hands[i].last = c->seq;
+    struct hand *h = &in->undone[in->undone_count++];
+    mu_text_copy(h->source, sizeof h->source, c->source);
+    h->seq = c->seq;
 }
 
 /* What was done to the world at the end of the frame's step. */

@@ -124,6 +124,9 @@ void run_command_write(const struct run *r, char *buffer, size_t size)
     if (r->options.free) {
         mu_text_add(&t, " --free");
     }
+    if (r->options.programs) {
+        mu_text_add(&t, " --programs");
+    }
 }
 
 static bool is_in_experiment(const struct run *r, const char *name)

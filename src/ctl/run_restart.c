@@ -34,6 +34,14 @@ bool run_restarts_brokers(const struct run *r)
     return r->experiment->on_crash == EXPERIMENT_RESTART && r->options.free;
 }
 
+bool run_remembers(const struct run *r, const struct child *child)
+{
+    struct run_part part = run_part_of(r, child);
+    const struct experiment *e = r->experiment;
+    return part.kind == RUN_CREW && crew_restarts(r, part.index) &&
+           e->robots[e->crews[part.index].robot].checkpoint_s > 0;
+}
+
 static bool part_restarts(const struct run *r, struct run_part part)
 {
     switch (part.kind) {

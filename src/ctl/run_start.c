@@ -192,7 +192,7 @@ static mu_result simulator_start(struct run *r)
     if (e->resolvers_count > 0) {
         word_add("--watchers=%u", e->resolvers_count);
     }
-    if (run_restarts_any(r)) {
+    if (run_restarts_any(r) || (chaos_restarts_any(r) && !r->options.free)) {
         word_add("--return=%.17g", e->return_within_s);
     }
     if (e->hosts_count > 0) {

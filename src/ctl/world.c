@@ -6,7 +6,7 @@
 #include "ctl/world_run.h"
 
 static struct world_files_options files;
-static struct world_run_options run;
+static struct world_run_options run = {.wait_s = -1.0, .at_s = -1.0};
 static bool json;
 
 static struct mu_option option_table[] = {
@@ -14,8 +14,8 @@ static struct mu_option option_table[] = {
     {.name = "wait",
      .kind = MU_OPTION_REAL,
      .unit = "S",
-     .fallback = "5",
-     .help = "of a run: how long to wait for the simulator's answer",
+     .help = "of a run: how long to wait for the simulator's answer (default: 5; with --at or "
+             "--when: until it is done, or the run is over)",
      .target = &run.wait_s,
      .max = 3600},
     {.name = "for",
@@ -25,6 +25,18 @@ static struct mu_option option_table[] = {
      .help = "push: simulated time that it lasts; 0: FX, FY are an impulse in N s",
      .target = &run.push_s,
      .max = 3600},
+    {.name = "at",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .help = "place, push, reset, sensor, save: not before this time of the run",
+     .target = &run.at_s,
+     .max = 1e9},
+    {.name = "when",
+     .kind = MU_OPTION_STRING,
+     .unit = "CONDITION",
+     .help = "likewise: not before this has come true, such as 'red near blue 0.5' "
+             "(docs/experiments.md)",
+     .target = &run.when},
     {.name = "out",
      .kind = MU_OPTION_STRING,
      .unit = "FILE",

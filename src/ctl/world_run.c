@@ -10,8 +10,10 @@
 #include "desk/world_words.h"
 #include "muster/limits.h"
 #include "wire.h"
+#include "world/condition.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -19,6 +21,8 @@
 static const uint64_t SIMULATOR_PATIENCE_NS = 2500000000;
 static const int64_t ROUND_NS = 20000000;
 static const uint64_t LAST_ANSWER_NS = 500000000;
+static const double WAIT_S = 5.0;
+static const double WAIT_LONG_S = 1e9;
 
 struct request {
     const char *program; /* "muster world place" */
@@ -54,6 +58,54 @@ static bool file_find(struct request *r)
     }
     r->command.file = r->file;
     return true;
+}
+
+/* --- when it is to be done -------------------------------------------------------------------- */
+
+static bool is_for_later(const struct request *r)
+{
+    return r->set->at_s >= 0 || r->set->when;
+}
+
+/* Whoever it names may be there: the simulator knows. */
+static int body_any(const void *self, const char *name)
+{
+    (void)self;
+    (void)name;
+    return 0;
+}
+
+static bool condition_good(const struct request *r)
+{
+    char why[CONDITION_WHY_MAX];
+    struct condition condition;
+    const struct condition_names any = {.find = body_any, .robots = 1};
+    if (condition_read(&condition, r->set->when, &any, why) == MU_OK) {
+        return true;
+    }
+    fprintf(stderr, "%s: --when: %s\n", r->program, why);
+    return false;
+}
+
+static bool later_read(struct request *r)
+{
+    if (is_for_later(r) && r->command.order == muster_RUN_PACE) {
+        fprintf(stderr, "%s: the pace goes by the clock on the wall, at once\n", r->program);
+        return false;
+    }
+    if (r->set->at_s >= 0) {
+        r->command.due_ns = (uint64_t)llround(r->set->at_s * 1e9);
+    }
+    if (r->set->when) {
+        r->command.when = (char *)(uintptr_t)r->set->when; /* nobody writes there */
+        return condition_good(r);
+    }
+    return true;
+}
+
+static double patience_s(const struct request *r)
+{
+    return r->set->wait_s >= 0 ? r->set->wait_s : is_for_later(r) ? WAIT_LONG_S : WAIT_S;
 }
 
 /* --- the simulator ---------------------------------------------------------------------------- */
@@ -147,7 +199,7 @@ static int answer_tell(const struct line *l, const struct request *r)
 /* The answer may come a little behind the end of its run. */
 static void answer_await(struct line *l, const struct request *r)
 {
-    uint64_t until_ns = mu_clock_ns() + (uint64_t)(r->set->wait_s * 1e9);
+    uint64_t until_ns = mu_clock_ns() + (uint64_t)(patience_s(r) * 1e9);
     while (!l->answered && mu_clock_ns() < until_ns) {
         bool was_over = l->over;
         bus_wait(&l->bus, 1, ROUND_NS);
@@ -156,6 +208,21 @@ static void answer_await(struct line *l, const struct request *r)
         uint64_t last_ns = mu_clock_ns() + LAST_ANSWER_NS;
         until_ns = l->over && !was_over && last_ns < until_ns ? last_ns : until_ns;
     }
+}
+
+/* The simulator has it, and does it when its time has come, whoever waits for that. */
+static int waits_tell(const struct request *r)
+{
+    if (r->set->json) {
+        struct mu_json j;
+        mu_json_to_file(&j, stdout, MU_JSON_LINE);
+        mu_json_object(&j, NULL);
+        mu_json_string(&j, "result", "waits");
+        mu_json_end(&j);
+    } else {
+        puts("waits for its time");
+    }
+    return MU_EXIT_DONE;
 }
 
 static int order_send(struct line *l, struct request *r)
@@ -170,6 +237,9 @@ static int order_send(struct line *l, struct request *r)
     answer_await(l, r);
     if (l->answered) {
         return answer_tell(l, r);
+    }
+    if (is_for_later(r) && !l->over) {
+        return waits_tell(r);
     }
     fprintf(stderr, "%s: %s\n", r->program,
             l->over ? "the run has ended" : "no answer yet: the run makes no steps");
@@ -203,6 +273,6 @@ int world_run(const struct mu_options *o, const struct world_run_options *set)
         fprintf(stderr, "%s: %s\n", program, wrong);
         return MU_EXIT_USAGE;
     }
-    bool good = r.command.order != muster_RUN_SAVE || file_find(&r);
+    bool good = (r.command.order != muster_RUN_SAVE || file_find(&r)) && later_read(&r);
     return good ? request_run(&r) : MU_EXIT_USAGE;
 }

@@ -11,8 +11,10 @@
 
 struct world_run_options {
     struct mu_network network; /* domain < 0: the one live run's, else 0 */
-    double wait_s;             /* for the simulator's answer */
+    double wait_s;             /* for the simulator's answer; < 0: 5 s, or as long as it waits */
     double push_s;             /* that a push lasts; 0: it is an impulse */
+    double at_s;               /* time of the run before which it is not done; < 0: at once */
+    const char *when;          /* a condition before which it is not; NULL: none */
     bool json;
 };
 

@@ -147,12 +147,13 @@ struct experiment_chaos {
     char *sensor;                 /* sonar, laser, camera, fiducials, all */
     double share;                 /* of the packets that are lost */
     double by_ms;                 /* that each is late */
-    double for_s;                 /* after that it is undone; 0: it is not.  In the world it is
-                                     simulated time, else that of the clock on the wall */
+    double for_s;                 /* after that it is undone; 0: it is not.  Simulated time */
+    double wall_s;                /* or: after so much of the clock on the wall */
     /* As the file has them, one of them. */
     char *push, *place, *block, *kill, *restart, *stop, *go_on;
-    struct experiment_mark mark; /* of it in the file */
-    char text[160];              /* what it does, for people */
+    struct experiment_mark mark;     /* of it in the file, */
+    struct experiment_mark for_mark; /* and of its `for`, or of all of it */
+    char text[160];                  /* what it does, for people */
 };
 
 /* What the run's broker is told. */

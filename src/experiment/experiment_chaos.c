@@ -20,14 +20,16 @@ static const struct {
     {"push", CHAOS_PUSH, CHAOS_BODY, NULL, {"force", "torque", "for"}},
     {"place", CHAOS_PLACE, CHAOS_BODY, "pose", {NULL}},
     {"block", CHAOS_BLOCK, CHAOS_ROBOT, "sensor", {"for"}},
-    {"kill", CHAOS_KILL, CHAOS_PART, NULL, {"for"}},
+    {"kill", CHAOS_KILL, CHAOS_PART, NULL, {"for", "wall_s"}},
     {"restart", CHAOS_RESTART, CHAOS_PART, NULL, {NULL}},
-    {"stop", CHAOS_STOP, CHAOS_PART, NULL, {"for"}},
+    {"stop", CHAOS_STOP, CHAOS_PART, NULL, {"for", "wall_s"}},
     {"continue", CHAOS_CONTINUE, CHAOS_PART, NULL, {NULL}},
-    {"cut", CHAOS_CUT, CHAOS_PAIR, NULL, {"for"}},
+    {"cut", CHAOS_CUT, CHAOS_PAIR, NULL, {"for", "wall_s"}},
     {"lose", CHAOS_LOSE, CHAOS_PAIR, "share", {"for"}},
     {"delay", CHAOS_DELAY, CHAOS_PAIR, "by_ms", {"for"}},
 };
+
+enum { CHAOS_WALL_MAX_S = 3600 };
 
 enum { KINDS = sizeof chaos_kinds / sizeof chaos_kinds[0] };
 
@@ -47,13 +49,20 @@ static mu_result pair_fill(struct experiment_source *s, struct experiment_chaos 
     return MU_OK;
 }
 
+static struct experiment_mark mark_of(const struct experiment_source *s, int node)
+{
+    struct mu_fault here;
+    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
+    return (struct experiment_mark){here.line, here.column};
+}
+
 mu_result experiment_fill_chaos(struct experiment_source *s, size_t index)
 {
     struct experiment_chaos *c = &s->experiment->chaos[index];
     int node = experiment_item(s, "chaos", index);
-    struct mu_fault here;
-    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
-    c->mark = (struct experiment_mark){here.line, here.column};
+    int lasts = yaml_tree_child(s->tree, node, "for");
+    c->mark = mark_of(s, node);
+    c->for_mark = lasts ? mark_of(s, lasts) : c->mark;
     for (size_t i = 0; i < KINDS; i++) {
         int child = yaml_tree_child(s->tree, node, chaos_kinds[i].key);
         if (!child) {
@@ -165,6 +174,24 @@ static mu_result time_check(struct experiment_source *s, const struct experiment
     return MU_OK;
 }
 
+/* How long it lasts. */
+static mu_result times_check(struct experiment_source *s, const struct experiment_chaos *c,
+                             int node)
+{
+    int lasts = yaml_tree_child(s->tree, node, "for");
+    int wall = yaml_tree_child(s->tree, node, "wall_s");
+    if (lasts && (!(c->for_s > 0) || c->for_s > EXPERIMENT_DURATION_MAX_S)) {
+        return experiment_fault(s, NULL, lasts, "expected a time of more than 0 and at most %d s",
+                                EXPERIMENT_DURATION_MAX_S);
+    }
+    if (wall && (!(c->wall_s > 0) || c->wall_s > CHAOS_WALL_MAX_S)) {
+        return experiment_fault(s, NULL, wall, "expected a time of more than 0 and at most %d s",
+                                CHAOS_WALL_MAX_S);
+    }
+    return lasts && wall ? experiment_fault(s, NULL, wall, "expected for or wall_s, not both")
+                         : MU_OK;
+}
+
 static mu_result values_check(struct experiment_source *s, const struct experiment_chaos *c,
                               int node)
 {
@@ -190,12 +217,7 @@ static mu_result values_check(struct experiment_source *s, const struct experime
                                 "expected a delay of more than 0 and at most 10000 ms, not %g",
                                 c->by_ms);
     }
-    int lasts = yaml_tree_child(s->tree, node, "for");
-    if (lasts && (!(c->for_s > 0) || c->for_s > EXPERIMENT_DURATION_MAX_S)) {
-        return experiment_fault(s, NULL, lasts, "expected a time of more than 0 and at most %d s",
-                                EXPERIMENT_DURATION_MAX_S);
-    }
-    return MU_OK;
+    return times_check(s, c, node);
 }
 
 /* What it does, for people. */
@@ -237,6 +259,9 @@ static void text_write(struct experiment_chaos *c)
     }
     if (c->for_s > 0) {
         mu_text_format(&t, " for %g s", c->for_s);
+    }
+    if (c->wall_s > 0) {
+        mu_text_format(&t, " for %g s on the wall", c->wall_s);
     }
     if (c->when) {
         mu_text_format(&t, " when %.60s", c->when);

@@ -134,6 +134,7 @@ static const cyaml_schema_field_t schema_chaos_fields[] = {
     CYAML_FIELD_IGNORE("delay", CYAML_FLAG_OPTIONAL),
     NUMBER("by_ms", by_ms),
     NUMBER("for", for_s),
+    NUMBER("wall_s", wall_s),
     CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_chaos = {

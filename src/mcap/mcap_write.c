@@ -49,6 +49,9 @@ static void pieces_put(struct mcap_writer *w, struct iovec *pieces, int count)
             w->error = errno == EINTR ? 0 : errno;
             continue;
         }
+        if (wrote == 0 && pieces->iov_len > 0) { /* a file that takes nothing, and says nothing */
+            w->error = EIO;
+        }
         w->offset += (uint64_t)wrote;
         size_t left = (size_t)wrote;
         while (count > 0 && left >= pieces->iov_len) {

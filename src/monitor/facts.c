@@ -68,11 +68,6 @@ static void slot_real(struct mu_text *t, const char *slot, double value)
                    value == floor(value) && fabs(value) < 1e15 ? ".0" : "");
 }
 
-static void slot_count(struct mu_text *t, const char *slot, uint64_t value)
-{
-    mu_text_format(t, " (%s %" PRIu64 ")", slot, value);
-}
-
 static void slot_word(struct mu_text *t, const char *slot, const char *word)
 {
     mu_text_format(t, " (%s ", slot);
@@ -94,76 +89,96 @@ static double degrees(double rad)
 
 /* --- facts ------------------------------------------------------------------------------------ */
 
-static void robot_now(struct mu_text *t, const struct mu_robot_view *v)
+/* What is no symbol is a string, as in text. */
+static struct mind_slot word(const char *slot, const char *text)
 {
-    slot_word(t, "name", v->name);
-    slot_word(t, "state", mu_state_text(v->state));
-    slot_real(t, "x", v->x_m * MM);
-    slot_real(t, "y", v->y_m * MM);
-    slot_real(t, "heading", degrees(v->heading_rad));
-    slot_real(t, "speed", v->forward_m_s * MM);
-    slot_real(t, "turn-rate", v->turn_rad_s * DEG);
-    slot_real(t, "command-speed", v->command_forward_m_s * MM);
-    slot_real(t, "command-turn-rate", v->command_turn_rad_s * DEG);
-    slot_truth(t, "stalled", v->stalled);
+    const char *at = text;
+    struct clips_field f = clips_text_field(&at);
+    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(text) && field_is_plain(&f);
+    return (struct mind_slot){.name = slot,
+                              .kind = symbol || !text[0] ? MIND_SLOT_SYMBOL : MIND_SLOT_STRING,
+                              .word = text[0] ? text : "nil"};
 }
 
-static void robot_so_far(struct mu_text *t, const struct mu_stats_robot *r)
+static struct mind_slot real(const char *slot, double value)
 {
-    slot_real(t, "distance", r->distance_m * MM);
-    slot_count(t, "stalls", r->stalls);
-    slot_real(t, "stalled-time", r->stalled_s);
-    slot_real(t, "mean-speed", r->mean_speed_m_s * MM);
-    slot_real(t, "efficiency", r->efficiency_m_s * MM);
-    slot_count(t, "sent", r->mails_sent);
-    slot_count(t, "received", r->mails_received);
-    slot_count(t, "fired", r->firings);
-    slot_real(t, "explored", r->explored);
+    return (struct mind_slot){.name = slot, .kind = MIND_SLOT_REAL, .real = value};
 }
 
-void facts_write_robot(struct mu_text *t, const mu_stats *s, size_t robot,
-                       const struct mu_robot_view *view)
+static struct mind_slot count(const char *slot, uint64_t value)
+{
+    return (struct mind_slot){.name = slot, .kind = MIND_SLOT_COUNT, .count = value};
+}
+
+static struct mind_slot truth(const char *slot, bool value)
+{
+    return word(slot, value ? "TRUE" : "FALSE");
+}
+
+static void slots_tell(struct mind *m, const char *relation, const struct mind_slot *slots,
+                       size_t slots_count)
+{
+    if (mind_tell_slots(m, relation, slots, slots_count) != MU_OK) {
+        mu_log(MU_LOG_INFO, "fact-refused", "fact=%s", relation);
+    }
+}
+
+static void robot_tell(struct mind *m, const mu_stats *s, size_t robot,
+                       const struct mu_robot_view *v)
 {
     const struct mu_stats_robot *r = mu_stats_robot(s, robot);
-    mu_text_clear(t);
-    mu_text_add(t, "(robot");
-    robot_now(t, view);
-    robot_so_far(t, r);
     bool near = r->nearest_m >= 0;
-    slot_word(t, "nearest", near ? mu_stats_robot(s, r->nearest)->name : "nil");
-    slot_real(t, "nearest-distance", near ? r->nearest_m * MM : -1);
-    slot_real(t, "nearest-time", near ? r->nearest_s : -1);
-    if (r->has_goal) {
-        slot_real(t, "goal-time", r->goal_s);
-        slot_truth(t, "at-goal", r->there);
-    }
-    mu_text_add(t, ")");
+    const struct mind_slot slots[] = {
+        word("name", v->name),
+        word("state", mu_state_text(v->state)),
+        real("x", v->x_m * MM),
+        real("y", v->y_m * MM),
+        real("heading", degrees(v->heading_rad)),
+        real("speed", v->forward_m_s * MM),
+        real("turn-rate", v->turn_rad_s * DEG),
+        real("command-speed", v->command_forward_m_s * MM),
+        real("command-turn-rate", v->command_turn_rad_s * DEG),
+        truth("stalled", v->stalled),
+        real("distance", r->distance_m * MM),
+        count("stalls", r->stalls),
+        real("stalled-time", r->stalled_s),
+        real("mean-speed", r->mean_speed_m_s * MM),
+        real("efficiency", r->efficiency_m_s * MM),
+        count("sent", r->mails_sent),
+        count("received", r->mails_received),
+        count("fired", r->firings),
+        real("explored", r->explored),
+        word("nearest", near ? mu_stats_robot(s, r->nearest)->name : "nil"),
+        real("nearest-distance", near ? r->nearest_m * MM : -1),
+        real("nearest-time", near ? r->nearest_s : -1),
+        real("goal-time", r->goal_s),
+        truth("at-goal", r->there),
+    };
+    size_t all = sizeof slots / sizeof slots[0];
+    slots_tell(m, "robot", slots, r->has_goal ? all : all - 2);
 }
 
-void facts_write_team(struct mu_text *t, const mu_stats *s)
+static void team_tell(struct mind *m, const mu_stats *s)
 {
     struct mu_stats_team team = mu_stats_team(s);
-    mu_text_clear(t);
-    mu_text_add(t, "(team");
-    slot_real(t, "distance", team.distance_m * MM);
-    slot_count(t, "stalls", team.stalls);
-    slot_real(t, "explored", team.explored);
-    slot_word(t, "most-efficient", team.most_efficient ? team.most_efficient : "nil");
-    slot_count(t, "sent", team.mails_sent);
-    slot_count(t, "received", team.mails_received);
-    slot_count(t, "fired", team.firings);
-    mu_text_add(t, ")");
+    const struct mind_slot slots[] = {
+        real("distance", team.distance_m * MM),
+        count("stalls", team.stalls),
+        real("explored", team.explored),
+        word("most-efficient", team.most_efficient ? team.most_efficient : "nil"),
+        count("sent", team.mails_sent),
+        count("received", team.mails_received),
+        count("fired", team.firings),
+    };
+    slots_tell(m, "team", slots, sizeof slots / sizeof slots[0]);
 }
 
-void facts_write_object(struct mu_text *t, const struct mu_object_view *object)
+static void object_tell(struct mind *m, const struct mu_object_view *o)
 {
-    mu_text_clear(t);
-    mu_text_add(t, "(thing");
-    slot_word(t, "name", object->name);
-    slot_real(t, "x", object->x_m * MM);
-    slot_real(t, "y", object->y_m * MM);
-    slot_real(t, "heading", degrees(object->heading_rad));
-    mu_text_add(t, ")");
+    const struct mind_slot slots[] = {word("name", o->name), real("x", o->x_m * MM),
+                                      real("y", o->y_m * MM),
+                                      real("heading", degrees(o->heading_rad))};
+    slots_tell(m, "thing", slots, sizeof slots / sizeof slots[0]);
 }
 
 void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside)
@@ -254,14 +269,11 @@ void facts_tell(struct mind *m, const mu_stats *s, const struct mu_frame *f)
     struct mu_text t;
     mu_text_init(&t, bytes, sizeof bytes);
     for (size_t i = 0; i < f->robot_count && i < mu_stats_count(s); i++) {
-        facts_write_robot(&t, s, i, &f->robots[i]);
-        tell(m, &t);
+        robot_tell(m, s, i, &f->robots[i]);
     }
-    facts_write_team(&t, s);
-    tell(m, &t);
+    team_tell(m, s);
     for (size_t i = 0; i < f->object_count; i++) {
-        facts_write_object(&t, &f->objects[i]);
-        tell(m, &t);
+        object_tell(m, &f->objects[i]);
     }
     acts_tell(m, &t, f);
 }

@@ -21,16 +21,10 @@ void facts_add_word(struct mu_text *t, const char *word);
 /** Adds a mail's content as fields where it is a list of them, else as one string. */
 void facts_add_content(struct mu_text *t, const char *language, const char *content);
 
-/** Writes (robot ...).  @param view  of the same robot, in the same step */
-void facts_write_robot(struct mu_text *t, const mu_stats *s, size_t robot,
-                       const struct mu_robot_view *view);
-
-void facts_write_team(struct mu_text *t, const mu_stats *s);
-
-void facts_write_object(struct mu_text *t, const struct mu_object_view *object);
-
+/** Writes (mail-seen ...). */
 void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside);
 
+/** Writes (run-ended ...). */
 void facts_write_end(struct mu_text *t, const struct mu_run_result *result);
 
 /** Tells the mind all that a Frame says; the step's own fact is the caller's. */

@@ -142,6 +142,7 @@ static bool record_live(struct recorder *r)
     while (!signal_came && good && mu_clock_ns() < until_ns) {
         bool looks = set.all || set.topics_count > 0; /* our topics are open already */
         if (looks && mu_clock_ns() - r->looked_ns >= LOOK_NS) {
+            (void)samples_take(r); /* a tap that asks for less begins anew */
             r->tap_count =
                 tap_watch_look(&r->watch, r->taps, r->tap_count, MU_RECORD_CHANNELS_MAX, is_wanted);
             r->looked_ns = mu_clock_ns();
@@ -164,8 +165,8 @@ static void result_print(const struct recorder *r, const char *path)
                 r->tape->lost);
     }
     if (!set.quiet) {
-        printf("%" PRIu64 " messages of %" PRIu32 " topics: %s\n", r->tape->messages,
-               r->tape->channel_count, path);
+        printf("%" PRIu64 " messages of %zu topics: %s\n", r->tape->messages, tape_topics(r->tape),
+               path);
     }
 }
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file tape.h
- * A recording of what taps hear: a channel for each topic and partition, a message for each sample.
+ * A recording of what taps hear: a channel for each topic, partition and quality of service, a
+ * message for each sample, and beside it a channel of what instances have gone (bus/gone.h).
  */
 #ifndef MUSTER_RECORD_TAPE_H
 #define MUSTER_RECORD_TAPE_H
@@ -10,26 +11,30 @@
 #include "mcap/mcap_write.h"
 #include "muster/limits.h"
 
-enum { TAPE_WRITERS = 4096 };
+enum { TAPE_WRITERS = 4096, TAPE_TYPE_MAX = TAP_NAME_MAX + 64 };
 
-/* A channel of the file: a topic in one partition, in one encoding. */
+/* A channel of the file. */
 struct tape_channel {
     const struct tap *tap;
-    char partition[TAP_NAME_MAX + 1];
-    bool plain;        /* in the first version of CDR, which definitions are for */
-    uint32_t sequence; /* of the last message */
+    struct tap_offer offer;
+    bool plain;                   /* in the first version of CDR, which definitions are for */
+    bool gone;                    /* of what instances have gone */
+    uint32_t sequence;            /* of the last message */
+    char type[TAPE_TYPE_MAX + 1]; /* the attached file that describes the type; "": none */
+};
+
+/* Which channels a writer's samples go to, by the writer's handle: also of one that has gone. */
+struct tape_writer {
+    uint64_t writer;
+    const struct tap *tap; /* NULL: free */
+    uint32_t channel, gone_channel;
 };
 
 struct tape {
     struct mcap_writer *file;
     struct tape_channel channels[MU_RECORD_CHANNELS_MAX]; /* as in the file */
     uint32_t channel_count;
-    /* Which channel a writer's samples go to, by the writer's handle; it is only a short cut. */
-    struct {
-        uint64_t writer;
-        const struct tap *tap; /* NULL: free */
-        uint32_t channel;
-    } writers[TAPE_WRITERS];
+    struct tape_writer writers[TAPE_WRITERS];
     uint64_t messages, lost; /* lost: for want of a channel, or too long */
 };
 
@@ -44,6 +49,9 @@ void tape_take(void *self, struct tap *tap, const struct tap_sample *sample);
 
 /** Writes what is older than a second.  @return whether the disk is in order */
 bool tape_look(struct tape *t);
+
+/** @return of how many topics it has samples */
+size_t tape_topics(const struct tape *t);
 
 /** Ends the file.  @return MU_OK or MU_FAULT_OS, said on standard error */
 MU_MUST_USE mu_result tape_close(struct tape *t);

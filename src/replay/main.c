@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-replay: a recording on DDS again, for who looks at runs. */
-#include "bus/feed.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
-#include "mcap/mcap_origin.h"
+#include "mcap/mcap_read.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
+#include "replay/channels.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -51,7 +51,8 @@ static struct mu_option option_table[] = {
     {.name = "topics",
      .kind = MU_OPTION_LIST,
      .unit = "TOPIC",
-     .help = "only these, or all (default: those that are for who looks at a run)",
+     .help = "only these, or all (default: those that are for who looks at a run, and those of "
+             "other programs)",
      .target = &set.topics},
     {.name = "from",
      .kind = MU_OPTION_REAL,
@@ -87,17 +88,11 @@ static struct mu_option option_table[] = {
      .target = &set.verbose},
 };
 
-/* What processes say to each other means something to them: it is replayed to who asks for it. */
-static const enum bus_topic for_observers[] = {
-    BUS_SCENE,         BUS_FRAME,       BUS_RUN_STATUS,   BUS_PAGES,
-    BUS_BROKER_STATUS, BUS_PART_STATUS, BUS_BROKER_EVENT,
-};
-
 struct replay {
     struct bus bus;
     struct mcap_reader *file;
-    struct feed *feeds[MU_RECORD_CHANNELS_MAX]; /* of the file's channels; NULL: left out */
-    uint64_t from_ns, to_ns;                    /* of the recording */
+    struct channels channels;
+    uint64_t from_ns, to_ns; /* of the recording */
     uint64_t messages, malformed;
 };
 
@@ -122,88 +117,6 @@ static mu_result settings_parse(int argc, char **argv, const char **path)
     return MU_OK;
 }
 
-/* --- which channels --------------------------------------------------------------------------- */
-
-static bool is_named(const char *topic)
-{
-    for (size_t i = 0; i < set.topics.count; i++) {
-        if (strcmp(set.topics.items[i], topic) == 0 || strcmp(set.topics.items[i], "all") == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool is_wanted(const char *name, enum bus_topic topic)
-{
-    bool observed = false;
-    for (size_t i = 0; i < sizeof for_observers / sizeof for_observers[0]; i++) {
-        observed = observed || for_observers[i] == topic;
-    }
-    return set.topics.count > 0 ? is_named(name) : observed;
-}
-
-/* @return whether the messages of a channel are what the topic has today */
-static bool is_same_type(const struct mcap_channel *c, enum bus_topic topic)
-{
-    return strcmp(c->encoding, "cdr") == 0 && c->schema_size > 0 &&
-           bus_schema_is(topic, c->schema, c->schema_size);
-}
-
-static const char *partition_of(const struct mcap_channel *c)
-{
-    for (size_t i = 0; i < c->pairs_count; i++) {
-        if (strcmp(c->pairs[i].key, "partition") == 0) {
-            return c->pairs[i].value;
-        }
-    }
-    return "";
-}
-
-static mu_result channel_open(struct replay *r, uint32_t index)
-{
-    const struct mcap_channel *c = mcap_reader_channel(r->file, index);
-    char shown[MU_TEXT_SHOWN];
-    enum bus_topic topic;
-    bool ours = feed_topic(c->topic, &topic);
-    mcap_reader_pick(r->file, index, false);
-    if (ours ? !is_wanted(c->topic, topic) : set.topics.count > 0 && !is_named(c->topic)) {
-        return MU_OK;
-    }
-    if (!ours || !is_same_type(c, topic)) {
-        char bytes[128];
-        struct mu_text origin;
-        mu_text_init(&origin, bytes, sizeof bytes);
-        mcap_origin_write(r->file, &origin);
-        fprintf(stderr, "muster replay: %s is left out: ", mu_text_show(shown, c->topic));
-        if (ours) {
-            fprintf(stderr,
-                    "it was written by %s, whose %s is another type than that of this muster, "
-                    "%s: replay it with the one that wrote it\n",
-                    origin.at, shown, MU_VERSION);
-        } else {
-            fprintf(stderr, "it is no topic of muster\n");
-        }
-        return MU_OK;
-    }
-    r->feeds[index] = mu_startup_alloc(sizeof *r->feeds[index]);
-    mcap_reader_pick(r->file, index, true);
-    if (topic == BUS_FRAME) { /* to those who want every one, and those who want the latest */
-        return feed_open(r->feeds[index], &r->bus, topic, "every", "latest");
-    }
-    return feed_open(r->feeds[index], &r->bus, topic, partition_of(c), NULL);
-}
-
-static mu_result channels_open(struct replay *r, size_t *count)
-{
-    *count = 0;
-    for (uint32_t i = 0; i < mcap_reader_channels(r->file); i++) {
-        MU_TRY(channel_open(r, i));
-        *count += r->feeds[i] != NULL;
-    }
-    return MU_OK;
-}
-
 /* --- time ------------------------------------------------------------------------------------- */
 
 static void sleep_ns(uint64_t ns)
@@ -222,7 +135,7 @@ static void sleep_until(uint64_t due_ns)
 static bool all_are_read(const struct replay *r)
 {
     for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX; i++) {
-        if (r->feeds[i] && bus_writer_matches(&r->feeds[i]->out) == 0) {
+        if (r->channels.feeds[i] && bus_writer_matches(&r->channels.feeds[i]->out) == 0) {
             return false;
         }
     }
@@ -245,7 +158,7 @@ static mu_result message_write(struct replay *r, const struct mcap_message *m)
 {
     mu_result written = MU_BUSY;
     while (!signal_came && written == MU_BUSY) {
-        written = feed_write(r->feeds[m->channel], m->data, m->size);
+        written = channels_write(&r->channels, m);
         if (written == MU_BUSY) {
             sleep_ns(1000000);
         }
@@ -275,8 +188,8 @@ static mu_result replay_once(struct replay *r)
 static void feeds_drain(const struct replay *r)
 {
     for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX && !signal_came; i++) {
-        if (r->feeds[i]) {
-            (void)bus_drain(&r->feeds[i]->out, (int64_t)DRAIN_NS);
+        if (r->channels.feeds[i]) {
+            (void)bus_drain(&r->channels.feeds[i]->out, (int64_t)DRAIN_NS);
         }
     }
 }
@@ -309,7 +222,7 @@ static mu_result file_open(struct replay *r, const char *path)
     return MU_OK;
 }
 
-static int network_open(struct replay *r, size_t *channels)
+static int network_open(struct replay *r)
 {
     struct bus_options options = {.domain = (int)set.network.domain,
                                   .place = BUS_SIMULATOR,
@@ -324,20 +237,23 @@ static int network_open(struct replay *r, size_t *channels)
                 options.domain);
         return MU_EXIT_DDS;
     }
-    if (opened != MU_OK || channels_open(r, channels) != MU_OK) {
+    r->channels.bus = &r->bus;
+    r->channels.file = r->file;
+    r->channels.topics = &set.topics;
+    if (opened != MU_OK || channels_open(&r->channels) != MU_OK) {
         return MU_EXIT_DDS;
     }
     return MU_EXIT_DONE;
 }
 
-static int result_print(const struct replay *r, size_t channels)
+static int result_print(const struct replay *r)
 {
     uint64_t bad = r->malformed + mcap_reader_broken(r->file);
     if (bad > 0) {
         fprintf(stderr, "muster replay: %" PRIu64 " messages or chunks are damaged\n", bad);
     }
     if (!set.quiet) {
-        printf("%" PRIu64 " messages of %zu topics\n", r->messages, channels);
+        printf("%" PRIu64 " messages of %zu topics\n", r->messages, r->channels.count);
     }
     return signal_came ? MU_EXIT_INTERRUPTED : bad > 0 ? MU_EXIT_FILE : MU_EXIT_DONE;
 }
@@ -345,7 +261,6 @@ static int result_print(const struct replay *r, size_t channels)
 int main(int argc, char **argv)
 {
     const char *path;
-    size_t channels = 0;
     mu_result parsed = settings_parse(argc, argv, &path);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
@@ -355,11 +270,11 @@ int main(int argc, char **argv)
     if (file_open(r, path) != MU_OK) {
         return MU_EXIT_FILE;
     }
-    int code = network_open(r, &channels);
+    int code = network_open(r);
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    if (channels == 0) {
+    if (r->channels.count == 0) {
         fprintf(stderr, "muster replay: nothing in %s is to be replayed; --topics names what is\n",
                 path);
         return MU_EXIT_FILE;
@@ -370,5 +285,5 @@ int main(int argc, char **argv)
     mu_memory_seal();
     mu_result lived = replay_live(r);
     bus_close(&r->bus);
-    return lived < 0 ? mu_exit_for(lived) : result_print(r, channels);
+    return lived < 0 ? mu_exit_for(lived) : result_print(r);
 }

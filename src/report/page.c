@@ -22,6 +22,8 @@ static const char page_style[] =
     "white-space:nowrap}th{font-weight:600;color:var(--soft)}\n"
     "th:first-child,td:first-child,.text th,.text td{text-align:left}"
     ".text td{white-space:normal}\n"
+    ".many{font-size:.875rem}.many th{white-space:normal;vertical-align:bottom}"
+    ".many th,.many td{padding:.35em .45em}\n"
     ".met{color:var(--good)}.failed{color:var(--bad);font-weight:600}\n"
     ".swatch{display:inline-block;width:.8em;height:.8em;border-radius:2px;margin-right:.5em}\n"
     "dl{display:grid;grid-template-columns:max-content 1fr;gap:.2em 1.2em}"

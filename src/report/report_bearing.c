@@ -161,11 +161,11 @@ void report_write_bearing(FILE *file, const struct report_data *data)
     struct bearing b;
     bearing_init(&b, file, data);
     double right_px = b.x.to_px + 24;
-    double low_px = fmax(b.y.from_px, b.y.to_px + report_legend_height(data, 0));
+    double low_px = fmax(b.y.from_px + BEARING_BOTTOM, b.y.to_px + report_legend_height(data, 0));
     char title[192];
     snprintf(title, sizeof title, "%s: bearing, seed %llu", data->input->experiment->name,
              (unsigned long long)data->input->seed);
-    svg_open(file, right_px + report_legend_width(data), low_px + BEARING_BOTTOM, title);
+    svg_open(file, right_px + report_legend_width(data), low_px, title);
     double at[2] = {b.x.from_px, 24};
     svg_text(file, at, SVG_START, "font-size=\"15\" font-weight=\"600\" fill=\"#111\"", title);
     bearing_draw_axes(&b);

@@ -182,8 +182,10 @@ static void expect_judge_objects(const struct report_expect *x, unsigned i,
     struct mu_text text, measured;
     mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
     mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
-    mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted, expect->objects,
-                   expect->within_m, expect->at->x_m, expect->at->y_m);
+    bool all = strcmp(expect->objects, "*") == 0;
+    mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted,
+                   all ? "all things" : expect->objects, expect->within_m, expect->at->x_m,
+                   expect->at->y_m);
     /* As with near: what is expected from a time on says nothing of a run that was cut short. */
     result->judged[i] = expect->from_s < x->input->experiment->duration;
     result->met[i] = !result->judged[i] || (meant > 0 && there >= wanted);

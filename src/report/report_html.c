@@ -6,7 +6,23 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 #include <unistd.h>
+
+static const char *verdict(const struct report_data *data)
+{
+    return data->input->experiment->expect_count == 0        ? "nothing was expected of it"
+           : data->result->all_met && data->input->broke_off ? "everything as expected so far"
+           : data->result->all_met                           ? "everything as expected"
+                                                             : "not everything as expected";
+}
+
+static const char *verdict_class(const struct report_data *data)
+{
+    return data->input->experiment->expect_count == 0 ? "soft"
+           : data->result->all_met                    ? "met"
+                                                      : "failed";
+}
 
 static void html_head(FILE *file, const struct report_data *data)
 {
@@ -20,8 +36,7 @@ static void html_head(FILE *file, const struct report_data *data)
         fputs("<span class=\"failed\">where it broke off</span>, ", file);
     }
     fprintf(file, "%zu robot%s: <span class=\"%s\">%s</span></p>\n", input->robots_count,
-            input->robots_count == 1 ? "" : "s", data->result->all_met ? "met" : "failed",
-            data->result->all_met ? "everything as expected" : "not everything as expected");
+            input->robots_count == 1 ? "" : "s", verdict_class(data), verdict(data));
 }
 
 static void html_expectations(FILE *file, const struct report_data *data)
@@ -49,7 +64,8 @@ static void html_expectations(FILE *file, const struct report_data *data)
 
 static void html_robots(FILE *file, const struct report_data *data)
 {
-    fputs("<h2>Robots</h2>\n<div class=\"wide\"><table>\n<tr><th>robot</th><th>distance</th>"
+    fputs("<h2>Robots</h2>\n<div class=\"wide\"><table "
+          "class=\"many\">\n<tr><th>robot</th><th>distance</th>"
           "<th>mean speed</th><th>stalls</th><th>stalled</th><th>longest stall</th>"
           "<th>mail sent</th><th>received</th><th>rule firings</th><th>stands at</th>"
           "<th>heading</th></tr>\n",
@@ -113,7 +129,10 @@ static void html_facts(FILE *file, const struct report_data *data)
     html_fact(file, "made with", input->versions ? input->versions : "");
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
-    fputs("</pre>\n<p class=\"soft\">The same seed gives the same hash.</p>\n", file);
+    fprintf(file, "</pre>\n<p class=\"soft\">%s</p>\n",
+            strcmp(input->hash, "none") != 0
+                ? "The same seed gives the same hash."
+                : "This run has no hash: it ran free, or did not come to its end.");
 }
 
 static void html_files(FILE *file, const char *folder)

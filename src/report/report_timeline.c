@@ -60,7 +60,7 @@ static void command_draw(struct timeline *t, const struct experiment_command *c)
     for (unsigned i = 0; i < c->targets_count; i++) {
         mu_text_format(&label, "%s%s", i ? ", " : "", c->targets[i]);
     }
-    mu_text_format(&label, ": %s", c->line);
+    mu_text_format(&label, ": %s%s", c->move ? "move to " : "", c->move ? c->move : c->line);
     fprintf(t->file, "<path d=\"M%.1f %.1f l-5 -4.5 v9 z\" fill=\"#0b5fa5\"/>\n", px + 5, y);
     text_beside(t, px, text);
     t->y_px += TIME_ROW;

@@ -195,8 +195,8 @@ void report_write_tracks(FILE *file, const struct report_data *data)
     char title[192];
     snprintf(title, sizeof title, "%s: tracks, seed %llu", data->input->experiment->name,
              (unsigned long long)data->input->seed);
-    double low_px = fmax(t.y.from_px, TRACKS_TOP + report_legend_height(data, 3));
-    svg_open(file, right_px + report_legend_width(data), low_px + TRACKS_BOTTOM, title);
+    double low_px = fmax(t.y.from_px + TRACKS_BOTTOM, TRACKS_TOP + report_legend_height(data, 3));
+    svg_open(file, right_px + report_legend_width(data), low_px, title);
     double at[2] = {t.x.from_px, 24};
     svg_text(file, at, SVG_START, "font-size=\"15\" font-weight=\"600\" fill=\"#111\"", title);
     tracks_draw_axis(&t, &t.x, false);

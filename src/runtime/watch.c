@@ -18,6 +18,9 @@ static const uint64_t SCENE_PATIENCE_NS = 1000000000;
 /* The last Frames of a run that is over come within this, or not at all. */
 static const uint64_t END_PATIENCE_NS = 1000000000;
 
+/* Handlers that take long get so much at a time: the process has mail and heartbeats, too. */
+static const uint64_t FRAMES_NS = 100000000;
+
 /* That a simulator has left is no sample, and is looked for. */
 static const int64_t ROUND_NS = 50000000;
 
@@ -38,6 +41,7 @@ struct mu_watch {
     int64_t step;     /* of the last Frame; STEPS_NONE */
     uint64_t time_ns; /* simulated, of that Frame */
     uint64_t missed;
+    bool more; /* Frames lie there that were left for the next spin */
     bool over; /* the run is; the rest comes yet */
     uint64_t over_ns;
     enum mu_run_end end;
@@ -179,20 +183,23 @@ static void statuses_look(mu_watch *w)
     }
 }
 
-/* Frames wait for their Scene. */
-static void frames_look(mu_watch *w)
+/* Frames wait for their Scene.  @param most_ns  no new one after so long */
+static void frames_look(mu_watch *w, uint64_t most_ns)
 {
     enum bus_life life;
-    const muster_Frame *f;
-    bool patient = mu_clock_ns() - w->met_ns < SCENE_PATIENCE_NS;
+    const muster_Frame *f = NULL;
+    uint64_t began_ns = mu_clock_ns();
+    bool patient = began_ns - w->met_ns < SCENE_PATIENCE_NS;
     if (!w->has_scene && patient) {
         return;
     }
-    while ((f = bus_next(&w->frames, &life))) {
-        if (life == BUS_DATA) {
+    do {
+        f = bus_next(&w->frames, &life);
+        if (f && life == BUS_DATA) {
             frame_take(w, f);
         }
-    }
+    } while (f && mu_clock_ns() - began_ns < most_ns);
+    w->more = f != NULL;
 }
 
 static void end_tell(mu_watch *w)
@@ -214,10 +221,13 @@ static void end_tell(mu_watch *w)
 static void end_look(mu_watch *w)
 {
     bool here = bus_reader_matches(&w->frames) > 0;
+    if (w->met && !here) {
+        statuses_look(w); /* what it said last came while the Frames were looked at */
+    }
     bool whole = w->over && w->step >= w->last_step;
     bool late = w->over && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
     if (w->met && !w->told && (whole || late || !here)) {
-        frames_look(w);
+        frames_look(w, UINT64_MAX);
         end_tell(w);
     }
     w->met = w->met && here;
@@ -226,6 +236,7 @@ static void end_look(mu_watch *w)
 mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
 {
     int64_t most_ns = timeout_ns < ROUND_NS ? timeout_ns : ROUND_NS;
+    most_ns = w->more ? 0 : most_ns;
     w->ended = false;
     if (w->process) {
         MU_TRY(mu_process_spin(w->process, most_ns));
@@ -240,7 +251,7 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
         ready_tell(w);
     }
     statuses_look(w);
-    frames_look(w);
+    frames_look(w, FRAMES_NS);
     end_look(w);
     return w->ended ? MU_DONE : MU_OK;
 }

@@ -28,6 +28,17 @@ struct minds *minds_open(size_t text_max, uint32_t robots_max)
     return m;
 }
 
+void minds_clear(struct minds *m)
+{
+    for (int32_t i = 0; i < m->robots_count; i++) {
+        (void)mu_table_remove(&m->names, m->robots[i].name);
+    }
+    memset(m->blocks, 0, ((size_t)m->lines_count / MINDS_BLOCK + 1) * sizeof *m->blocks);
+    m->robots_count = m->lines_count = 0;
+    m->text_len = 0;
+    m->cut = false;
+}
+
 /* Keeps text with a zero behind it. */
 static const char *text_keep(struct minds *m, const char *text, size_t len)
 {

@@ -66,6 +66,9 @@ struct minds {
  */
 struct minds *minds_open(size_t text_max, uint32_t robots_max);
 
+/** Forgets all of it. */
+void minds_clear(struct minds *m);
+
 /** Adds a robot's diary of one step; steps come in order.  What is not a diary's line is skipped.
  */
 void minds_add(struct minds *m, const char *robot, uint32_t step, const char *diary);

@@ -118,6 +118,10 @@ static mu_result types_check(const struct recording *r, const char *path, struct
 
 mu_result recording_open(struct recording *r, const char *path, struct mu_fault *fault)
 {
+    recording_close(r);
+    minds_clear(r->minds);
+    r->steps_count = 0;
+    r->malformed = 0;
     MU_TRY(mcap_reader_open(r->reader, path, fault));
     MU_TRY(types_check(r, path, fault));
     r->frames = mcap_reader_find(r->reader, "Frame");

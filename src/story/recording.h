@@ -37,8 +37,11 @@ struct recording {
 MU_MUST_USE mu_result recording_create(struct recording *r, const char *path,
                                        struct mu_fault *fault);
 
-/** Opens it and reads it through.  @return MU_OK; MU_FAULT_FILE: not a recording of a run, or of
- * another version's types */
+/**
+ * Opens it, or another one that is no longer, and reads it through; what was open is closed.
+ *
+ * @return MU_OK; MU_FAULT_FILE: not a recording of a run, or of another version's types
+ */
 MU_MUST_USE mu_result recording_open(struct recording *r, const char *path, struct mu_fault *fault);
 
 /** @return a step's Frame, good until the next call; NULL: the recording does not have it */

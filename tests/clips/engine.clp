@@ -75,3 +75,19 @@
   (assert (held (v ?f) (m ?i [thing] "s" s 1 1.0 ?f)))
   (facts))
 (defrule again ?h <- (held (v ?f) (m $? "s" ?s $?)) => (retract ?f ?h) (printout t ?s crlf))
+
+;;; pieces of every size come and go
+(deffunction list-of (?n ?x) (bind ?all (create$))
+  (loop-for-count ?n (bind ?all (create$ ?all ?x))) ?all)
+(deffunction text-of (?n) (bind ?text "") (loop-for-count ?n (bind ?text (str-cat ?text "t"))) ?text)
+(deffunction fill (?from ?to ?by)
+  (loop-for-count (?i ?from ?to)
+    (assert (piece (* ?i ?by) (text-of (* ?i ?by)) (list-of ?i (sym-cat s ?i))))))
+(deffunction sum () (bind ?sum 0)
+  (do-for-all-facts ((?f piece)) TRUE
+    (bind ?sum (+ ?sum (length$ ?f:implied) (str-length (nth$ 2 ?f:implied))))) ?sum)
+(defrule r => (fill 1 60 10) (printout t (sum))
+  (do-for-all-facts ((?f piece)) (evenp (nth$ 1 ?f:implied)) (retract ?f))
+  (fill 20 70 9) (printout t " " (sum))
+  (do-for-all-facts ((?f piece)) (> (nth$ 1 ?f:implied) 300) (retract ?f))
+  (fill 1 60 11) (printout t " " (sum) crlf))

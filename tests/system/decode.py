@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads a recording with the public reader, checksums and all: decode.py FILE prints, as JSON, its
-tables, attached files, counts by topic, and the messages of the topics that are named after FILE."""
+tables, attached files, what is said of channels, counts by topic, and the messages of the topics
+that are named after FILE."""
 import hashlib
 import json
 import sys
@@ -33,6 +34,7 @@ def main():
             out["raw"][channel.topic] = out["raw"].get(channel.topic, 0) + 1
             line = b"%d %s " % (message.log_time, channel.topic.encode())
             sums.setdefault(channel.topic, hashlib.sha256()).update(line + message.data)
+        out["pairs"] = {c.topic: c.metadata for c in reader.get_summary().channels.values()}
         out["sums"] = {topic: s.hexdigest() for topic, s in sums.items()}
         topics = [c.topic for c in reader.get_summary().channels.values() if c.schema_id]
         for schema, channel, message, decoded in reader.iter_decoded_messages(topics=topics):

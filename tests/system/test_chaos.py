@@ -60,7 +60,7 @@ chaos:
   - {at: 1, lose: [red, all], share: 0.1}
   - {at: 1, lose: [broker, all], share: 0.1}
   - {at: 2, delay: [blue, simulator], by_ms: 5}
-  - {at: 4, cut: [blue, broker], for: 0.5}
+  - {at: 4, cut: [blue, broker], wall_s: 0.5}
 """, "--duration", "6")
         check_equal(struck["hash"], plain["hash"], "the hash with one packet of ten lost")
         check(struck["packets_struck"] > 50, f"packets struck: {struck['packets_struck']}")
@@ -73,8 +73,8 @@ def test_a_stopped_process_is_waited_for():
         _, plain = run(out, "plain", "", "--duration", "5")
         _, stopped = run(out, "stopped", """
 chaos:
-  - {at: 2, stop: blue, for: 0.4}
-  - {at: 3, stop: broker, for: 0.4}
+  - {at: 2, stop: blue, wall_s: 0.4}
+  - {at: 3, stop: broker, wall_s: 0.4}
 """, "--duration", "5")
         check_equal(stopped["hash"], plain["hash"], "the hash with a process that stood still")
         check_equal([c["done"] for c in stopped["chaos"]], [True, True], "they were stopped")
@@ -85,6 +85,87 @@ def test_a_killed_robot_ends_a_run_in_lock_step():
         done, summary = run(out, "a", "chaos:\n  - {at: 2, kill: blue}\n")
         check_equal((done.returncode, summary), (5, None), "the exit code")
         check("blue" in done.stderr, done.stderr)
+
+
+def test_a_killed_robot_comes_back_in_lock_step():
+    """It begins anew while the clock stands still: at the same step in every run."""
+    with folder() as out:
+        told = """  - {at: 6, do: blue, line: "(follow red)"}\n"""
+        _, plain = run(out, "plain", told)
+        text = told + "chaos:\n  - {at: 2, kill: blue}\n  - {at: 2, restart: blue}\n"
+        done, first = run(out, "first", text)
+        check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+        check_equal([(c["at_s"], c["done"]) for c in first["chaos"]], [(2, True)] * 2, "what was done")
+        check(first["hash"] != plain["hash"], "what it knew is lost")
+        blue, was = first["robots"][1], plain["robots"][1]
+        check(was["rule_firings"] - 5 < blue["rule_firings"] < was["rule_firings"],
+              f"it came back at once, and had to be told to run: {blue}")
+        _, second = run(out, "second", text)
+        _, later = run(out, "later", told + "chaos:\n  - {at: 2, kill: blue, wall_s: 0.7}\n")
+        check_equal([second["hash"], later["hash"]], [first["hash"]] * 2, "the same way every time")
+        when = "chaos:\n  - {when: time >= 2, kill: blue}\n  - {when: time >= 2, restart: blue}\n"
+        check_equal(run(out, "when", told + when)[1]["hash"], first["hash"], "by a condition")
+        again = muster("verify", out / "first/run.mcap")
+        check_equal(again.returncode, 0, f"the recording, done again: {again.stdout}")
+
+
+def test_a_killed_robot_with_checkpoints_has_lost_nothing():
+    with folder() as out:
+        _, plain = run(out, "plain", "")
+        _, killed = run(out, "killed", """
+on-crash: restart
+checkpoint: 0.1
+chaos:
+  - {at: 2, kill: blue}
+  - {at: 2, restart: blue}
+  - {at: 5, kill: red, wall_s: 0.2}
+""")
+        check_equal([c["done"] for c in killed["chaos"]], [True] * 3, "they were killed")
+        check_equal(killed["hash"], plain["hash"], "the hash with two robots that died")
+        check("restarts" not in killed, "and nobody came back by himself")
+
+
+def test_what_lasts_in_lock_step_is_simulated_time():
+    with folder() as out:
+        _, plain = run(out, "plain", "", "--duration", "6")
+        hashes, struck = [], []
+        for lasts in ("", ", for: 1", ", for: 100"):
+            _, late = run(out, f"late{len(lasts)}", f"""
+chaos:
+  - {{at: 2, delay: [blue, simulator], by_ms: 1{lasts}}}
+""", "--duration", "6")
+            hashes.append(late["hash"])
+            struck.append(late["packets_struck"])
+        check_equal(hashes, [plain["hash"]] * 3, "late packets change no hash")
+        check(0 < struck[1] < struck[0] / 2 and struck[2] > 2 * struck[1],
+              f"one second of four: {struck}")
+
+
+def test_what_lock_step_cannot_do_is_refused_with_its_place():
+    cases = (("kill: blue, for: 1", "13:30: 'blue': in lock step the clock waits for it"),
+             ("stop: broker, for: 1", "13:32: 'broker': in lock step the clock waits for it"),
+             ("cut: [red, blue], for: 1", "13:36: 'red': in lock step the clock waits for it"),
+             ("lose: [red, all], share: 1, for: 1", "13:46: 'red': in lock step the clock waits"),
+             ("continue: red", "13:5: 'red': in lock step the clock waits for who is stopped"),
+             ("restart: red", "13:5: 'red': in lock step the clock waits for who is killed"),
+             ("kill: broker, wall_s: 1", "13:5: 'broker': in lock step it does not come back"),
+             ("kill: simulator, wall_s: 1", "13:5: 'simulator': it does not come back"))
+    with folder() as out:
+        for i, (words, why) in enumerate(cases):
+            done, summary = run(out, f"c{i}", f"chaos:\n  - {{at: 3, stop: blue, wall_s: 0.1}}\n"
+                                              f"  - {{at: 4, {words}}}\n", "--duration", "1")
+            check_equal((done.returncode, summary), (3, None), words)
+            check(f"c{i}.yaml:{why}" in done.stderr, f"{words}: {done.stderr}")
+        done, _ = run(out, "apart", "chaos:\n  - {at: 3, kill: red}\n  - {at: 4, restart: red}\n")
+        check_equal(done.returncode, 3, "a time that never comes")
+        check("expected a kill of it before, with the same `at`" in done.stderr, done.stderr)
+        free, _ = run(out, "free", "chaos:\n  - {at: 0.4, stop: red}\n  - {at: 0.6, continue: red}\n"
+                                   "  - {at: 0.7, cut: [red, broker], for: 0.1}\n"
+                                   "  - {at: 0.9, kill: broker, for: 0.1}\n", "--free",
+                      "--duration", "1")
+        check_equal(free.returncode, 0, f"in free running all of them can be done: {free.stderr}")
+        free, _ = run(out, "sim", "chaos:\n  - {at: 0.4, restart: simulator}\n", "--free")
+        check_equal(free.returncode, 3, "but for the simulator")
 
 
 def test_a_killed_broker_comes_back_with_its_mail():

@@ -258,6 +258,24 @@ def test_a_monitor_of_rules_sees_all_and_changes_nothing():
             check(0.99 * sent < int(last[5]) <= sent, f"mails: {last} {sent}")
 
 
+SLOW = """
+(defrule slow (step (number ?n)) => (loop-for-count (?i 1 60000) (+ ?i 1)))
+(defrule over (run-ended (how ?how) (step ?n)) => (printout t "over: " ?how " at " ?n crlf))
+"""
+
+
+def test_a_monitor_that_is_late_hears_how_the_run_ended():
+    for _ in range(3):
+        domain = new_domain()
+        with folder() as out, Processes() as processes:
+            rules = out / "slow.clp"
+            rules.write_text(SLOW)
+            monitor = start(processes, out / "out", MUSTER, "monitor", "--rules", rules, "--domain", domain)
+            experiment_run(out / "report", "--domain", domain, "--duration", 20)
+            check_equal(monitor.wait(30), 0, "it ends with the run")
+            check("over: done at 200" in text_of(out / "out"), text_of(out / "out"))
+
+
 def test_the_example_rules_say_who_is_stalled():
     domain = new_domain()
     with folder() as out, Processes() as processes:

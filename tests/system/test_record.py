@@ -90,22 +90,36 @@ def test_topics_that_are_named_are_recorded_alone():
         check_equal(list(got["topics"]), ["Pages"], "topics")
 
 
-def test_a_stranger_is_recorded():
-    """Types that we were not compiled with are found out, and every sample is there, in order."""
-    tool_python(*READERS)
+def stranger_record(out, count):
+    """Records what a program with types of its own writes."""
     domain = new_domain()
-    count = 3000
-    with folder() as out, Processes() as processes:
-        path = out / "a.mcap"
+    path = out / "stranger.mcap"
+    with Processes() as processes:
         record = record_start(processes, domain, path, "--all")
         done = subprocess.run([program("stranger"), str(domain), str(count)], capture_output=True,
                               text=True, timeout=60, env=observer_environment())
         check_equal((done.returncode, done.stdout), (0, "done\n"), done.stderr)
         record_end(record)
-        got = decode(path, "Animals")
-        check_equal(got["raw"], {"Animals": count, "Feedings": count}, "samples")
-        check_equal(got["topics"], {"Animals": count}, "samples whose type can be said")
-        for i, (_, _, _, animal) in enumerate(got["messages"]):
+    return path
+
+
+def samples_of(counts):
+    """Those of the topics themselves, not of what has gone."""
+    return {topic: count for topic, count in counts.items() if not topic.endswith("/gone")}
+
+
+def test_a_stranger_is_recorded():
+    """Types that we were not compiled with are found out, and every sample is there, in order."""
+    tool_python(*READERS)
+    count = 3000
+    with folder() as out:
+        got = decode(stranger_record(out, count), "Animals", "Animals/gone")
+        check_equal(samples_of(got["raw"]), {"Animals": count + 1, "Feedings": count}, "samples")
+        check_equal(samples_of(got["topics"]), {"Animals": count + 1},
+                    "samples whose type can be said")
+        animals = [animal for topic, _, _, animal in got["messages"] if topic == "Animals"]
+        for n, animal in enumerate(animals):
+            i = n if n < count else 3 * count
             legs = [["left", 0.5], ["right", 0.25], ["tail", 1.5], ["nose", 0.125]][:i % 5]
             want = {"cage": i % 3, "number": 10**12 + i, "name": "lion", "tag": "zoo",
                     "mood": i % 3, "awake": i % 2 == 1, "color": [1, 2, i % 256],
@@ -113,6 +127,103 @@ def test_a_stranger_is_recorded():
                     "weights_kg": [i * 0.5, i + 0.25][:i % 3]}
             got_one = {name: value for name, value in animal.items() if not name.isupper()}
             check_equal(got_one, want, f"animal {i}")
+        # The first cage was disposed twice, the second one let go of; the writer left the third.
+        check_equal(gone_of(got), {0: [1, 1], 1: [2], 2: [2]}, "cages that have gone")
+
+
+def gone_of(got):
+    """What became of each cage, in order: 1 disposed, 2 no writer has it."""
+    cages = {}
+    for topic, _, _, gone in got["messages"]:
+        if topic == "Animals/gone":
+            cages.setdefault(gone["key"][4], []).append(gone["what"])
+    return cages
+
+
+def test_a_stranger_is_replayed():
+    """Its own readers get what they would have got from it: the same bytes, offered the same."""
+    tool_python(*READERS)
+    count = 1000
+    with folder() as out, Processes() as processes:
+        path = stranger_record(out, count)
+        domain = new_domain()
+        again = out / "again.mcap"
+        reader = processes.start(program("stranger"), domain, count, "read",
+                                 stdout=subprocess.PIPE, text=True, env=observer_environment())
+        check_equal(reader.stdout.readline(), "ready\n", "the stranger's reader")
+        record = record_start(processes, domain, again, "--all")
+        done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 20)
+        check_equal((done.returncode, done.stderr), (0, ""), done.stdout)
+        said, _ = reader.communicate(timeout=60)
+        record_end(record)
+        check_equal(said, f"{count + 1} animals, {count} feedings, disposed: yes, let go of: yes\n",
+                    "what the stranger has read")
+        first, second = decode(path, "Animals/gone"), decode(again, "Animals/gone")
+        data = [sums(p) for p in (path, again)]
+        for topic in ("Animals", "Feedings"):
+            one, other = ([s for t, s in d if t == topic] for d in data)
+            check(one == other and len(one) >= count, f"{topic}: the bytes of every sample")
+        check_equal(gone_of(first), gone_of(second), "cages that have gone")
+        check_equal(first["pairs"], second["pairs"], "what is said of each channel")
+        check_equal(first["files"], second["files"], "the types")
+
+
+def test_a_type_that_is_damaged_is_not_replayed():
+    home = tool_python(*READERS)
+    script = ("import sys; from mcap.reader import make_reader; from mcap.writer import "
+              "CompressionType, Writer\n"
+              "r = make_reader(open(sys.argv[1], 'rb')); w = Writer(sys.argv[2], "
+              "compression=CompressionType.NONE); w.start(); ids = {}\n"
+              "for a in r.iter_attachments():\n"
+              "  data = bytearray(a.data); data[len(data) * 2 // 3] ^= 1\n"
+              "  w.add_attachment(0, 0, a.name, a.media_type, bytes(data))\n"
+              "for s, c, m in r.iter_messages():\n"
+              "  ids[c.id] = ids.get(c.id) or w.register_channel(c.topic, 'cdr', 0, c.metadata)\n"
+              "  w.add_message(ids[c.id], m.log_time, m.data, m.publish_time)\n"
+              "w.finish()")
+    with folder() as out:
+        path = stranger_record(out, 10)
+        subprocess.run([home / "bin" / "python", "-c", script, path, out / "b.mcap"], check=True,
+                       timeout=60)
+        done = muster("replay", out / "b.mcap", "--domain", new_domain(), "--rate", 0, "--wait", 0)
+        check_equal(done.returncode, 3, done.stderr)
+        for topic in ("Animals", "Feedings"):
+            check(f"{topic} is left out: what the recording says of its type is damaged" in
+                  done.stderr, done.stderr)
+
+
+def test_what_has_gone_is_recorded_and_replayed():
+    """Our own topics, too: a program that leaves is seen to leave in a replay."""
+    tool_python(*READERS)
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        record = record_start(processes, domain, out / "a.mcap")
+        broker = broker_start(processes, domain)
+        seeker = processes.start(program("pages_agent"), domain, "seeker", out / "seeker")
+        wait_for(lambda: muster("lookup", "seeker", "--domain", domain).returncode == 0, 20,
+                 "the seeker in the white pages")
+        muster("send", "seeker", "word", "--domain", domain)  # the operator comes, and goes
+        seeker.kill()
+        wait_for(lambda: "absent" in muster("lookup", "seeker", "--domain", domain).stdout, 20,
+                 "the seeker to be missed")
+        broker.terminate()
+        broker.wait(10)
+        time.sleep(0.5)
+        record_end(record)
+        got = decode(out / "a.mcap", "Registration/gone", "BrokerStatus/gone")
+        check_equal(got["topics"], got["raw"], "messages that were decoded")
+        what = {(topic, gone["what"]) for topic, _, _, gone in got["messages"]}
+        check_equal(what, {("Registration/gone", 1), ("Registration/gone", 2),
+                           ("BrokerStatus/gone", 2)}, "who took leave, and who did not")
+        second = new_domain()
+        record = record_start(processes, second, out / "b.mcap")
+        done = muster("replay", out / "a.mcap", "--domain", second, "--rate", 0, "--wait", 20,
+                      "--topics", "all")
+        check_equal((done.returncode, done.stderr), (0, ""), done.stdout)
+        record_end(record)
+        again = decode(out / "b.mcap")
+        for topic in got["raw"]:
+            check(again["raw"].get(topic, 0) >= 1, f"{topic} in the replay: {again['raw']}")
 
 
 PYTHON_WRITER = """
@@ -163,8 +274,9 @@ def test_a_python_program_is_recorded():
         check_equal(done.returncode, 0, done.stderr)
         record_end(record)
         got = decode(path, "Readings")
-        check_equal(got["raw"], {"Readings": 200, "Newer": 200}, "samples")
-        check_equal(got["topics"], {"Readings": 200}, "samples that definitions are right for")
+        check_equal(samples_of(got["raw"]), {"Readings": 200, "Newer": 200}, "samples")
+        check_equal(samples_of(got["topics"]), {"Readings": 200},
+                    "samples that definitions are right for")
         said = [(m["sensor"], m["number"], m["values"]) for _, _, _, m in got["messages"]]
         check_equal(said, [(f"s{i % 2}", i, [i / 2] * (i % 4)) for i in range(200)], "readings")
 
@@ -302,10 +414,11 @@ def test_a_full_disk_ends_the_recording_and_not_the_run():
 # --- replay ---------------------------------------------------------------------------------------
 
 def sums(path):
-    """Topic and sum of the bytes of each message, in order."""
+    """Topic and sum of the bytes of each sample, in order; what has gone is left out."""
     script = ("import json, sys, hashlib; from mcap.reader import make_reader\n"
               "print(json.dumps([[c.topic, hashlib.sha256(m.data).hexdigest()] for _, c, m in "
-              "make_reader(open(sys.argv[1], 'rb')).iter_messages()]))")
+              "make_reader(open(sys.argv[1], 'rb')).iter_messages() "
+              "if not c.topic.endswith('/gone')]))")
     home = tool_python(*READERS)
     return json.loads(subprocess.run([home / "bin" / "python", "-c", script, path],
                                      capture_output=True, text=True, timeout=60).stdout)
@@ -478,7 +591,8 @@ def test_recordings_of_others_are_read_or_refused():
     with folder() as out:
         subprocess.run([home / "bin" / "python", "-c", PYTHON_RECORDER, out], check=True,
                        timeout=60)
-        for name, why in (("plain", "Readings is left out: it is no topic of muster"),
+        for name, why in (("plain", "Readings is left out: the recording does not say what its "
+                           "type is on DDS"),
                           ("zstd", "its chunks are compressed"),
                           ("flat", "its messages are in no chunks")):
             done = muster("replay", out / f"{name}.mcap", "--domain", new_domain())

@@ -57,6 +57,47 @@ def test_orders_change_the_world_of_a_run():
               f"blue is pushed to the side: {blue[pushed]} {blue[pushed + 2]}")
 
 
+def test_orders_for_later_come_at_their_time_or_with_their_condition():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "4", "--duration", "30")
+        waits = world(domain, "place", "red", "0", "-3", "--at", "20", "--wait", "0")
+        check_equal((waits.returncode, waits.stdout), (0, "waits for its time\n"), "nobody waits")
+        with open(out / "when", "w") as answer:
+            when = processes.start(MUSTER, "world", "push", "blue", "0", "-40", "--when",
+                                   "red at 0 -3 0.5", "--json", "--domain", domain, stdout=answer)
+        check_equal(done_at(domain, "push", "green", "1", "0", "--at", "0.1") < 200, True,
+                    "what is past is done at once")
+        at = done_at(domain, "sensor", "yellow", "sonar", "off", "--at", "12.0")
+        check_equal(at, 120, "the step of a time")
+        wrong = world(domain, "push", "red", "1", "0", "--when", "red likes blue")
+        check_equal(wrong.returncode, 2, "no condition")
+        check("--when: " in wrong.stderr, wrong.stderr)
+        nobody = world(domain, "push", "red", "1", "0", "--when", "red near nobody 1")
+        check_equal(nobody.returncode, 8, "of one who is not there")
+        check("nobody" in nobody.stderr, nobody.stderr)
+        pace = world(domain, "pace", "2", "--at", "25")
+        check_equal(pace.returncode, 2, "the pace is no matter of the run's time")
+        done_at(domain, "pace", "0")
+        check_equal((run.wait(60), when.wait(10)), (0, 0), "the run ends well")
+        red = track(out / "report", "red")
+        check(math.hypot(red[201]["x_m"], red[201]["y_m"] + 3) < 0.1, f"placed: {red[201]}")
+        check(math.hypot(red[200]["x_m"], red[200]["y_m"] + 3) > 0.1, f"and not before: {red[200]}")
+        check_equal(json.loads((out / "when").read_text())["step"] in (201, 202), True,
+                    "blue is pushed when red is there")
+        again = muster("verify", out / "report/run.mcap")
+        check_equal(again.returncode, 0, f"all of it is done again: {again.stdout} {again.stderr}")
+
+
+def test_what_waits_when_a_run_ends_says_so():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "10", "--duration", "10")
+        late = world(domain, "push", "red", "1", "0", "--at", "100")
+        check_equal((late.returncode, run.wait(30)), (124, 0), "its time has not come")
+        check("the run has ended" in late.stderr, late.stderr)
+
+
 def test_orders_that_cannot_be_carried_out_say_why():
     domain = new_domain()
     with folder() as out, Processes() as processes:

@@ -3,6 +3,7 @@
  */
 #include "../support/suite.h"
 #include "agent/mind.h"
+#include "muster/limits.h"
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
@@ -107,7 +108,7 @@ static void test_what_a_mind_had_is_given_back(void)
 
 static void test_a_broken_mind_answers_that_it_is(void)
 {
-    char bytes[256];
+    char bytes[256], goal[MU_FIELD_MAX + 1] = "wander";
     struct mu_text out;
     struct mu_fault fault;
     struct mind_act act;
@@ -125,8 +126,12 @@ static void test_a_broken_mind_answers_that_it_is(void)
     CU_ASSERT_EQUAL(mind_save(mind, &out, &fault), MU_REFUSED);
     CU_ASSERT_EQUAL(mind_set_global(mind, "all", "1"), MU_MALFORMED);
     CU_ASSERT_EQUAL(mind_senses(mind), 0);
+    CU_ASSERT_EQUAL(mind_glance(mind, "(facts)", &out), MU_ABSENT);
+    mind_goal(mind, goal);
+    CU_ASSERT_STRING_EQUAL(goal, "");
     CU_ASSERT_FALSE(mind_looks_at(mind, "sonar"));
     mind_percept(mind, &percept);
+    mind_feel_nothing(mind, 0);
     mind_event(mind, MU_ON_RUN);
     mind_event_now(mind, MU_ON_LEAVE, &act);
     mind_refused(mind, "group-create scouts", "group-exists");

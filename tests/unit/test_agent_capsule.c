@@ -393,6 +393,40 @@ static void refuses(const char *rules, const char *why_wanted)
     mind_fire(stays.mind, &act); /* it goes on */
 }
 
+static void test_switches_come_along(void)
+{
+    static const char *const asked[] = {
+        "(get-strategy)",
+        "(get-salience-evaluation)",
+        "(get-fact-duplication)",
+        "(get-reset-globals)",
+        "(get-sequence-operator-recognition)",
+        "(get-incremental-reset)",
+        "(get-auto-float-dividend)",
+        "(get-dynamic-constraint-checking)",
+        "(get-static-constraint-checking)",
+        "(gensym*)",
+    };
+    static const char *const wanted[] = {"mea\n",   "when-activated\n", "TRUE\n",  "FALSE\n",
+                                         "TRUE\n",  "FALSE\n",          "FALSE\n", "TRUE\n",
+                                         "FALSE\n", "gen44\n"};
+    soul_begin(&stays, "blue", NULL);
+    soul_load(&stays, "(deftemplate t (slot x (type SYMBOL)))\n");
+    (void)say(&stays, "(set-static-constraint-checking FALSE) (set-incremental-reset FALSE)");
+    (void)say(&stays, "(defrule r (t (x 7)) => (assert (seven)))");
+    (void)say(&stays, "(set-strategy mea) (set-salience-evaluation when-activated)"
+                      "(set-fact-duplication TRUE) (set-reset-globals FALSE)"
+                      "(set-sequence-operator-recognition TRUE) (set-auto-float-dividend FALSE)"
+                      "(set-dynamic-constraint-checking TRUE) (setgen 44)");
+    move_as("blue");
+    CU_ASSERT(same_capsules());
+    for (size_t i = 0; i < sizeof asked / sizeof asked[0]; i++) {
+        READS(say(&goes, asked[i]), wanted[i]);
+    }
+    READS(say(&goes, "(defrule other (t (x 8)) =>)"), "");
+    READS(say(&goes, "(/ 7 2)"), "3\n");
+}
+
 /* Texts that are longer than any mail, in a global, a fact and a name. */
 static void test_long_texts(void)
 {
@@ -492,7 +526,7 @@ static void test_what_is_not_whole(void)
         CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
         capsule_bytes[at] = was;
     }
-    memcpy(capsule_bytes, "muster-capsule 3", 16);
+    memcpy(capsule_bytes, "muster-capsule 4", 16);
     CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
 }
 
@@ -504,7 +538,7 @@ static void seal(char *bytes, size_t len)
         sum = (sum ^ (unsigned char)bytes[i]) * 1099511628211ull;
     }
     char head[97];
-    int used = snprintf(head, sizeof head, "muster-capsule 2 %zu %016llx", len - 96,
+    int used = snprintf(head, sizeof head, "muster-capsule 3 %zu %016llx", len - 96,
                         (unsigned long long)sum);
     memset(bytes, ' ', 95);
     memcpy(bytes, head, (size_t)used);
@@ -552,6 +586,7 @@ int main(void)
         {"mail and events come along", test_mail_and_events_come_along},
         {"breakpoints and watches come along", test_breakpoints_and_watches_come_along},
         {"a clone has its own name", test_a_clone_has_its_own_name},
+        {"switches come along", test_switches_come_along},
         {"long texts", test_long_texts},
         {"a long agenda", test_a_long_agenda},
         {"a tall stack of modules", test_a_tall_stack_of_modules},

@@ -484,7 +484,8 @@ static void test_chaos(void)
                                "  - {at: 5, restart: b}\n"
                                "  - {at: 6, cut: [red, b], for: 1}\n"
                                "  - {at: 7, lose: [red, all], share: 0.1}\n"
-                               "  - {at: 8, delay: [simulator, red], by_ms: 20}\n",
+                               "  - {at: 8, delay: [simulator, red], by_ms: 20}\n"
+                               "  - {at: 9, stop: b, wall_s: 0.5}\n",
                                NULL),
                           MU_OK);
     static const char *const texts[] = {"push red with 40, 0 N for 0.5 s",
@@ -496,7 +497,8 @@ static void test_chaos(void)
                                         "restart b",
                                         "cut between red and b for 1 s",
                                         "lose between red and all: 10 % of the packets",
-                                        "delay between simulator and red: 20 ms"};
+                                        "delay between simulator and red: 20 ms",
+                                        "stop b for 0.5 s on the wall"};
     CU_ASSERT(e->free);
     CU_ASSERT_EQUAL_FATAL(e->chaos_count, sizeof texts / sizeof texts[0]);
     for (unsigned i = 0; i < e->chaos_count; i++) {
@@ -505,6 +507,9 @@ static void test_chaos(void)
     }
     CU_ASSERT_EQUAL(e->chaos[1].kind, CHAOS_PLACE);
     CU_ASSERT_STRING_EQUAL(e->chaos[9].whom, "red");
+    CU_ASSERT_EQUAL(e->chaos[7].for_mark.column, 33);
+    CU_ASSERT_EQUAL(e->chaos[9].for_mark.column, 5);
+    CU_ASSERT_DOUBLE_EQUAL(e->chaos[10].wall_s, 0.5, 0);
 }
 
 #define CHAOS(text) BASE "chaos:\n  - {" text "}\n"
@@ -536,6 +541,10 @@ static void test_chaos_faults(void)
         {CHAOS("at: 1, lose: [red, blue], share: 1.5"), 7, 39, "a share of more than 0"},
         {CHAOS("at: 1, delay: [red, blue], by_ms: 0"), 7, 40, "a delay of more than 0"},
         {CHAOS("at: 1, stop: red, for: 0"), 7, 29, "a time of more than 0"},
+        {CHAOS("at: 1, stop: red, wall_s: 0"), 7, 32, "a time of more than 0"},
+        {CHAOS("at: 1, stop: red, wall_s: 3601"), 7, 32, "at most 3600 s"},
+        {CHAOS("at: 1, stop: red, for: 1, wall_s: 1"), 7, 40, "for or wall_s, not both"},
+        {CHAOS("at: 1, push: red, force: [1, 0], wall_s: 1"), 7, 39, "says nothing beside 'push'"},
     };
     CHECK_BAD(cases);
 }

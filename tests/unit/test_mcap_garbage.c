@@ -8,7 +8,7 @@
  * behind them.
  */
 #include "../support/suite.h"
-#include "core/random.h"
+#include "../support/wound.h"
 #include "mcap/mcap_read.h"
 #include "mcap/mcap_write.h"
 
@@ -21,7 +21,7 @@ enum { SAMPLE_MAX = 16384, ROUNDS = 3000 };
 static struct mcap_writer *w;
 static struct mcap_reader *r;
 static char path[] = "/tmp/muster-mcap-XXXXXX";
-static uint8_t sample[SAMPLE_MAX], wounded[2 * SAMPLE_MAX];
+static uint8_t sample[SAMPLE_MAX], wounded[SAMPLE_MAX + WOUND_ROOM];
 static size_t sample_len;
 
 static bool sample_fill(void)
@@ -73,86 +73,6 @@ static int end(void)
 {
     mcap_reader_close(r);
     return unlink(path);
-}
-
-static uint64_t number_at(const uint8_t *at, size_t bytes)
-{
-    uint64_t value = 0;
-    for (size_t i = bytes; i > 0; i--) {
-        value = value << 8 | at[i - 1];
-    }
-    return value;
-}
-
-static void number_set(uint8_t *at, uint64_t value, size_t bytes)
-{
-    for (size_t i = 0; i < bytes; i++) {
-        at[i] = (uint8_t)(value >> (8 * i));
-    }
-}
-
-/* Writes the checksums anew, as far as records can be followed. */
-static void sums_mend(uint8_t *bytes, size_t len)
-{
-    for (size_t at = 8; at + 9 <= len;) {
-        uint64_t size = number_at(bytes + at + 1, 8);
-        if (size > len - at - 9) {
-            break;
-        }
-        if (bytes[at] == 0x06 && size >= 40) {
-            number_set(bytes + at + 9 + 24, crc32_z(0, bytes + at + 9 + 40, size - 40), 4);
-        }
-        at += 9 + size;
-    }
-    if (len > 45) {
-        uint8_t *footer = bytes + len - 37;
-        uint64_t begins = number_at(footer + 9, 8);
-        if (begins < len - 37) {
-            number_set(footer + 25, crc32_z(0, bytes + begins, len - 37 + 25 - begins), 4);
-        }
-    }
-}
-
-/* Numbers that lengths and places are least ready for. */
-static uint64_t number_bad(struct mu_random *random)
-{
-    static const uint64_t bad[] = {0,          1,          8,          255,
-                                   65535,      0x7fffffff, 0x80000000, 0xffffffff,
-                                   1ull << 40, 1ull << 63, UINT64_MAX, UINT64_MAX - 8};
-    return bad[mu_random_between(random, 0, 11)];
-}
-
-static size_t wound(struct mu_random *random)
-{
-    size_t len = sample_len;
-    memcpy(wounded, sample, len);
-    for (int64_t wounds = mu_random_between(random, 1, 6); wounds > 0 && len > 16; wounds--) {
-        size_t at = (size_t)mu_random_between(random, 0, (int64_t)len - 9);
-        size_t bytes = (size_t)1 << mu_random_between(random, 0, 3);
-        switch (mu_random_between(random, 0, 9)) {
-        case 0: len = at + 1; break;
-        case 1:
-            memmove(wounded + at, wounded + at + bytes, len - at - bytes);
-            len -= bytes;
-            break;
-        case 2:
-            memmove(wounded + at + bytes, wounded + at, len - at);
-            len += bytes;
-            break;
-        case 3:
-        case 4:
-        case 5: number_set(wounded + at, number_bad(random), bytes); break;
-        case 6:
-            number_set(wounded + at, (uint64_t)mu_random_between(random, 0, (int64_t)len), 8);
-            break;
-        case 7: wounded[at] = (uint8_t)mu_random_between(random, 1, 15); break;
-        default: wounded[at] = (uint8_t)mu_random_between(random, 0, 255); break;
-        }
-    }
-    if (mu_random_between(random, 0, 1)) {
-        sums_mend(wounded, len);
-    }
-    return len;
 }
 
 static uint64_t texts_read(void)
@@ -208,7 +128,7 @@ static void test_wounded_recordings(void)
     printf("seed %llu ", (unsigned long long)seed);
     for (uint64_t round = 0; round < rounds; round++) {
         uint64_t messages, again;
-        size_t len = wound(&random);
+        size_t len = wound_file(&random, wounded, sample, sample_len);
         FILE *file = fopen(path, "w");
         CU_ASSERT_PTR_NOT_NULL_FATAL(file);
         fwrite(wounded, 1, len, file);
@@ -233,7 +153,7 @@ static void test_the_sample_itself(void)
     CU_ASSERT_EQUAL(messages, 60);
     CU_ASSERT(mcap_reader_whole(r));
     memcpy(wounded, sample, sample_len);
-    sums_mend(wounded, sample_len);
+    wound_mend(wounded, sample_len);
     CU_ASSERT_EQUAL(memcmp(wounded, sample, sample_len), 0); /* it computes them as the writer */
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Recordings whose summary leaves something out, or does not say what their chunks say. */
 #include "../support/suite.h"
+#include "../support/wound.h"
 #include "mcap/mcap_format.h"
 #include "mcap/mcap_read.h"
 #include "mcap/mcap_write.h"
@@ -31,22 +32,6 @@ static int end(void)
 {
     mcap_reader_close(r);
     return unlink(path);
-}
-
-static uint64_t number_at(size_t at, size_t count)
-{
-    uint64_t value = 0;
-    for (size_t i = count; i > 0; i--) {
-        value = value << 8 | bytes[at + i - 1];
-    }
-    return value;
-}
-
-static void number_set(size_t at, uint64_t value, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        bytes[at + i] = (uint8_t)(value >> (8 * i));
-    }
 }
 
 /* Two channels, in one chunk; their messages take turns. */
@@ -82,13 +67,13 @@ static void sample_open(void)
 static size_t record_find(enum mcap_op op, size_t n, bool in_summary)
 {
     size_t footer = len - MCAP_TAIL_BYTES;
-    size_t summary = (size_t)number_at(footer + MCAP_HEAD_BYTES, 8);
+    size_t summary = (size_t)wound_number(bytes + footer + MCAP_HEAD_BYTES, 8);
     size_t at = in_summary ? summary : MCAP_MAGIC_BYTES;
     while (at < len && !(bytes[at] == op && n-- == 0)) {
-        at += MCAP_HEAD_BYTES + (size_t)number_at(at + 1, 8);
+        at += MCAP_HEAD_BYTES + (size_t)wound_number(bytes + at + 1, 8);
     }
     CU_ASSERT_FATAL(at < len);
-    number_set(footer + MCAP_FOOTER_CRC_AT, 0, 4); /* nobody has computed it */
+    wound_set(bytes + footer + MCAP_FOOTER_CRC_AT, 0, 4); /* nobody has computed it */
     return at;
 }
 
@@ -131,7 +116,7 @@ static void test_a_channel_that_the_summary_denies(void)
     uint32_t of_b;
     sample_write();
     bytes[record_find(MCAP_CHANNEL, 1, true)] = UNKNOWN_OP;
-    number_set(record_find(MCAP_STATISTICS, 0, true) + MCAP_HEAD_BYTES + 8 + 2, 1, 4);
+    wound_set(bytes + record_find(MCAP_STATISTICS, 0, true) + MCAP_HEAD_BYTES + 8 + 2, 1, 4);
     sample_open();
     CU_ASSERT_EQUAL(mcap_reader_channels(r), 1);
     CU_ASSERT_EQUAL(all_read(&of_b), MESSAGES / 2);
@@ -146,10 +131,12 @@ static void test_a_length_that_lies(void)
     sample_write();
     size_t chunk = record_find(MCAP_CHUNK, 0, false);
     size_t records = chunk + MCAP_HEAD_BYTES + MCAP_CHUNK_BYTES;
-    size_t size = (size_t)number_at(chunk + 1, 8) - MCAP_CHUNK_BYTES;
+    size_t size = (size_t)wound_number(bytes + chunk + 1, 8) - MCAP_CHUNK_BYTES;
     size_t message = MCAP_HEAD_BYTES + MCAP_MESSAGE_BYTES + 4;
-    number_set(records + size - 5 * message + 1, UINT64_MAX - 8, 8); /* the fifth from the end */
-    number_set(chunk + MCAP_HEAD_BYTES + MCAP_CHUNK_CRC_AT, crc32_z(0, bytes + records, size), 4);
+    wound_set(bytes + records + size - 5 * message + 1, UINT64_MAX - 8,
+              8); /* the fifth from the end */
+    wound_set(bytes + chunk + MCAP_HEAD_BYTES + MCAP_CHUNK_CRC_AT,
+              crc32_z(0, bytes + records, size), 4);
     sample_open();
     for (int round = 0; round < 3; round++) { /* and is counted once */
         CU_ASSERT_EQUAL(all_read(&of_b), MESSAGES - 5);

@@ -173,6 +173,15 @@ static void test_what_is_no_fact(void)
     for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
         CU_ASSERT_EQUAL(mind_tell(mind, none[i]), MU_MALFORMED);
     }
+    struct mind_slot slots[] = {{.name = "y", .kind = MIND_SLOT_REAL, .real = 1},
+                                {.name = "name", .kind = MIND_SLOT_STRING, .word = "a b"}};
+    CU_ASSERT_EQUAL(mind_tell_slots(mind, "thing", slots, 2), MU_OK); /* in any order */
+    CU_ASSERT_EQUAL(mind_tell_slots(mind, "thing", slots, 2), MU_MALFORMED);
+    CU_ASSERT_EQUAL(mind_tell_slots(mind, "nothing", slots, 2), MU_MALFORMED);
+    slots[0].name = "content"; /* a multislot, */
+    CU_ASSERT_EQUAL(mind_tell_slots(mind, "mail-seen", slots, 1), MU_MALFORMED);
+    slots[0].name = "nme"; /* and none */
+    CU_ASSERT_EQUAL(mind_tell_slots(mind, "thing", slots, 1), MU_MALFORMED);
     CU_ASSERT_TRUE(mind_looks_at(mind, "mail-seen"));
     CU_ASSERT_FALSE(mind_looks_at(mind, "thing"));
     CU_ASSERT_FALSE(mind_looks_at(mind, "nothing"));

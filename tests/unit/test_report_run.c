@@ -3,7 +3,6 @@
 #include "report/color.h"
 #include "report/report.h"
 #include "report/report_data.h"
-#include "report/svg.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
@@ -342,6 +341,33 @@ static void test_monitors(void)
     CU_ASSERT(file_has("report.html", "<a href=\"mine.log\">mine.log</a>"));
     CU_ASSERT(file_has("report.html", "was killed by signal 9 (Killed)"));
     input.monitors_count = 0;
+}
+
+static void test_words_of_the_page(void)
+{
+    static char south[] = "south", any[] = "*";
+    static struct experiment_place home = {0, 0};
+    static struct experiment_expectation things = {.objects = any, .at = &home, .within_m = 1};
+    const struct experiment before = experiment;
+    struct experiment_command moves = {
+        .at = 1, .targets = targets, .targets_count = 1, .move = south};
+    experiment.observer = &moves;
+    experiment.observer_count = 1;
+    experiment.expect_count = 0;
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "red: move to south"));
+    CU_ASSERT_FALSE(file_has("report.html", "(null)"));
+    CU_ASSERT(file_has("report.html", "nothing was expected of it"));
+    CU_ASSERT(file_has("report.html", "This run has no hash"));
+    experiment.expect = &things;
+    experiment.expect_count = 1;
+    input.hash = "0123";
+    CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
+    CU_ASSERT(file_has("report.html", "not everything as expected"));
+    CU_ASSERT(file_has("report.html", "The same seed gives the same hash."));
+    CU_ASSERT_STRING_EQUAL(result.texts[0], "0 of all things within 1 m of 0, 0 at the end");
+    input.hash = "none";
+    experiment = before;
 }
 
 static void test_a_run_that_broke_off(void)
@@ -722,32 +748,6 @@ static void test_limit_expectations(void)
     experiment.expect_count = 4;
 }
 
-static void test_colors(void)
-{
-    CU_ASSERT_STRING_EQUAL(color_of_track("yellow", "r", 0), "#d4a900");
-    CU_ASSERT_STRING_EQUAL(color_of_track(NULL, "green", 0), "#2ca02c");
-    CU_ASSERT_STRING_EQUAL(color_of_track("DarkOliveGreen", "r", 0), "DarkOliveGreen");
-    CU_ASSERT_STRING_EQUAL(color_of_track("#0a4", "r", 0), "#0a4");
-    CU_ASSERT_STRING_EQUAL(color_of_track("DarkOliveGreen2", "blue", 0), "#1f77b4");
-    CU_ASSERT_STRING_NOT_EQUAL(color_of_track("", "r1", 1), color_of_track(NULL, "r2", 2));
-    CU_ASSERT_FALSE(color_is_css("#12345"));
-    CU_ASSERT_FALSE(color_is_css("url(x)"));
-    CU_ASSERT(color_is_css("aliceblue") && color_is_css("yellowgreen") && color_is_css("#ABCDEF"));
-}
-
-static void test_ticks(void)
-{
-    char label[SVG_TICK_MAX];
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(16, 8), 2, 1e-12);
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(120, 10), 10, 1e-12);
-    CU_ASSERT_DOUBLE_EQUAL(svg_tick_step(0.4, 8), 0.05, 1e-12);
-    svg_tick_label(label, -0.0);
-    CU_ASSERT_STRING_EQUAL(label, "0");
-    svg_tick_label(label, -2.5);
-    CU_ASSERT_STRING_EQUAL(label, "\xe2\x88\x92"
-                                  "2.5");
-}
-
 static int folder_make(void)
 {
     return mkdtemp(folder) ? 0 : 1;
@@ -776,6 +776,7 @@ int main(void)
         {"things at the end", test_things_at_the_end},
         {"restarts", test_restarts},
         {"monitors", test_monitors},
+        {"words of the page", test_words_of_the_page},
         {"a run that broke off", test_a_run_that_broke_off},
         {"files", test_files},
         {"lines break at the wrap", test_lines_break_at_the_wrap},
@@ -790,8 +791,6 @@ int main(void)
         {"races for a folder", test_races_for_a_folder},
         {"limit: samples and robots", test_limit_samples_and_robots},
         {"limit: expectations", test_limit_expectations},
-        {"colours", test_colors},
-        {"ticks", test_ticks},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"report/report", folder_make, folder_remove, NULL, NULL, tests},

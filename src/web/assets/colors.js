@@ -45,11 +45,12 @@ export const INKS = {
   },
 };
 
-/** The colour of each robot of a scene, for a theme. */
+/** The colour of each robot of a scene, for a theme.  One that all have tells nobody apart. */
 export function robotColors(robots, theme) {
+  const alike = robots.length > 1 && robots.every(({color}) => color === robots[0].color);
   let others = 0;
   return robots.map((robot) => {
-    const name = RELATIVES[normal(robot.name)] ?? RELATIVES[normal(robot.color)];
+    const name = RELATIVES[normal(robot.name)] ?? (alike ? null : RELATIVES[normal(robot.color)]);
     return SETS[theme][name ?? ORDER[others++ % ORDER.length]];
   });
 }

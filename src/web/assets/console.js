@@ -20,7 +20,7 @@ export function createConsole(name, actor, hands) {
   const shownText = new Map();
   const asked = new Map(); /* by number: {view, text} */
   const completions = new Map(); /* what waits for a word's end, by number */
-  let view = 'Log', watching = false, stepNow = 0;
+  let view = 'Log', watching = false;
 
   const dot = element('span', {class: 'dot'});
   const state = element('span', {class: 'state'});
@@ -118,13 +118,13 @@ export function createConsole(name, actor, hands) {
       if (question && question.view !== 'Log') question.text += text;
       else panes.get('Log').add(kind, kind === 'note' ? text + '\n' : text);
     },
-    ended({ask: number}) {
+    ended({ask: number, step}) {
       const question = asked.get(number);
       asked.delete(number);
       if (!question || question.view === 'Log') return;
       panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
       shownText.set(question.view, question.text);
-      panes.get(question.view).add('note', `as of step ${stepNow}\n`);
+      panes.get(question.view).add('note', `as of step ${step}\n`);
     },
     /** One way to go on is taken; several are shown. */
     completed({ask: number, rest, words}) {
@@ -140,8 +140,7 @@ export function createConsole(name, actor, hands) {
       asked.clear();
       completions.clear();
     },
-    draw({color, robot, agent, fired, over, step}) {
-      stepNow = step ?? 0;
+    draw({color, robot, agent, fired, over}) {
       dot.style.setProperty('--robot', color ?? '');
       const word = agent?.state ?? (over ? 'gone' : robot?.state ?? 'not there');
       say(state, agent?.reason ? ` ${word}: ${agent.reason}` : ` ${word}`);

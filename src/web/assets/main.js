@@ -128,7 +128,7 @@ openFeed({
     model.agents = new Map(agents.map(([name, kind, state, host, reason]) => [name, {name, kind, state, host, reason}]));
   },
   said: (data) => tabs.consoleOf(data.agent)?.said(data),
-  ended: (data) => tabs.consoleOf(data.agent)?.ended(data),
+  ended: (data) => tabs.consoleOf(data.agent)?.ended({...data, step: model.frame?.step ?? 0}),
   completed: (data) => tabs.consoleOf(data.agent)?.completed(data),
   ordered: (data) => world.ordered(data),
   missed({frames, answers}) {
@@ -301,7 +301,7 @@ const isOver = () => model.run?.state === 'done' || model.run?.state === 'fault'
 
 function lookOf(name) {
   const index = model.scene ? model.scene.robots.findIndex((robot) => robot.name === name) : -1;
-  return {color: view.colors[index], robot: model.frame?.robots[index], over: isOver(), step: model.frame?.step,
+  return {color: view.colors[index], robot: model.frame?.robots[index], over: isOver(),
     agent: model.agents.get(name), fired: model.fired.get(index)};
 }
 

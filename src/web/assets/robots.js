@@ -114,10 +114,12 @@ export function createRobots() {
     context.stroke();
   }
 
-  /* Above the body, else below it, else beside it: where no other name is yet. */
-  function placeLabel(width, x, y, reach) {
+  /* Above the body, else below it, else beside it: where no other name is yet; never half outside. */
+  function placeLabel(camera, width, x, y, reach) {
+    const inside = ([cx, by]) => [Math.max(width / 2 + 4, Math.min(camera.width - width / 2 - 4, cx)), Math.max(22, by)];
+    const is = x > 0 && y > 0 && x < camera.width && y < camera.height;
     const tries = [[x, y - reach - 7], [x, y + reach + 22], [x + reach + width / 2 + 8, y + 7],
-      [x - reach - width / 2 - 8, y + 7]];
+      [x - reach - width / 2 - 8, y + 7]].map((at) => (is ? inside(at) : at));
     const free = ([cx, by]) => taken.every((t) =>
       Math.abs(t.x - cx) > (t.width + width) / 2 || Math.abs(t.y - by) > LABEL_PX);
     const at = tries.find(free) ?? tries[0];
@@ -138,7 +140,7 @@ export function createRobots() {
     const font = `${look.picked ? '700 16px' : '600 14px'} system-ui, sans-serif`;
     const ink = robot.stalled ? look.ink.bad : look.ink.ink;
     const label = labelOf(words.join(' · '), font, ink, look.ink.halo, look.ratio);
-    const [ax, ay] = placeLabel(label.width + 18, x, y, reach);
+    const [ax, ay] = placeLabel(camera, label.width + 18, x, y, reach);
     drawLabel(context, label, ax, ay);
     drawDot(context, ax - label.width / 2 - 9, ay - 8, look);
   }

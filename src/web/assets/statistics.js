@@ -3,6 +3,8 @@
 
 import {element, mark, say} from './dom.js';
 
+const END = 5; /* characters of a name that are shown in any case */
+
 const one = (x) => x.toFixed(1);
 
 /* title, unit, what a row says, what it is sorted by */
@@ -27,6 +29,10 @@ export function createStatistics({onPick, onOpen}) {
   const panel = element('div', {class: 'panel'},
     element('table', {}, element('thead', {}, element('tr', {}, ...heads)), body), others);
   let rows = [], order = -1, downwards = false;
+  /* Of a thousand rows thirty are seen: to write the others takes a browser most of its time. */
+  const seen = new Set();
+  const watcher = new IntersectionObserver((entries) =>
+    entries.forEach(({target, isIntersecting}) => (isIntersecting ? seen.add(target) : seen.delete(target))));
 
   function sortBy(column) {
     downwards = order === column ? !downwards : column > 1;
@@ -49,7 +55,8 @@ export function createStatistics({onPick, onOpen}) {
   function makeRow(name, index) {
     const dot = element('span', {class: 'dot'});
     const cells = COLUMNS.map((column, i) => (i === 0
-      ? element('td', {}, element('span', {class: 'name', title: name}, dot, name))
+      ? element('td', {}, element('span', {class: 'name', title: name}, dot,
+        element('span', {class: 'head'}, name.slice(0, -END)), element('span', {}, name.slice(-END))))
       : element('td', {class: i === 1 ? 'state' : ''})));
     const node = element('tr', {click: () => onPick(index), dblclick: () => onOpen(name)}, ...cells);
     return {name, index, node, dot, cells, state: '', reason: '', stalled: false, total: null};
@@ -67,6 +74,9 @@ export function createStatistics({onPick, onOpen}) {
     load(scene) {
       rows = scene.robots.map((robot, i) => makeRow(robot.name, i));
       body.replaceChildren(...rows.map((row) => row.node));
+      watcher.disconnect();
+      seen.clear();
+      rows.forEach((row) => watcher.observe(row.node));
     },
     paint(colors) {
       rows.forEach((row, i) => row.dot.style.setProperty('--robot', colors[i]));
@@ -83,7 +93,7 @@ export function createStatistics({onPick, onOpen}) {
         row.state = agents.get(row.name)?.state ?? (over ? 'gone' : robot?.state ?? '');
         row.stalled = Boolean(robot?.stalled);
         row.reason = agents.get(row.name)?.reason ?? '';
-        drawRow(row, picked);
+        if (seen.has(row.node)) drawRow(row, picked);
       });
       const known = new Set(rows.map((row) => row.name));
       const rest = [...agents.values()].filter((a) => !known.has(a.name) && !a.name.startsWith('broker'));
