@@ -118,6 +118,8 @@ static const struct counter counters[] = {
      AT(glances.asked)},
     {PART_TRUST, "glances-declined", "lines that only look, and came back without an answer",
      AT(glances.declined)},
+    {PART_TRUST, "glances-lost", "of them, those that were not told, because too many waited",
+     AT(glances.lost)},
     {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
     {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
     {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},

@@ -212,18 +212,29 @@ static void events_tell(struct post *p)
 /* --- the loop --------------------------------------------------------------------------------- */
 
 /* While it waits for a whole step, whoever is not in the lock step waits for at most so long. */
-static const uint64_t OUTSIDE_PATIENCE_NS = 5000000;
+static const int64_t OUTSIDE_PATIENCE_NS = 2000000;
 
 static int64_t wait_ns(const struct post *p, bool impatient)
 {
     uint64_t now_ns = post_now(p);
     uint64_t due_ns = broker_deadline_ns(p->broker);
-    uint64_t most_ns = impatient ? (uint64_t)IMPATIENT_NS : LOOK_NS;
-    if (broker_samples_wanted(p->broker) > 1 && most_ns > OUTSIDE_PATIENCE_NS) {
-        most_ns = OUTSIDE_PATIENCE_NS;
-    }
+    uint64_t most_ns = impatient || p->roster ? (uint64_t)IMPATIENT_NS : LOOK_NS;
     uint64_t until_ns = due_ns > now_ns ? due_ns - now_ns : 0;
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
+}
+
+/* A step that does not come for so long is paced, or somebody is slow: then whoever comes next is
+ * heard at once. */
+static void samples_await(struct post *p, bool impatient)
+{
+    uint64_t wanted = broker_samples_wanted(p->broker);
+    int64_t most_ns = wait_ns(p, impatient);
+    int64_t whole_ns = most_ns < OUTSIDE_PATIENCE_NS ? most_ns : OUTSIDE_PATIENCE_NS;
+    if (wanted > 1) {
+        bus_wait(&p->bus, wanted, whole_ns);
+        most_ns -= whole_ns;
+    }
+    bus_wait(&p->bus, 1, most_ns);
 }
 
 /* What must be on disk before anybody is told. */
@@ -258,7 +269,7 @@ static void post_round(struct post *p)
             disk_rest(p->disk, post_now(p));
         }
     }
-    bus_wait(&p->bus, broker_samples_wanted(p->broker), wait_ns(p, impatient));
+    samples_await(p, impatient);
 }
 
 /* Nobody is answered while another broker of this name may be there. */

@@ -104,7 +104,8 @@ static void test_a_part_answers_for_its_state(void)
     EXPECT("green #1 red/1 one");
     story_mail(question("red", 2, "broker.trust"));
     EXPECT("red #1 broker.trust/4611686018427387905 trust lines 2 allowed 0 refused 0 glances 0 "
-           "glances-declined 0 audited 0 audit-lost 0 audit-failed 0; red 2-2 delivered");
+           "glances-declined 0 glances-lost 0 audited 0 audit-lost 0 audit-failed 0; red 2-2 "
+           "delivered");
     story_mail(question("red", 3, "broker.groups"));
     EXPECT("red #2 broker.groups/4611686018427387906 groups groups 0 members 0 lines 0 changes 0; "
            "red 3-3 delivered");
