@@ -37,10 +37,11 @@ FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
 $(error BUILD=$(BUILD): use release, asan or coverage)
 endif
-# The shared library is made of the same objects as everything else.
-SHARED  := -fPIC -fvisibility=hidden
+# The shared library is made of the same objects as everything else; what a program does not use is
+# left out of it.
+SHARED  := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
 CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(SHARED) -MD -MP
-LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD)))
+LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
 objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(wildcard src/$(1)/*.c)))
