@@ -191,7 +191,7 @@ def test_words_are_completed_and_history_comes_back():
         t.wait_for("set-strategy", since=since)
         since = len(t.text)
         t.type("\x03")
-        t.wait_for("red standby> ", since=since)
+        t.wait_for("\nred standby> ", since=t.wait_for("^C", since=since))
         t.do("(+ 1 2)", "3\n")
 
 
