@@ -37,10 +37,11 @@ FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
 $(error BUILD=$(BUILD): use release, asan or coverage)
 endif
-# The shared library is made of the same objects as everything else.
-SHARED  := -fPIC -fvisibility=hidden
+# The shared library is made of the same objects as everything else; what a program does not use is
+# left out of it.
+SHARED  := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
 CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(SHARED) -MD -MP
-LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD)))
+LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
 objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(wildcard src/$(1)/*.c)))
@@ -267,7 +268,7 @@ soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half 
 	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
 
 .PHONY: soak-moves
-soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way
+soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way; clones
 	@BUILD=$(BUILD) tests/soak/moves.py
 
 .PHONY: soak-verify
@@ -286,9 +287,11 @@ soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recording
 STRANGERS := test_mcap_garbage test_story_garbage test_runtime_garbage test_bus_foreign test_bus_tap
 .PHONY: soak-strangers
 soak-strangers: ## 200,000 damaged recordings and samples, and a hundred of them to whole programs, under the sanitizers
-	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger $(STRANGERS:%=build/asan/test/%)
+	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger \
+	  $(STRANGERS:%=build/asan/test/%) build/asan/test/test_web_garbage
 	@set -e; for t in $(STRANGERS); do MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=40000 \
 	  timeout 3000 build/asan/test/$$t; done
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=4000 timeout 3000 build/asan/test/test_web_garbage
 	@BUILD=asan tests/soak/strangers.py
 
 .PHONY: soak-crush
@@ -309,6 +312,10 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
 
+.PHONY: soak-capsules
+soak-capsules: $(O)/test/capsules ## 1200 random programs, each cut somewhere: minds go on from their capsules, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/capsules.py $$RANDOM; done
+
 tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
@@ -319,6 +326,10 @@ coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
 
 $(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+
+$(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 

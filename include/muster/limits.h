@@ -274,6 +274,15 @@
 #define MU_RECORD_MESSAGE_MAX (8u << 20)
 #endif
 
+/** Longest key of an instance that has gone, in a recording, in bytes. */
+#define MU_RECORD_KEY_MAX (64u << 10)
+
+/** Bytes of what describes one type of another program, in a recording. */
+#define MU_RECORD_TYPE_MAX (1u << 20)
+
+/** Partitions of one writer that a recording names. */
+#define MU_RECORD_PARTITIONS_MAX 32
+
 /** Chunks of a recording that is read; one is written each second, or each megabyte. */
 #ifndef MU_RECORD_CHUNKS_MAX
 #define MU_RECORD_CHUNKS_MAX (1u << 20)

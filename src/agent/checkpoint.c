@@ -20,6 +20,7 @@
 enum { CHECKPOINT_VERSION = 1 };
 
 static const char SUFFIX[] = ".capsule";
+static const char GONE[] = ".gone";
 
 mu_result checkpoint_settings_check(const struct checkpoint_settings *set, const char *program)
 {
@@ -34,7 +35,7 @@ void checkpoint_reserve(struct crew *c)
 {
     struct checkpoints *k = &c->checkpoints;
     k->set = &c->set->checkpoints;
-    if (k->set->every_s > 0 || k->set->restore) {
+    if (k->set->folder || k->set->restore) {
         mu_text_init(&k->text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
         k->saved = mu_startup_array(c->count, sizeof *k->saved);
     }
@@ -52,6 +53,25 @@ static void file_name(const struct checkpoints *k, char path[PATH_MAX], const ch
                       const char *name)
 {
     snprintf(path, PATH_MAX, "%s/%s%s%s", k->set->folder, prefix, name, SUFFIX);
+}
+
+static void mark_name(const struct checkpoints *k, char path[PATH_MAX], const char *name)
+{
+    snprintf(path, PATH_MAX, "%s/%s%s", k->set->folder, name, GONE);
+}
+
+bool checkpoint_is_gone(const struct crew *c, const char *name)
+{
+    char path[PATH_MAX];
+    mark_name(&c->checkpoints, path, name);
+    return c->checkpoints.set->folder && access(path, F_OK) == 0;
+}
+
+bool checkpoint_is_there(const struct crew *c, const char *name)
+{
+    char path[PATH_MAX];
+    file_name(&c->checkpoints, path, "", name);
+    return c->checkpoints.set->folder && access(path, F_OK) == 0;
 }
 
 static bool bytes_write(int file, const char *at, size_t len)
@@ -108,6 +128,14 @@ static const char *agent_write(struct robot *r, enum mu_state state, struct mu_f
     return why || file_write(k, r->name) ? why : strerror(errno);
 }
 
+/* It is here again. */
+static void mark_remove(const struct checkpoints *k, const char *name)
+{
+    char path[PATH_MAX];
+    mark_name(k, path, name);
+    (void)unlink(path);
+}
+
 bool checkpoint_write(struct robot *r, enum mu_state state)
 {
     struct saved *s = &r->crew->checkpoints.saved[r - r->crew->robots];
@@ -120,19 +148,31 @@ bool checkpoint_write(struct robot *r, enum mu_state state)
         mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", r->name, why);
     }
     s->failing = why;
+    if (!why && !s->name[0]) {
+        mark_remove(&r->crew->checkpoints, r->name);
+    }
     if (!why) {
         (void)mu_text_copy(s->name, sizeof s->name, r->name);
     }
     return !why;
 }
 
-/* It is not here any more, and is not to come back here. */
-static void file_forget(const struct checkpoints *k, struct saved *s)
+static void mark_write(const struct checkpoints *k, const char *name)
 {
     char path[PATH_MAX];
-    file_name(k, path, "", s->name);
+    mark_name(k, path, name);
+    int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (file < 0 || close(file) != 0) {
+        mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", name, strerror(errno));
+    }
+}
+
+/* It is not here any more, and is not to come back here. */
+static void file_forget(const struct checkpoints *k, const char *name)
+{
+    char path[PATH_MAX];
+    file_name(k, path, "", name);
     (void)unlink(path);
-    s->name[0] = '\0';
 }
 
 /* Whoever has no name from a broker yet may be somebody else's second copy. */
@@ -156,10 +196,25 @@ void checkpoint_round(struct crew *c)
         struct robot *r = &c->robots[i];
         struct saved *s = &k->saved[i];
         s->tried = s->tried && !r->out;
-        if (s->name[0] && r->out) {
-            file_forget(k, s);
-        } else if (lives_here(r) && is_due(r, s)) {
+        if (lives_here(r) && is_due(r, s)) {
             (void)checkpoint_write(r, mu_agent_state(r->agent));
+        }
+    }
+}
+
+void checkpoint_forget(struct crew *c)
+{
+    const struct checkpoints *k = &c->checkpoints;
+    for (uint32_t i = 0; i < c->count && k->set->folder; i++) {
+        struct robot *r = &c->robots[i];
+        struct saved *s = &k->saved[i];
+        if (r->out && r->native) {
+            mark_write(k, r->name);
+            r->native = false;
+        }
+        if (r->out && s->name[0]) {
+            file_forget(k, s->name);
+            s->name[0] = '\0';
         }
     }
 }
@@ -216,7 +271,8 @@ static bool file_is_one(const char *file, char name[MU_NAME_MAX + 1])
 }
 
 uint32_t checkpoint_each(struct crew *c,
-                         bool (*take)(struct crew *c, const char *name, const char *text))
+                         bool (*take)(struct crew *c, const char *name,
+                                      const struct checkpoint_head *head, const char *text))
 {
     struct checkpoints *k = &c->checkpoints;
     char name[MU_NAME_MAX + 1], path[PATH_MAX];
@@ -229,7 +285,7 @@ uint32_t checkpoint_each(struct crew *c,
             const char *text = k->text.at;
             struct checkpoint_head head;
             bool read = file_read(path, &k->text) && checkpoint_head_read(&text, &head);
-            count += take(c, name, read ? text : "");
+            count += take(c, name, &head, read ? text : "");
         }
     }
     if (folder) {

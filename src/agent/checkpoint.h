@@ -2,7 +2,8 @@
 /**
  * @file checkpoint.h
  * Agents on disk: a file for each, NAME.capsule, which is replaced as a whole.  It outlives the
- * process, and not a loss of power.
+ * process, and not a loss of power.  NAME.gone says that an agent with which the process began is
+ * not to come back: it was disposed of, or has moved on.
  */
 #ifndef MUSTER_AGENT_CHECKPOINT_H
 #define MUSTER_AGENT_CHECKPOINT_H
@@ -72,8 +73,20 @@ void checkpoint_reserve(struct crew *c);
 /** Writes an agent's file.  @return false: that failed, and was logged, once until it succeeds */
 bool checkpoint_write(struct robot *r, enum mu_state state);
 
-/** Writes what is due; forgets who is not here any more. */
+/** Writes what is due. */
 void checkpoint_round(struct crew *c);
+
+/**
+ * Forgets who is not here any more, once the others have heard of that: the file goes.  Of one that
+ * the command line names a mark stays, so that it does not begin anew here.
+ */
+void checkpoint_forget(struct crew *c);
+
+/** @return whether such a mark is there */
+bool checkpoint_is_gone(const struct crew *c, const char *name);
+
+/** @return whether an agent of that name has a file */
+bool checkpoint_is_there(const struct crew *c, const char *name);
 
 /**
  * Reads an agent's file into the crew's text; good until the next file is written or read.
@@ -92,11 +105,12 @@ bool checkpoint_head_read(const char **text, struct checkpoint_head *out);
 /**
  * The agents that have a file, in the order of the folder, until take says no more.
  *
- * @param take  is given a name, and its passport and capsule; "": there is no whole one; @return
- *              whether that agent comes back
+ * @param take  is given a name, what stands before its passport, and passport and capsule; "":
+ *              there is no whole one; @return whether that agent comes back
  * @return how many come back
  */
 uint32_t checkpoint_each(struct crew *c,
-                         bool (*take)(struct crew *c, const char *name, const char *text));
+                         bool (*take)(struct crew *c, const char *name,
+                                      const struct checkpoint_head *head, const char *text));
 
 #endif

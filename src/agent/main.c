@@ -48,7 +48,9 @@ static mu_result robots_join(struct crew *c)
                                          .with_body = true};
     MU_TRY(mu_process_open(&c->process, &options));
     for (uint32_t i = 0; i < c->count; i++) {
-        MU_TRY(robot_join(&c->robots[i]));
+        if (!c->robots[i].out) {
+            MU_TRY(robot_join(&c->robots[i]));
+        }
     }
     mu_result found = mu_process_await_broker(c->process, MU_NETWORK_BROKER_NS);
     if (found == MU_TIMEOUT) {
@@ -58,6 +60,15 @@ static mu_result robots_join(struct crew *c)
                 options.domain, options.broker ? options.broker : "NAME", options.domain);
     }
     return found;
+}
+
+static bool crew_is_empty(const struct crew *c)
+{
+    bool empty = true;
+    for (uint32_t i = 0; i < c->count; i++) {
+        empty = empty && c->robots[i].out;
+    }
+    return empty;
 }
 
 static void crew_save(void *self)
@@ -78,12 +89,14 @@ static void on_step_end(void *self)
 static void on_answered(void *self)
 {
     trip_step_answered(self);
+    checkpoint_forget(self);
 }
 
 static void crew_round(void *self)
 {
     trip_round(self);
     checkpoint_round(self);
+    checkpoint_forget(self);
     robot_crew_look(self);
 }
 
@@ -101,6 +114,9 @@ int main(int argc, char **argv)
     mu_log_open(set->name, set->verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct crew *c = crew_make(set);
     mu_result ready = robots_think(c);
+    if (ready == MU_OK && crew_is_empty(c)) {
+        return MU_EXIT_DONE; /* all have ended before */
+    }
     ready = ready == MU_OK ? robots_join(c) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);

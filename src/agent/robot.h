@@ -73,6 +73,7 @@ struct robot {
     bool percept_waits;        /* which the mind has not taken yet */
     bool bodiless;             /* in this step; the percept says what time it is */
     bool out;                  /* it takes no part: it is disposed of, or its name is refused */
+    bool native;               /* the command line names it, and it has begun here */
     bool arrives;              /* it has not got its name here yet; then it goes on */
     bool returns;              /* its mind was made of a checkpoint: it goes on where that ends, */
     int64_t saved_step;        /* behind this step, */
@@ -117,11 +118,14 @@ void robot_drop(struct robot *r);
 
 /**
  * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
- * library, its rules, its globals.
+ * library, its rules, its globals.  Who is to come back, and has ended since, is out.
  *
  * @return MU_OK; MU_FAULT_FILE, MU_FAULT_USAGE: it has said what is wrong
  */
 MU_MUST_USE mu_result robot_think(struct robot *r);
+
+/** It goes on behind the step that its checkpoint is of; memory is taken at start-up. */
+void robot_take_up(struct robot *r, const struct checkpoint_head *head);
 
 /**
  * Gives a robot whose mind is broken another one, of its checkpoint or else of its rules, if that

@@ -70,6 +70,17 @@ static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct 
     return made == MU_OK;
 }
 
+void robot_take_up(struct robot *r, const struct checkpoint_head *head)
+{
+    r->returns = true;
+    r->saved_step = head->step;
+    r->answer = head->answer;
+    if (head->answer.text) { /* other files are read where this one was */
+        r->answer.text =
+            memcpy(mu_startup_alloc(head->answer.len + 1), head->answer.text, head->answer.len);
+    }
+}
+
 /* @return whether it goes on where its checkpoint ends */
 static bool mind_return(struct robot *r)
 {
@@ -78,13 +89,7 @@ static bool mind_return(struct robot *r)
     if (!mind_restored(r, &head, &p)) {
         return false;
     }
-    r->returns = true;
-    r->saved_step = head.step;
-    r->answer = head.answer;
-    if (head.answer.text) { /* other files are read where this one was */
-        r->answer.text =
-            memcpy(mu_startup_alloc(head.answer.len + 1), head.answer.text, head.answer.len);
-    }
+    robot_take_up(r, &head);
     r->returns_as = p.state;
     r->passage = p.passage;
     r->mails = p.mails;
@@ -107,9 +112,18 @@ static mu_result mind_make(struct robot *r, const char *folder)
 
 mu_result robot_think(struct robot *r)
 {
+    bool restore = r->crew->set->checkpoints.restore;
     r->mind = mind_reserve();
-    bool returns = r->crew->set->checkpoints.restore && mind_return(r);
-    return returns ? MU_OK : mind_make(r, r->crew->rules_folder);
+    r->native = true;
+    if (restore && mind_return(r)) {
+        return MU_OK;
+    }
+    if (restore && checkpoint_is_gone(r->crew, r->name)) {
+        mu_log(MU_LOG_INFO, "gone", "name=%s", r->name);
+        r->out = true;
+        return MU_OK;
+    }
+    return mind_make(r, r->crew->rules_folder);
 }
 
 /* @return whether it has a mind again */

@@ -205,7 +205,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
     }
     if (effect == EFFECT_STEP) {
         lockstep_keep_state(&b->lockstep, agent, act->state);
-        depot_review(b, agent); /* it answers where it lives now */
+        depot_answered(b, agent, place);
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
     }
@@ -224,7 +224,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
         b->counters.malformed += !b->places.at[place].is_broker;
         return;
     }
-    depot_acknowledged(b, agent, place);
+    depot_answered(b, agent, place);
     if (b->places.at[place].rostered) {
         lockstep_keep_ack(&b->lockstep, agent, ack->number);
     } else {

@@ -572,12 +572,12 @@ void depot_review(struct broker *b, uint32_t agent)
     bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
     if (a->is.epoch > c->epoch) {
         capsule_drop(b, c);
-    } else if (lives && elsewhere && c->phase == DEPOT_KEPT) {
+    } else if (lives && elsewhere && c->phase == DEPOT_KEPT && !(c->seated && b->lockstep.on)) {
         capsule_end(b, c);
     }
 }
 
-void depot_acknowledged(struct broker *b, uint32_t agent, uint32_t place)
+void depot_answered(struct broker *b, uint32_t agent, uint32_t place)
 {
     struct depot_capsule *c = capsule_of(b, agent);
     if (c && !c->holds && c->phase == DEPOT_KEPT && place != c->source) {

@@ -79,12 +79,13 @@ void depot_lockstep_over(struct broker *b);
 /** A process is no more. */
 void depot_gone(struct broker *b, uint32_t place);
 
-/** An agent was seated, or said something of itself: its capsule may be of no use any more. */
+/** An agent was seated, or said something of itself: its capsule may be of no use any more.  That
+ * of one whom a lock step has seated is kept until it has answered a step. */
 void depot_review(struct broker *b, uint32_t agent);
 
-/** An agent has acknowledged mail from this process: if it has come there, it lives there, and what
- * it was before is of no use any more. */
-void depot_acknowledged(struct broker *b, uint32_t agent, uint32_t place);
+/** An agent has answered a step, or acknowledged mail, from this process: if it has come there, it
+ * lives there, and what it was before is of no use any more. */
+void depot_answered(struct broker *b, uint32_t agent, uint32_t place);
 
 /** @return whether what a process says of an agent is of before it was taken from there, or of
  *          after it will have been seated there: neither is a claim on the name */

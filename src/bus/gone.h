@@ -24,7 +24,7 @@ enum gone_what {
 #define GONE_SCHEMA_NAME "muster/msg/Gone"
 #define GONE_SCHEMA      "uint8 DISPOSED=1\nuint8 UNREGISTERED=2\nuint8 what\nuint8[] key\n"
 
-enum { GONE_HEAD_BYTES = 12, GONE_KEY_MAX = 64 * 1024 };
+enum { GONE_HEAD_BYTES = 12 };
 
 /**
  * Writes such a message in CDR.

@@ -4,16 +4,14 @@
 #include "core/name.h"
 #include "core/pieces.h"
 #include "core/text.h"
+#include "ctl/launch_text.h"
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { LAUNCH_RULES_MAX = 512 * 1024, LAUNCH_HEAD_MAX = 8 * 1024 };
 
 static const double ANSWER_PATIENCE_S = 15.0;
 
@@ -24,41 +22,6 @@ struct launch {
     bool start;
     struct mu_option_list globals, groups;
 };
-
-/* A passport and the rules behind it. */
-static char launch_bytes[LAUNCH_RULES_MAX + LAUNCH_HEAD_MAX];
-
-/* @return what is wrong with a text that was read, or NULL */
-static const char *text_objection(FILE *f, const char *text, size_t len, size_t room)
-{
-    if (ferror(f)) {
-        return strerror(errno);
-    }
-    bool good = len < room && strlen(text) == len && words_are_utf8(text);
-    return good ? NULL : "expected a text of at most 512 KiB, in UTF-8";
-}
-
-/* @return the exit code; what is wrong is said */
-static int rules_read(const struct launch *l, struct mu_text *out)
-{
-    FILE *f = fopen(l->rules, "rb");
-    if (!f) {
-        fprintf(stderr, "%s: cannot be opened: %s\n", l->rules, strerror(errno));
-        return MU_EXIT_FILE;
-    }
-    size_t room = out->size - out->len - 1;
-    char *text = out->at + out->len;
-    size_t len = fread(text, 1, room, f);
-    text[len] = '\0';
-    const char *wrong = text_objection(f, text, len, room);
-    fclose(f);
-    if (wrong) {
-        fprintf(stderr, "%s: %s\n", l->rules, wrong);
-        return MU_EXIT_FILE;
-    }
-    out->len += len;
-    return MU_EXIT_DONE;
-}
 
 static int pieces_send(struct operator* op, const struct launch *l, const struct mu_text *text)
 {
@@ -84,26 +47,22 @@ static int pieces_send(struct operator* op, const struct launch *l, const struct
 
 static int launch(struct launch *l)
 {
-    struct mu_text text;
-    mu_text_init(&text, launch_bytes, sizeof launch_bytes);
-    mu_text_format(&text, "passport 2 launch %s %s 0 0 0 0 0 %lld 0 - \n", l->name,
-                   l->start ? "running" : "standby", (long long)l->seed);
+    struct mu_text *text = launch_text_begin(l->name, l->start, l->seed);
     for (size_t i = 0; i < l->globals.count; i++) {
-        mu_text_format(&text, "global %s\n", l->globals.items[i]);
+        mu_text_format(text, "global %s\n", l->globals.items[i]);
     }
     for (size_t i = 0; i < l->groups.count; i++) {
-        mu_text_format(&text, "group %s\n", l->groups.items[i]);
+        mu_text_format(text, "group %s\n", l->groups.items[i]);
     }
-    int code = rules_read(l, &text);
-    if (code != MU_EXIT_DONE) {
-        return code;
+    if (launch_text_rules(text, l->rules) != MU_OK) {
+        return MU_EXIT_FILE;
     }
     struct operator op;
-    code = operator_join(&op, &l->options, "launch");
+    int code = operator_join(&op, &l->options, "launch");
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    code = pieces_send(&op, l, &text);
+    code = pieces_send(&op, l, text);
     operator_leave(&op);
     return code;
 }

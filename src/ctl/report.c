@@ -2,8 +2,9 @@
 /*
  * muster report: a run's pages and pictures once more, from what lies in its folder.
  *
- * The experiment and its world come out of run.mcap.  What the brokers counted is in summary.json
- * alone; without one the run broke off, and what there is to know is in the recording.
+ * The experiment and its world come out of run.mcap, or, of a run without one, from where its
+ * command says.  What the brokers counted is in summary.json alone; without one the run broke off,
+ * and what there is to know is in the recording.
  */
 #include "ctl/remake.h"
 #include "ctl/summary.h"
@@ -33,6 +34,7 @@ static struct mu_option option_table[] = {{.name = "json",
 struct remaking {
     struct run *run; /* as far as a report needs one */
     struct recording recording;
+    bool recorded; /* there is one */
     struct unpacked files;
     struct summary *summary;
     const char *sets[EXPERIMENT_OVERRIDES_MAX];
@@ -60,13 +62,14 @@ static size_t sets_read(struct remaking *m)
     return count;
 }
 
-/* The file as it was named on the command line, or where it was. */
+/* The file as it was named on the command line; path: it is not known */
 static const char *file_named(const struct remaking *m, const char *path)
 {
     static const char begin[] = "muster run ", end[] = " --seed ";
-    const char *command = note(m, "command"), *behind = strstr(command, end);
+    const char *command = m->recorded ? note(m, "command") : m->summary->command;
+    const char *behind = strstr(command, end);
     if (strncmp(command, begin, sizeof begin - 1) != 0 || !behind) {
-        return unpack_path(&m->files, path);
+        return path;
     }
     char *named = mu_startup_string(command + sizeof begin - 1);
     named[behind - command - (ptrdiff_t)(sizeof begin - 1)] = '\0';
@@ -78,13 +81,13 @@ static void paths_restore(struct remaking *m)
 {
     struct experiment *e = m->run->experiment;
     char path[sizeof m->run->world->file];
-    e->file = mu_startup_string(file_named(m, e->file));
+    e->file = mu_startup_string(file_named(m, unpack_path(&m->files, e->file)));
     if (mu_text_copy(path, sizeof path, unpack_path(&m->files, m->run->world->file))) {
         mu_text_copy(m->run->world->file, sizeof m->run->world->file, path);
     }
 }
 
-static mu_result experiment_take(struct remaking *m, struct mu_fault *fault)
+static mu_result recorded_take(struct remaking *m, struct mu_fault *fault)
 {
     static char root[sizeof m->files.folder + sizeof "/files"];
     struct run *r = m->run;
@@ -101,9 +104,35 @@ static mu_result experiment_take(struct remaking *m, struct mu_fault *fault)
     return MU_OK;
 }
 
+/* Of a run without a recording: the file may be another one by now, which run.csv shows if it has
+ * other robots. */
+static mu_result named_take(struct remaking *m, struct mu_fault *fault)
+{
+    struct run *r = m->run;
+    const struct summary *s = m->summary;
+    const char *file = file_named(m, NULL);
+    const char *duration = strstr(s->command, " --duration ");
+    if (!file || !duration) {
+        return mu_fault_at(fault, m->path, 0, 0,
+                           "there is no recording, and summary.json does not say how the run was "
+                           "made");
+    }
+    MU_TRY(experiment_load(&r->experiment, file, s->overrides, s->overrides_count, fault));
+    r->options.set = s->overrides;
+    r->options.set_count = s->overrides_count;
+    r->options.free = strstr(s->command, " --free") != NULL || r->experiment->free;
+    r->experiment->seed = s->seed;
+    r->experiment->duration = strtod(duration + sizeof " --duration", NULL);
+    return run_place(r, fault);
+}
+
 static mu_result recording_take(struct remaking *m, struct mu_fault *fault)
 {
     snprintf(m->path, sizeof m->path, "%s/run.mcap", m->run->folder);
+    m->recorded = access(m->path, F_OK) == 0 || !m->summary->there;
+    if (!m->recorded) {
+        return MU_OK;
+    }
     mu_result opened = recording_create(&m->recording, m->path, fault);
     opened = opened == MU_OK ? recording_open(&m->recording, m->path, fault) : opened;
     if (opened != MU_OK) {
@@ -196,9 +225,15 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
 {
     struct run *r = m->run;
     char csv[PATH_MAX + 16];
-    remake_end(&m->recording, r);
+    r->time_ns = (uint64_t)(m->summary->sim_time_s * 1e9);
+    if (m->recorded) {
+        remake_end(&m->recording, r);
+    }
     if (broke_off(m)) { /* what was to come later is not judged */
         r->experiment->duration = fmin(r->experiment->duration, (double)r->time_ns * 1e-9);
+    }
+    if (!m->recorded) {
+        return MU_OK;
     }
     snprintf(csv, sizeof csv, "%s/run.csv", r->folder);
     if (m->summary->there && access(csv, F_OK) == 0) {
@@ -247,6 +282,13 @@ static mu_result folder_take(struct remaking *m, const char *folder, struct mu_f
     return summary_read(&m->summary, m->run->folder, fault);
 }
 
+/* The experiment with its world, and the files that the report is made of. */
+static mu_result run_take(struct remaking *m, struct mu_fault *fault)
+{
+    mu_result done = m->recorded ? recorded_take(m, fault) : named_take(m, fault);
+    return done == MU_OK ? files_make(m, fault) : done;
+}
+
 static int report_run(const char *folder)
 {
     struct mu_fault fault;
@@ -258,10 +300,9 @@ static int report_run(const char *folder)
         mu_fault_print(&fault);
         return mu_exit_for(done);
     }
-    done = unpack_open(&m->files, m->recording.reader, m->path, false);
+    done = m->recorded ? unpack_open(&m->files, m->recording.reader, m->path, false) : MU_OK;
     if (done == MU_OK) {
-        done = experiment_take(m, &fault);
-        done = done == MU_OK ? files_make(m, &fault) : done;
+        done = run_take(m, &fault);
         if (done != MU_OK) {
             mu_fault_print(&fault);
         }

@@ -309,7 +309,8 @@ static const char *line_of(const struct experiment *e, const char *in_reply_to)
     if (!in_reply_to[0] || *end || index >= e->observer_count) {
         return "it";
     }
-    return e->observer[index].line ? e->observer[index].line : "the move";
+    const struct experiment_command *c = &e->observer[index];
+    return c->line ? c->line : c->move ? "the move" : c->launch;
 }
 
 /* Robots answer commands; only what went wrong is worth a line. */
@@ -317,8 +318,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct run *r = self;
-    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) &&
-        strcmp(mail->performative, "failure") == 0) {
+    bool fails =
+        strcmp(mail->performative, "failure") == 0 || strcmp(mail->performative, "refuse") == 0;
+    if (!run_observer_take(r, mail) && !run_pages_take(r, mail) && fails) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
         fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
@@ -355,7 +357,7 @@ static mu_result network_join(struct run *r)
     return MU_OK;
 }
 
-static mu_result directive_send(struct run *r, struct mu_mail mail)
+mu_result run_directive_send(struct run *r, struct mu_mail mail)
 {
     mail.directive = true;
     mu_result sent = mu_agent_send(r->observer, &mail, NULL);
@@ -375,7 +377,7 @@ void run_wake(struct run *r, const char *child, double due_s)
                                     .performative = "start",
                                     .timed = due_s >= 0,
                                     .due_ns = due_s >= 0 ? (uint64_t)llround(due_s * 1e9) : 0};
-            if (directive_send(r, start) != MU_OK) {
+            if (run_directive_send(r, start) != MU_OK) {
                 fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
             }
         }
@@ -386,12 +388,12 @@ void run_wake(struct run *r, const char *child, double due_s)
 static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
                               const char *label)
 {
-    return directive_send(r, (struct mu_mail){.dst = to,
-                                              .performative = c->move ? "move" : "do",
-                                              .reply_with = label,
-                                              .content = c->move ? c->move : c->line,
-                                              .timed = true,
-                                              .due_ns = (uint64_t)llround(c->at * 1e9)});
+    return run_directive_send(r, (struct mu_mail){.dst = to,
+                                                  .performative = c->move ? "move" : "do",
+                                                  .reply_with = label,
+                                                  .content = c->move ? c->move : c->line,
+                                                  .timed = true,
+                                                  .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
 
 /* One directive to as many of the named robots as fit, and one to each group or address. */
@@ -401,6 +403,9 @@ static mu_result command_tell(struct run *r, unsigned index)
     char names[MU_DST_MAX + 1], label[16];
     struct mu_text to;
     mu_result sent = MU_OK;
+    if (c->launch) {
+        return run_launch_tell(r, index);
+    }
     mu_text_init(&to, names, sizeof names);
     snprintf(label, sizeof label, "%u", index);
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
@@ -423,7 +428,7 @@ static mu_result command_tell(struct run *r, unsigned index)
 static mu_result commands_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    mu_result sent = directive_send(
+    mu_result sent = run_directive_send(
         r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
         sent = command_tell(r, i);
@@ -520,25 +525,24 @@ static bool simulator_silent(struct run *r)
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
 }
 
-/* @return whether one of the experiment's robots lives in a child */
+/* @return whether a robot lives in a child, of the experiment or one that came since */
 static bool child_has_robots(const struct run *r, const struct child *child)
 {
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
-        const struct mu_member *m = mu_process_lookup(r->process, r->experiment->robots[i].name);
-        if (m && m->pid == (uint32_t)child->pid) {
-            return true;
-        }
+    const struct mu_member *m;
+    bool has = false;
+    for (size_t i = 0; !has && (m = mu_process_member(r->process, i)); i++) {
+        has = m->kind == MU_KIND_ROBOT && m->pid == (uint32_t)child->pid && m->state != MU_GONE;
     }
-    return false;
+    return has;
 }
 
-/* A host that dies with no robot in it has only ceased to be one. */
+/* A host that dies with no robot in it, and is not started again, has only ceased to be one. */
 static void hosts_excuse(struct run *r)
 {
     for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
         struct child *child = supervise_find(&r->children, r->experiment->hosts[i]);
         if (child && child->ended && !child->excused && r->state == muster_RUN_RUNNING &&
-            !child_has_robots(r, child)) {
+            !run_restarts(r, child) && !child_has_robots(r, child)) {
             child->excused = true;
             fprintf(stderr, "muster run: the host %s is no more; the run goes on\n", child->name);
         }
@@ -593,8 +597,11 @@ static int start_patience(const struct run *r)
     if (mu_clock_ns() - r->began_wall_ns < patience_ns) {
         return -1;
     }
-    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s\n",
-            (int)(patience_ns / 1000000000u), r->waits_for);
+    char monitors[256];
+    run_monitors_missing(r, monitors, sizeof monitors);
+    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s%s%s\n",
+            (int)(patience_ns / 1000000000u), r->waits_for,
+            r->waits_for[0] && monitors[0] ? " " : "", monitors);
     return MU_EXIT_DDS;
 }
 

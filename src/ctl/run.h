@@ -51,8 +51,9 @@ struct run {
     int domain;
     char folder[PATH_MAX]; /* of the report */
     struct supervise children;
-    struct run_part *parts; /* what each of them is */
-    bool begun;             /* it was told to go */
+    struct run_part *parts;                      /* what each of them is */
+    bool begun;                                  /* it was told to go */
+    bool monitors_late[EXPERIMENT_MONITORS_MAX]; /* so slow that they were ended after the run */
     mu_process *process;
     mu_agent *observer;
     struct run_observer *console; /* of the observer */
@@ -142,6 +143,9 @@ bool run_monitors_start(const struct run *r);
 /** @return whether every monitor sees the run, and has its name if it is to have one */
 bool run_monitors_ready(const struct run *r);
 
+/** Writes the names of those who do not see the run yet, for people. */
+void run_monitors_missing(const struct run *r, char *text, size_t size);
+
 /** Says of monitors that have died while the run lives that they are no more. */
 void run_monitors_look(struct run *r);
 
@@ -188,6 +192,17 @@ bool run_pages_tell(struct run *r);
 
 /** @return whether a mail to the observer was an answer to that; a refusal ends the run */
 bool run_pages_take(struct run *r, const struct mu_mail *mail);
+
+/** Sends a directive of the experiment's; it is waited for before the first step.  @return as
+ * mu_agent_send */
+MU_MUST_USE mu_result run_directive_send(struct run *r, struct mu_mail mail);
+
+/**
+ * Sends what the index-th command launches, in run_launch.c.
+ *
+ * @return as mu_agent_send; MU_FAULT_FILE: what is wrong with its rules is said
+ */
+MU_MUST_USE mu_result run_launch_tell(struct run *r, unsigned index);
 
 /** Makes the observer's console, in run_observer.c. */
 void run_observer_open(struct run *r);

@@ -161,6 +161,11 @@ const struct run_file *run_files(const struct run *r, size_t *count)
     for (unsigned i = 0; i < e->robots_count; i++) {
         file_add(&f, "rules", e->robots[i].rules);
     }
+    for (unsigned i = 0; i < e->observer_count; i++) {
+        if (e->observer[i].rules) {
+            file_add(&f, "rules", e->observer[i].rules);
+        }
+    }
     for (unsigned i = 0; i < e->monitors_count; i++) {
         if (e->monitors[i].rules) {
             file_add(&f, "rules", e->monitors[i].rules);

@@ -6,6 +6,8 @@
  * from then on nobody waits for them, and their death is told and ends nothing.
  */
 #include "ctl/run.h"
+
+#include "core/text.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
 
@@ -49,6 +51,17 @@ bool run_monitors_ready(const struct run *r)
     return all;
 }
 
+void run_monitors_missing(const struct run *r, char *text, size_t size)
+{
+    struct mu_text t;
+    mu_text_init(&t, text, size);
+    for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
+        if (!is_ready(r, i)) {
+            mu_text_format(&t, "%s%s", t.len ? " " : "", r->experiment->monitors[i].name);
+        }
+    }
+}
+
 static bool is_well(const struct child *child)
 {
     return WIFEXITED(child->status) && WEXITSTATUS(child->status) == 0;
@@ -80,17 +93,20 @@ void run_monitors_look(struct run *r)
 void run_monitors_await(struct run *r)
 {
     for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
-        supervise_await(&r->children, child_of(r, i), END_PATIENCE_MS);
+        struct child *child = child_of(r, i);
+        supervise_await(&r->children, child, END_PATIENCE_MS);
+        r->monitors_late[i] = !child->ended;
     }
     run_monitors_look(r);
 }
 
 /* @return how it ended, for people; NULL: with the run */
-static const char *fate_of(const struct child *child)
+static const char *fate_of(const struct run *r, unsigned index)
 {
+    const struct child *child = child_of(r, index);
     char fate[SUPERVISE_FATE_MAX];
-    if (!child->ended) {
-        return "lives on after the run";
+    if (r->monitors_late[index]) {
+        return "was too slow: it was ended 5 s after the run";
     }
     supervise_fate(child, fate, sizeof fate);
     return is_well(child) ? NULL : mu_startup_string(fate);
@@ -102,10 +118,8 @@ size_t run_monitors_fates(struct run *r, const struct report_monitor **out)
     struct report_monitor *fates = mu_startup_array(count, sizeof *fates);
     for (unsigned i = 0; i < count; i++) {
         const struct experiment_monitor *m = &r->experiment->monitors[i];
-        fates[i] = (struct report_monitor){.name = m->name,
-                                           .rules = m->rules,
-                                           .program = m->program,
-                                           .fate = fate_of(child_of(r, i))};
+        fates[i] = (struct report_monitor){
+            .name = m->name, .rules = m->rules, .program = m->program, .fate = fate_of(r, i)};
     }
     *out = fates;
     return count;

@@ -46,10 +46,10 @@ static bool part_restarts(const struct run *r, struct run_part part)
 {
     switch (part.kind) {
     case RUN_BROKER: return run_restarts_brokers(r);
-    case RUN_RESOLVER: return r->experiment->on_crash == EXPERIMENT_RESTART;
+    case RUN_RESOLVER:
+    case RUN_HOST: return r->experiment->on_crash == EXPERIMENT_RESTART;
     case RUN_CREW: return crew_restarts(r, part.index);
     case RUN_SIMULATOR: /* the world is in it alone */
-    case RUN_HOST:
     case RUN_MONITOR: break;
     }
     return false;
@@ -154,15 +154,42 @@ static void crew_begin(struct run *r, const struct experiment_crew *crew, const 
     }
 }
 
+static void crew_returned(struct run *r, unsigned index, struct child *child)
+{
+    const struct experiment_crew *crew = &r->experiment->crews[index];
+    if (crew_is_there(r, crew, child)) {
+        child->returned = false;
+        crew_begin(r, crew, child);
+    }
+}
+
+/* With a host come those that begin on it and have not moved on. */
+static void host_returned(struct run *r, const char *host, struct child *child)
+{
+    enum mu_state state;
+    if (!robot_is_there(r, host, child, &state)) {
+        return;
+    }
+    child->returned = false;
+    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+        const struct experiment_robot *robot = &r->experiment->robots[i];
+        if (robot->host && strcmp(robot->host, host) == 0) {
+            struct experiment_crew one = {.robot = i, .count = 1};
+            crew_begin(r, &one, child);
+        }
+    }
+}
+
 static void returned_look(struct run *r, struct child *child)
 {
     struct run_part part = run_part_of(r, child);
-    const struct experiment_crew *crew = &r->experiment->crews[part.index];
-    if (part.kind != RUN_CREW || r->state != muster_RUN_RUNNING) {
-        child->returned = part.kind == RUN_CREW;
-    } else if (crew_is_there(r, crew, child)) {
-        child->returned = false;
-        crew_begin(r, crew, child);
+    bool looked = part.kind == RUN_CREW || part.kind == RUN_HOST;
+    if (!looked || r->state != muster_RUN_RUNNING) {
+        child->returned = looked;
+    } else if (part.kind == RUN_HOST) {
+        host_returned(r, r->experiment->hosts[part.index], child);
+    } else {
+        crew_returned(r, part.index, child);
     }
 }
 

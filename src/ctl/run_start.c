@@ -213,20 +213,17 @@ static mu_result simulator_start(struct run *r)
     return child_start(r, NULL, "simulator", "muster-sim");
 }
 
-static void checkpoints_add(const struct run *r, const struct experiment_robot *robot, bool again)
+/* Without checkpoints the folder has who has ended.  Each host has one of its own, since it brings
+ * back whom it finds there. */
+static void checkpoints_add(const struct run *r, enum experiment_on_crash on_crash,
+                            double checkpoint_s, const char *host)
 {
-    if (robot->on_crash != EXPERIMENT_RESTART) {
+    if (on_crash != EXPERIMENT_RESTART) {
         return;
     }
     word_add("--mend=%u", r->experiment->restarts);
-    if (robot->checkpoint_s <= 0) {
-        return;
-    }
-    word_add("--checkpoint=%.17g", robot->checkpoint_s);
-    word_add("--folder=%s/" RUN_CHECKPOINTS, r->folder);
-    if (again) {
-        word_add("--restore");
-    }
+    word_add("--checkpoint=%.17g", checkpoint_s);
+    word_add("--folder=%s/" RUN_CHECKPOINTS "%s%s", r->folder, host ? "/" : "", host ? host : "");
 }
 
 static void diary_add(const struct run *r)
@@ -261,12 +258,15 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
         word_add("--service=%s", robot->services[i]);
     }
-    checkpoints_add(r, robot, again != NULL);
-    MU_TRY(child_start(r, again, robot->name, "muster-robot"));
-    if (!again) {
-        /* In free running a robot may move to a host, or be disposed of: its process ends. */
-        r->children.children[r->children.count - 1].may_leave = r->options.free;
+    checkpoints_add(r, robot->on_crash, robot->checkpoint_s, NULL);
+    if (again && robot->on_crash == EXPERIMENT_RESTART) {
+        word_add("--restore");
     }
+    MU_TRY(child_start(r, again, robot->name, "muster-robot"));
+    struct child *child = again ? again : &r->children.children[r->children.count - 1];
+    /* In free running a robot may move to a host, or be disposed of: its process ends.  In lock
+     * step it goes on; started again, it finds that none of its robots is to come back. */
+    child->may_leave = r->options.free || again;
     return MU_OK;
 }
 
@@ -286,8 +286,9 @@ static void natives_add(const struct run *r, const char *host)
     }
 }
 
-static mu_result host_start(struct run *r, const char *host)
+static mu_result host_start(struct run *r, const char *host, struct child *again)
 {
+    const struct experiment *e = r->experiment;
     unsigned robots = r->experiment->robots_count;
     words_begin("muster-host");
     word_add("%s", host);
@@ -296,12 +297,13 @@ static mu_result host_start(struct run *r, const char *host)
     word_add("--domain=%d", r->domain);
     word_add("--broker=%s", run_broker(r, 0));
     word_add("--seed=%lld", (long long)r->experiment->seed);
-    if (r->options.free) {
+    checkpoints_add(r, e->on_crash, e->checkpoint_s, host);
+    if (r->options.free || again) {
         word_add("--restore");
     }
     diary_add(r);
     natives_add(r, host);
-    return child_start(r, NULL, host, "muster-host");
+    return child_start(r, again, host, "muster-host");
 }
 
 static mu_result resolver_start(struct run *r, const char *scheme, struct child *again)
@@ -316,9 +318,15 @@ static mu_result resolver_start(struct run *r, const char *scheme, struct child 
 /* Where the capsules and stores of those are that may be started again. */
 static mu_result checkpoints_make(const struct run *r)
 {
-    char path[PATH_MAX + sizeof "/" RUN_CHECKPOINTS];
+    const struct experiment *e = r->experiment;
+    char path[PATH_MAX + sizeof "/" RUN_CHECKPOINTS "/" + MU_NAME_MAX];
     snprintf(path, sizeof path, "%s/" RUN_CHECKPOINTS, r->folder);
-    if (mkdir(path, 0777) == 0) {
+    bool made = mkdir(path, 0777) == 0;
+    for (unsigned i = 0; made && i < e->hosts_count; i++) {
+        snprintf(path, sizeof path, "%s/" RUN_CHECKPOINTS "/%s", r->folder, e->hosts[i]);
+        made = mkdir(path, 0777) == 0;
+    }
+    if (made) {
         return MU_OK;
     }
     fprintf(stderr, "muster run: cannot create %s: %s\n", path, strerror(errno));
@@ -332,9 +340,9 @@ mu_result run_start_again(struct run *r, struct child *child)
     switch (part.kind) {
     case RUN_BROKER: return broker_start(r, part.index, child);
     case RUN_RESOLVER: return resolver_start(r, e->resolvers[part.index], child);
+    case RUN_HOST: return host_start(r, e->hosts[part.index], child);
     case RUN_CREW: return crew_start(r, &e->crews[part.index], child);
     case RUN_SIMULATOR:
-    case RUN_HOST:
     case RUN_MONITOR: break;
     }
     return MU_REFUSED;
@@ -400,7 +408,7 @@ mu_result run_start(struct run *r)
     }
     for (unsigned i = 0; i < r->experiment->hosts_count; i++) {
         part_note(r, RUN_HOST, i);
-        MU_TRY(host_start(r, r->experiment->hosts[i]));
+        MU_TRY(host_start(r, r->experiment->hosts[i], NULL));
     }
     for (unsigned i = 0; i < r->experiment->crews_count; i++) {
         if (!r->experiment->robots[r->experiment->crews[i].robot].host) {

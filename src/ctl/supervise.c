@@ -184,7 +184,7 @@ mu_result supervise_start_aside(struct supervise *s, const char *name, const cha
     }
     snprintf(number, sizeof number, "%d", READY_FD);
     setenv(READY_NAME, number, 1);
-    mu_result started = child_add(s, name, program, argv, &(struct child){.log = fd});
+    mu_result started = child_add(s, name, program, argv, &(struct child){.log = fd, .wide = true});
     unsetenv(READY_NAME);
     if (started != MU_OK) {
         close(fd);

@@ -117,7 +117,7 @@ struct teller {
     struct recording recording;
     struct why why;
     struct mu_text chain;
-    uint32_t robot; /* in Frames */
+    uint32_t robot; /* in Frames; MU_NONE: it has no body */
     int32_t mind;   /* MINDS_NONE: it has no diary */
     struct stall stalls[STALLS_MAX];
     size_t stalls_count;
@@ -312,7 +312,7 @@ int why_verb(int argc, char **argv)
         mu_fault_print(&fault);
         return mu_exit_for(opened);
     }
-    if (t->robot == MU_NONE) {
+    if (t->robot == MU_NONE && t->mind == MINDS_NONE) { /* a clone has a mind, and no body */
         fprintf(stderr, "muster why: %s has no robot named %s\n", ask.file, ask.robot);
         return MU_EXIT_NO_AGENT;
     }

@@ -92,10 +92,13 @@ struct experiment_monitor {
 /* What the observer commands, and when. */
 struct experiment_command {
     double at;      /* s of simulated time */
-    char **targets; /* all, robots, special, group:NAME, or names of this experiment's robots */
+    char **targets; /* all, robots, special, group:NAME, or names of this experiment's robots; of a
+                       launch, hosts */
     unsigned targets_count;
-    char *line; /* a CLIPS line, */
-    char *move; /* or: the host that they are to move to */
+    char *line;   /* a CLIPS line, */
+    char *move;   /* or: the host that they are to move to, */
+    char *launch; /* or: the name of a new agent, which begins there, */
+    char *rules;  /* with these rules */
 };
 
 /* What must be true, or the run fails (exit code 1). */

@@ -439,13 +439,31 @@ static bool check_target(const struct experiment *e, const char *target)
     return experiment_find_robot(e, target) != NULL;
 }
 
-/* What is commanded: a line, or a move. */
-static mu_result check_deed(struct experiment_source *s, const struct experiment_command *command,
+/* A new agent on hosts, with its rules. */
+static mu_result check_launch(struct experiment_source *s, struct experiment_command *command,
+                              int node)
+{
+    if (!mu_name_valid(command->launch) || mu_name_reserved(command->launch) ||
+        experiment_find_host(s->experiment, command->launch) < s->experiment->hosts_count) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "launch"),
+                                "'%.80s' cannot be an agent's name", command->launch);
+    }
+    return experiment_check_file(s, &command->rules, yaml_tree_child(s->tree, node, "rules"),
+                                 "rules");
+}
+
+/* What is commanded: a line, a move, or a launch. */
+static mu_result check_deed(struct experiment_source *s, struct experiment_command *command,
                             int node)
 {
     const struct experiment *e = s->experiment;
-    if (!command->line == !command->move) {
-        return experiment_fault(s, NULL, node, "expected a line, or move: HOST");
+    int deeds = (command->line != NULL) + (command->move != NULL) + (command->launch != NULL);
+    if (deeds != 1 || !command->launch != !command->rules) {
+        return experiment_fault(s, NULL, node,
+                                "expected a line, or move: HOST, or launch: NAME and rules: FILE");
+    }
+    if (command->launch) {
+        return check_launch(s, command, node);
     }
     if (command->move && experiment_find_host(e, command->move) == e->hosts_count) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "move"),
@@ -454,9 +472,32 @@ static mu_result check_deed(struct experiment_source *s, const struct experiment
     return MU_OK;
 }
 
+static mu_result check_targets(struct experiment_source *s,
+                               const struct experiment_command *command, int node)
+{
+    const struct experiment *e = s->experiment;
+    for (unsigned i = 0; i < command->targets_count; i++) {
+        const char *name = command->targets[i];
+        int targets = yaml_tree_child(s->tree, node, "do");
+        int target = yaml_tree_item(s->tree, targets, i);
+        target = target ? target : targets;
+        if (command->launch && experiment_find_host(e, name) == e->hosts_count) {
+            return experiment_fault(s, NULL, target, "no host '%.80s' in this experiment's hosts",
+                                    name);
+        }
+        if (!command->launch && !check_target(e, name)) {
+            return experiment_fault(s, NULL, target,
+                                    "no robot '%.80s' in this experiment; expected one of its "
+                                    "robots, or all, robots, special, group:NAME, SCHEME:REST",
+                                    name);
+        }
+    }
+    return MU_OK;
+}
+
 static mu_result check_command(struct experiment_source *s, size_t index)
 {
-    const struct experiment_command *command = &s->experiment->observer[index];
+    struct experiment_command *command = &s->experiment->observer[index];
     const struct experiment *e = s->experiment;
     int node = experiment_item(s, "observer", index);
     int at = yaml_tree_child(s->tree, node, "at");
@@ -468,16 +509,7 @@ static mu_result check_command(struct experiment_source *s, size_t index)
         return experiment_fault(s, NULL, at, "expected a time of at most the duration, %g s",
                                 e->duration);
     }
-    for (unsigned i = 0; i < command->targets_count; i++) {
-        if (!check_target(e, command->targets[i])) {
-            int targets = yaml_tree_child(s->tree, node, "do");
-            int target = yaml_tree_item(s->tree, targets, i);
-            return experiment_fault(s, NULL, target ? target : targets,
-                                    "no robot '%.80s' in this experiment; expected one of its "
-                                    "robots, or all, robots, special, group:NAME, SCHEME:REST",
-                                    command->targets[i]);
-        }
-    }
+    MU_TRY(check_targets(s, command, node));
     return check_deed(s, command, node);
 }
 

@@ -63,7 +63,10 @@ static const cyaml_schema_field_t schema_command_fields[] = {
     CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
     CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
     TEXT("line", MAY, struct experiment_command, line),
-    TEXT("move", MAY, struct experiment_command, move), CYAML_FIELD_END};
+    TEXT("move", MAY, struct experiment_command, move),
+    TEXT("launch", MAY, struct experiment_command, launch),
+    TEXT("rules", MAY, struct experiment_command, rules),
+    CYAML_FIELD_END};
 
 static const cyaml_schema_value_t schema_command = {
     CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_command, schema_command_fields)};

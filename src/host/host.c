@@ -140,6 +140,7 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
                         .mind = mind,
                         .out = true,
                         .mails = p->mails,
+                        .native = natives_have(h, p->name),
                         .returns_as = p->state,
                         .step = -1};
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
@@ -147,6 +148,7 @@ static void place_take(struct host *h, struct robot *r, const struct passport *p
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;
     waiting->text = (struct mu_text){.at = NULL};
+    waiting->head = NULL;
     waiting->used = p->purpose != TRIP_MOVE || p->asker[0];
     if (p->asker[0]) {
         waiting->directive = true;
@@ -187,6 +189,18 @@ static struct robot *not_taken(char why[MU_FAULT_TEXT_MAX + 1], const char *reas
     return NULL;
 }
 
+/* Who comes is written down before the source lets go; who comes back is already.  One that came
+ * and lived through no step here comes once more. */
+static void host_save_first(const struct host *h, struct robot *r, const struct arrival *a,
+                            enum mu_state state)
+{
+    if (!a->head && h->set->robots.checkpoints.every_s > 0) {
+        (void)checkpoint_write(r, state);
+    } else if (a->head && a->head->step >= 0) {
+        robot_take_up(r, a->head);
+    }
+}
+
 struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
 {
     struct passport p;
@@ -215,9 +229,7 @@ struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_
     if (joined != MU_OK) {
         return not_taken(why, mu_result_text(joined));
     }
-    if (h->set->robots.checkpoints.every_s > 0) {
-        (void)checkpoint_write(r, p.state); /* before the source lets go */
-    }
+    host_save_first(h, r, a, p.state);
     if (p.purpose == TRIP_MOVE) {
         host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
     }
@@ -300,11 +312,13 @@ void host_hear(void *self, const muster_Trip *word)
 }
 
 /* @return whether an agent is on its way back */
-static bool agent_restore(struct crew *c, const char *name, const char *text)
+static bool agent_restore(struct crew *c, const char *name, const struct checkpoint_head *head,
+                          const char *text)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "cannot be read";
     /* Nobody writes there. */
-    const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)}};
+    const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)},
+                                 .head = head};
     bool taken = text[0] && host_take_in((struct host *)c, &back, why);
     if (!taken) {
         fprintf(stderr, "muster host: the checkpoint of %s: %s\n", name, why);

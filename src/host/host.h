@@ -21,11 +21,12 @@ struct arrival {
     bool deposited; /* in lock step: it is whole, and the broker has it, until it is handed back, */
     char name[MU_NAME_MAX + 1]; /* under this name */
     char src[MU_NAME_MAX + 1], id[MU_FIELD_MAX + 1], reply_with[MU_FIELD_MAX + 1];
-    bool directive;      /* somebody who may direct this host wants it */
-    uint32_t pieces;     /* that are there */
-    size_t total;        /* bytes that there are to be */
-    uint64_t until_ns;   /* the next one must come before */
-    struct mu_text text; /* TRIP_CAPSULE_MAX */
+    bool directive;                     /* somebody who may direct this host wants it */
+    uint32_t pieces;                    /* that are there */
+    size_t total;                       /* bytes that there are to be */
+    uint64_t until_ns;                  /* the next one must come before */
+    struct mu_text text;                /* TRIP_CAPSULE_MAX */
+    const struct checkpoint_head *head; /* of one that comes back; NULL: it does not */
 };
 
 struct host {
@@ -88,8 +89,11 @@ MU_MUST_USE mu_result launch_join_groups(struct robot *r, const char *rest);
 
 /* native.c */
 
+/** @return whether the command line says that a robot of that name begins here */
+bool natives_have(const struct host *h, const char *name);
+
 /**
- * Makes the robots that begin here.
+ * Makes the robots that begin here, but for those that come back, or have ended here before.
  *
  * @return MU_OK; MU_FAULT_USAGE, MU_FAULT_FILE: it has said what is wrong; or as mu_agent_join
  */

@@ -64,6 +64,7 @@ static void step_answered(void *self)
 {
     struct host *h = self;
     trip_step_answered(&h->crew);
+    checkpoint_forget(&h->crew);
 }
 
 static void host_round(void *self)
@@ -71,6 +72,7 @@ static void host_round(void *self)
     struct host *h = self;
     trip_round(&h->crew);
     checkpoint_round(&h->crew);
+    checkpoint_forget(&h->crew);
     orphans_ask(h);
 }
 

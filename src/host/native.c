@@ -61,9 +61,22 @@ static mu_result mind_make(struct host *h, struct robot *r, const char *file)
     return globals_set(h, r);
 }
 
+bool natives_have(const struct host *h, const char *name)
+{
+    const struct mu_option_list *natives = &h->set->natives;
+    size_t len = strlen(name);
+    bool have = false;
+    for (size_t i = 0; i < natives->count; i++) {
+        have =
+            have || (strncmp(natives->items[i], name, len) == 0 && natives->items[i][len] == '=');
+    }
+    return have;
+}
+
 mu_result natives_begin(struct host *h)
 {
     const struct mu_option_list *natives = &h->set->natives;
+    const struct checkpoint_settings *set = &h->set->robots.checkpoints;
     if (natives->count > h->crew.count) {
         fprintf(stderr, "muster host: there is room for %u agents (--agents)\n",
                 (unsigned)h->crew.count);
@@ -75,7 +88,12 @@ mu_result natives_begin(struct host *h)
         if (!file) {
             return MU_FAULT_USAGE;
         }
+        if (set->restore &&
+            (checkpoint_is_there(&h->crew, r->name) || checkpoint_is_gone(&h->crew, r->name))) {
+            continue; /* it comes back from there, or is not to */
+        }
         r->out = false;
+        r->native = true;
         MU_TRY(mind_make(h, r, file));
         MU_TRY(robot_join(r));
     }

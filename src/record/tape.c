@@ -14,9 +14,7 @@
 enum {
     SCHEMA_BYTES = 256 * 1024,
     PROFILE_BYTES = 1024,
-    TYPE_BYTES = 1 << 20,
-    PAIRS_MAX = 16,
-    PARTITIONS_MAX = 10, /* those that have a pair of their own */
+    PAIRS_MAX = MU_RECORD_PARTITIONS_MAX + 5,
     PROBES = 8,
 };
 
@@ -56,7 +54,7 @@ static bool is_plain(const struct tap_sample *s)
 struct pairs {
     struct mcap_pair all[PAIRS_MAX];
     size_t count;
-    char keys[PARTITIONS_MAX][16];
+    char keys[MU_RECORD_PARTITIONS_MAX][16];
     char names[TAP_PARTITIONS_MAX + 1];
 };
 
@@ -71,7 +69,7 @@ static void partitions_add(struct pairs *p, const char *partitions)
 {
     mu_text_copy(p->names, sizeof p->names, partitions);
     char *name = p->names;
-    for (size_t i = 0; i < PARTITIONS_MAX && name; i++) {
+    for (size_t i = 0; i < MU_RECORD_PARTITIONS_MAX && name; i++) {
         char *end = strchr(name, '\n');
         if (end) {
             *end = '\0';
@@ -80,12 +78,16 @@ static void partitions_add(struct pairs *p, const char *partitions)
         pair_add(p, p->keys[i], name);
         name = end ? end + 1 : NULL;
     }
+    if (name) {
+        mu_log(MU_LOG_WARNING, "partitions", "a writer has more than %d; the others are not said",
+               MU_RECORD_PARTITIONS_MAX);
+    }
 }
 
 /* Adds what the type is, as DDS programs tell it, once: who replays it makes a topic of it. */
 static void type_attach(struct tape *t, struct tape_channel *c, struct tap *tap)
 {
-    static uint8_t bytes[TYPE_BYTES];
+    static uint8_t bytes[MU_RECORD_TYPE_MAX];
     struct mu_text name;
     for (uint32_t i = 0; i < t->channel_count; i++) {
         if (t->channels[i].tap == tap) {
@@ -246,9 +248,9 @@ static uint32_t channel_of(struct tape *t, struct tap *tap, const struct tap_sam
 
 void tape_take(void *self, struct tap *tap, const struct tap_sample *sample)
 {
-    static uint8_t gone[GONE_HEAD_BYTES + GONE_KEY_MAX];
+    static uint8_t gone[GONE_HEAD_BYTES + MU_RECORD_KEY_MAX];
     struct tape *t = self;
-    size_t most = sample->gone == GONE_NOT ? MU_RECORD_MESSAGE_MAX : GONE_KEY_MAX;
+    size_t most = sample->gone == GONE_NOT ? MU_RECORD_MESSAGE_MAX : MU_RECORD_KEY_MAX;
     /* A channel without a message would stand in the file with no time. */
     uint32_t channel = sample->size <= most ? channel_of(t, tap, sample) : MU_NONE;
     if (channel == MU_NONE) {

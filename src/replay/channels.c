@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PARTITIONS_MAX = 16, TYPE_BYTES = 1 << 20, ORIGIN_BYTES = 128 };
+enum { ORIGIN_BYTES = 128 };
 
 /* What processes say to each other means something to them: it is replayed to who asks for it. */
 static const enum bus_topic for_observers[] = {
@@ -42,10 +42,11 @@ static bool is_partition(const char *key)
 }
 
 /* @return how many there are; where none is said it is the default one */
-static size_t partitions_of(const struct mcap_channel *c, const char *names[PARTITIONS_MAX])
+static size_t partitions_of(const struct mcap_channel *c,
+                            const char *names[MU_RECORD_PARTITIONS_MAX])
 {
     size_t count = 0;
-    for (size_t i = 0; i < c->pairs_count && count < PARTITIONS_MAX; i++) {
+    for (size_t i = 0; i < c->pairs_count && count < MU_RECORD_PARTITIONS_MAX; i++) {
         if (is_partition(c->pairs[i].key)) {
             names[count++] = c->pairs[i].value;
         }
@@ -64,7 +65,7 @@ static bool is_same_pair(const struct mcap_channel *a, const struct mcap_channel
 /* @return whether a channel's instances are those of another one's samples */
 static bool is_of(const struct mcap_channel *gone, const struct mcap_channel *samples)
 {
-    const char *a[PARTITIONS_MAX], *b[PARTITIONS_MAX];
+    const char *a[MU_RECORD_PARTITIONS_MAX], *b[MU_RECORD_PARTITIONS_MAX];
     size_t count = partitions_of(gone, a);
     bool same = strcmp(gone_of(gone), samples->topic) == 0 && partitions_of(samples, b) == count &&
                 is_same_pair(gone, samples, "dds_type") && is_same_pair(gone, samples, "dds_qos");
@@ -127,7 +128,7 @@ static struct feed *feed_add(struct channels *c, uint32_t index)
 static mu_result ours_open(struct channels *c, uint32_t index, enum bus_topic topic)
 {
     const struct mcap_channel *channel = mcap_reader_channel(c->file, index);
-    const char *names[PARTITIONS_MAX];
+    const char *names[MU_RECORD_PARTITIONS_MAX];
     size_t count = partitions_of(channel, names);
     if (c->topics->count > 0 ? !is_named(c, channel->topic) : !is_for_observers(topic)) {
         return MU_OK;
@@ -166,9 +167,9 @@ static void foreign_say(const struct mcap_channel *channel, const char *why)
 
 static void foreign_open(struct channels *c, uint32_t index)
 {
-    static unsigned char type[TYPE_BYTES];
+    static unsigned char type[MU_RECORD_TYPE_MAX];
     const struct mcap_channel *channel = mcap_reader_channel(c->file, index);
-    const char *names[PARTITIONS_MAX];
+    const char *names[MU_RECORD_PARTITIONS_MAX];
     const char *name = pair_of(channel, "dds_type"), *words = pair_of(channel, "dds_qos");
     size_t size = type_read(c, channel, type, sizeof type);
     if (c->topics->count > 0 && !is_named(c, channel->topic)) {

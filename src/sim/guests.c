@@ -59,6 +59,30 @@ static void guest_insert(struct guests *g, const struct guest *coming)
     g->count++;
 }
 
+static void guest_renumber(struct guest *guest, int32_t from, int32_t to)
+{
+    bool moves = guest->next_process >= 0;
+    if (to < 0 && (moves ? guest->next_process : guest->process) == from) {
+        guest->process = guest->next_process = -1;
+        return;
+    }
+    if (to < 0 && guest->process == from) {
+        guest->process = guest->next_process;
+    }
+    guest->process = guest->process == from ? to : guest->process;
+    guest->next_process = guest->next_process == from ? to : guest->next_process;
+}
+
+void guests_renumber(struct guests *g, int32_t from, int32_t to)
+{
+    for (uint32_t i = 0; i < g->count; i++) {
+        guest_renumber(&g->at[i], from, to);
+    }
+    for (uint32_t i = 0; i < g->coming_count; i++) {
+        guest_renumber(&g->coming[i], from, to);
+    }
+}
+
 void guests_settle(struct guests *g)
 {
     uint32_t kept = 0;

@@ -40,6 +40,10 @@ struct guest *guests_find(const struct guests *g, const char *name);
  *  @return MU_OK, or MU_FULL: more than MU_CAPSULES_MAX begin in one step, or too many live */
 MU_MUST_USE mu_result guests_seat(struct guests *g, const char *name, int32_t process);
 
+/** A process has another index now; -1: it is dead, and those who live there, or were to, have
+ * none. */
+void guests_renumber(struct guests *g, int32_t from, int32_t to);
+
 /** Between two steps: who comes is in, who moves has moved, who has ended is out. */
 void guests_settle(struct guests *g);
 

@@ -253,10 +253,13 @@ static void registrations_take(struct session *s)
         }
         if (s->step < 0 || s->options.free) {
             session_register(s, r, life);
-        } else if (s->options.return_ns > 0) {
+            continue;
+        }
+        life = life == BUS_DATA ? bus_fate(&s->registrations) : life;
+        if (s->options.return_ns > 0) {
             session_return_hear(s, r, life);
         } else {
-            loss_take(s, r, life == BUS_DATA ? bus_fate(&s->registrations) : life);
+            loss_take(s, r, life);
         }
     }
 }
@@ -473,7 +476,8 @@ static bool process_has_robots(const struct session *s, uint32_t process)
 {
     bool has = session_guests_live_in(s, process);
     for (size_t r = 0; r < s->robot_count; r++) {
-        has = has || s->robots[r].process == (int32_t)process;
+        has = has || s->robots[r].process == (int32_t)process ||
+              s->robots[r].next_process == (int32_t)process;
     }
     return has;
 }
@@ -540,11 +544,12 @@ void session_prune(struct session *s)
             continue;
         }
         for (size_t r = 0; r < s->robot_count; r++) {
-            if (s->robots[r].process == (int32_t)i) {
-                s->robots[r].process = (int32_t)kept;
-            }
+            struct session_robot *robot = &s->robots[r];
+            robot->process = robot->process == (int32_t)i ? (int32_t)kept : robot->process;
+            robot->next_process =
+                robot->next_process == (int32_t)i ? (int32_t)kept : robot->next_process;
         }
-        session_guests_renumber(s, i, (int32_t)kept);
+        guests_renumber(s->guests, (int32_t)i, (int32_t)kept);
         s->processes[kept] = s->processes[i];
         (void)mu_table_put(&s->process_names, s->processes[kept].name, kept);
         kept++;
@@ -676,13 +681,16 @@ static void up_take(struct session *s, const muster_Up *up)
 static void trip_take(struct session *s, const muster_Trip *t)
 {
     struct session_robot *r = robot_find(s, t->agent);
-    if (t->word != muster_TRIP_TAKEN || s->options.free) {
+    int32_t process = process_find(s, t->process);
+    if (t->word != muster_TRIP_TAKEN || s->options.free || process < 0) {
         return;
     }
-    if (r && r->controlled) {
-        r->next_process = process_find(s, t->process);
+    if (!r || !r->controlled) {
+        session_guest_seat(s, t->agent, process);
+    } else if (s->processes[process].let_go) { /* it has died since */
+        r->process = r->next_process = -1;
     } else {
-        session_guest_seat(s, t->agent, process_find(s, t->process));
+        r->next_process = process;
     }
 }
 

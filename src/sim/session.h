@@ -203,9 +203,6 @@ void session_guests_fold(struct session *s);
 /** @return whether one of them lives in that process */
 bool session_guests_live_in(const struct session *s, uint32_t process);
 
-/** A process has another index now; -1: it has none any more. */
-void session_guests_renumber(struct session *s, uint32_t from, int32_t to);
-
 /** Those of that process have done nothing in this step. */
 void session_guests_pass(struct session *s, uint32_t process);
 

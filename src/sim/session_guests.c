@@ -41,14 +41,6 @@ bool session_guests_live_in(const struct session *s, uint32_t process)
     return any;
 }
 
-void session_guests_renumber(struct session *s, uint32_t from, int32_t to)
-{
-    for (uint32_t i = 0; i < s->guests->count; i++) {
-        struct guest *guest = &s->guests->at[i];
-        guest->process = guest->process == (int32_t)from ? to : guest->process;
-    }
-}
-
 void session_guests_pass(struct session *s, uint32_t process)
 {
     for (uint32_t i = 0; i < s->guests->count; i++) {

@@ -105,11 +105,13 @@ bool session_return_due(const struct session *s)
 static void process_let_go(struct session *s, uint32_t process)
 {
     session_rest(s, process);
-    session_guests_renumber(s, process, -1);
+    guests_renumber(s->guests, (int32_t)process, -1);
     s->processes[process].watches = s->processes[process].hosts = false;
     s->processes[process].let_go = true;
     for (size_t i = 0; i < s->robot_count; i++) {
         struct session_robot *r = &s->robots[i];
+        r->process = r->next_process >= 0 ? r->next_process : r->process; /* it has moved on */
+        r->next_process = -1;
         if (r->process == (int32_t)process) {
             mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", r->name,
                    (long long)s->step);

@@ -22,6 +22,7 @@ struct stall {
 /**
  * Finds the stalls of a robot.
  *
+ * @param robot  in every Frame; MU_NONE: somebody without a body, who has none
  * @param most  room for so many
  * @return how many there are, more than most if there was no room; the first are filled
  */

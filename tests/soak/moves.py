@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Robots that move, a hundred times each way.
+"""Robots that move, and agents that are cloned, a hundred times each way.
 
 lockstep: the follow experiment with one move at a random moment, and the same with none: the robots are
 asked for their facts and agendas at the end, and their answers are in the hash, which is the same.
+clones: agents that are cloned, launched, move and are disposed of at random moments of a run in lock step,
+often several in one step and of one name: the same run twice, the second time paced, has one hash.
 free: a robot that drives in a circle in real time and moves; how long its motors are off, from the record
 of the run: with the usual steps of 100 ms, and with such of 20 ms, for a closer look.
 kills: kill -9 of source, target or both at random instants of a move, with mail on the way all the
 time; whoever was killed comes back with --restore.  One agent lives, and no mail is lost or twice.  A
 platform that dies when the move is over comes back with what it wrote last: that is not counted.
 
-`make soak-moves`, or tests/soak/moves.py [PART...] [--count N] [--seed N]; about ten minutes.
+`make soak-moves`, or tests/soak/moves.py [PART...] [--count N] [--seed N]; about twelve minutes.
 """
 import argparse
 import collections
@@ -71,6 +73,51 @@ def lockstep(count, dice):
             if value != still:
                 print(f"another hash: {robot} to {host} at {at:.1f} s: {value}")
         print(f"lock step: {count} moves, {equal} with the hash of the run without one, {still}")
+        return equal == count
+
+
+# --- new agents in lock step -------------------------------------------------------------------
+
+# Each hears of each, and says so; clones end when they are told that their turn has come.
+BREED = """
+(deffunction is-clone () (str-index "c_" (my-name)))
+(defrule beat (position ?t $?) (test (= (mod (integer (+ 0.5 (* 10 ?t))) 7) 0)) => (broadcast beat ?t))
+(defrule heard ?m <- (message beat ?t) (test (is-clone)) => (retract ?m) (broadcast heard ?t))
+(defrule ended (message end ?name) (test (eq ?name (my-name))) => (dispose))
+(defrule refused (event refused $?what) => (broadcast refused ?what))
+"""
+NAMES = ("c_1", "c_2", "c_3", "c_4")
+HOSTS = ("north", "south")
+
+
+def deed(dice):
+    robot, name, host = dice.choice(("red", "blue", "green")), dice.choice(NAMES), dice.choice(HOSTS)
+    return dice.choice((f'do: {robot}, line: "(clone {name} {host})"', f'do: {robot}, line: "(clone {name} {host})"',
+                        f'do: {host}, launch: {name}, rules: breed.clp', f'do: {robot}, move: {host}',
+                        f'do: {robot}, line: "(broadcast end {name})"'))
+
+
+def clones(count, dice):
+    with folder() as out:
+        (out / "breed.clp").write_text(BREED)
+        equal = 0
+        for i in range(count):
+            moments = [f"{dice.randrange(1, 40) * STEP_S:.1f}" for _ in range(8)]
+            deeds = "".join(f"  - {{at: {dice.choice(moments)}, {deed(dice)}}}\n" for _ in range(16))
+            file = out / f"clones{i}.yaml"
+            file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 5\nhosts: [north, south]\nrobots:\n"
+                            "  - {name: red, host: north, rules: breed.clp}\n"
+                            "  - {name: blue, rules: breed.clp}\n  - {name: green, rules: breed.clp}\n"
+                            f"observer:\n{deeds}")
+            hashes = []
+            for name, words in (("fast", ()), ("paced", ("--rate", dice.choice(("10", "20", "50"))))):
+                done, summary = experiment_run(out / f"{name}{i}", "--domain", new_domain(), *words, file=file)
+                check_equal(done.returncode, 0, f"{deeds}: {done.stderr}")
+                hashes.append(summary["hash"])
+            equal += hashes[0] == hashes[1]
+            if hashes[0] != hashes[1]:
+                print(f"two hashes: {hashes}\n{deeds}")
+        print(f"clones: {count} runs of 16 clones, launches, moves and ends, {equal} with one hash when done again")
         return equal == count
 
 
@@ -245,7 +292,7 @@ def kills(count, dice):
         return wrong == 0
 
 
-PARTS = {"lockstep": lockstep, "free": free, "kills": kills}
+PARTS = {"lockstep": lockstep, "clones": clones, "free": free, "kills": kills}
 
 
 def main():

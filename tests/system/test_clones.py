@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """New agents while a lock step goes on: clones and those that are launched, and their end."""
 import json
+import os
+import pathlib
+import signal
 import subprocess
 
-from support import (MUSTER, ROOT, Processes, check, check_equal, folder, members, muster, new_domain,
+from support import (MUSTER, ROOT, Processes, check, check_equal, children_of, experiment_run, folder, members, muster, new_domain,
                      wait_for)
 
 # Says each step how many there were; who was cloned tells red each time that it hears of it.
@@ -18,18 +21,18 @@ RULES = """
 TEAM = """name: t
 world: {root}/worlds/arena.world
 duration: {duration}
-hosts: [north, south]
+{head}hosts: [north, south]
 robots:
   - {{name: red, host: north, rules: red.clp}}
   - {{name: blue, rules: red.clp}}
 """
 
 
-def team_write(out, rules="", more="", duration=4):
+def team_write(out, rules="", more="", duration=4, head=""):
     """An experiment in a folder."""
     (out / "red.clp").write_text(RULES + rules)
     file = out / "t.yaml"
-    file.write_text(TEAM.format(root=ROOT, duration=duration) + more)
+    file.write_text(TEAM.format(root=ROOT, duration=duration, head=head) + more)
     return file
 
 
@@ -47,28 +50,45 @@ def run_twice(out, file):
 
 
 def test_rules_and_commands_clone():
-    """Two want one name in the same step: the first in order of name gets it, wherever it lives."""
+    """And launch.  Two want one name in the same step: the first in order of name gets it, wherever it
+    lives."""
     with folder() as out:
+        (out / "born.clp").write_text('(defrule born (event on-create) => (printout t "launched" crlf))')
         said, summary = run_twice(out, team_write(
             out, "(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 south))",
             'observer:\n  - {at: 2, do: red, line: "(clone c_2 south)"}\n'
             '  - {at: 2.5, do: blue, line: "(clone c_2 north)"}\n'
-            '  - {at: 3, do: red, line: "(clone c_3 nowhere)"}\n'))
-        for line in ("red: refused red c_1 name-taken", "blue: refused blue c_2 name-taken",
+            '  - {at: 3, do: red, line: "(clone c_3 nowhere)"}\n'
+            '  - {at: 3, do: [north, south], launch: c_4, rules: born.clp}\n'))
+        for line in ("c_4: launched", "south could not do c_4: name-taken", "red: refused red c_1 name-taken", "blue: refused blue c_2 name-taken",
                      "red: refused red c_3 unknown-host"):
             check(line in said, f"{line} is missing: {said}")
         red = next(r for r in summary["robots"] if r["name"] == "red")
         # blue's 39 beats, and what each clone makes of red's and blue's, for 2.8 and for 1.8 s
         check(red["mail_received"] > 39 + 2 * 27 + 2 * 17, f"red has had {red['mail_received']} mails")
         check_equal((summary["mail"]["lost"], summary["mail"]["duplicated"]), (0, 0), "mail")
+        done = muster("verify", out / "0/run.mcap")
+        check_equal((done.returncode, summary["hash"] in done.stdout), (0, True), done.stdout + done.stderr)
+
+
+def test_without_a_body_in_free_running():
+    """The same agent lives through the steps there, too."""
+    with folder() as out:
+        (out / "born.clp").write_text('(defrule born (event on-create) => (broadcast hello))\n'
+                                      '(defrule heard (message beat ?n) (test (= ?n 10)) => '
+                                      '(printout t "heard " ?n crlf))')
+        file = team_write(out, more="observer:\n  - {at: 0.5, do: south, launch: c_1, rules: born.clp}\n")
+        done = muster("run", file, "--free", "--duration", 2, "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        check("c_1: heard 10" in done.stdout + done.stderr, f"what it heard: {done.stdout} {done.stderr}")
 
 
 class Live:
-    """A run at five times real time in which somebody has a hand."""
+    """A run at six times real time in which somebody has a hand."""
 
     def __init__(self, processes, out, file, *words):
         self.domain, self.out = new_domain(), out
-        self.run = processes.start(MUSTER, "run", file, "--quiet", "--rate", 5, "--out", out / "run",
+        self.run = processes.start(MUSTER, "run", file, "--quiet", "--rate", 6, "--out", out / "run",
                                    "--domain", self.domain, *words, stderr=subprocess.PIPE, text=True)
         wait_for(lambda: muster("console", "observer", "-c", "(agents)", "--domain",
                                 self.domain).returncode == 0, 15, "a run")
@@ -91,6 +111,7 @@ class Live:
                     f"muster {' '.join(map(str, words))}: {done.stdout} {done.stderr}")
 
     def verify(self):
+        """Awaits the end of the run, and does it again."""
         error = self.run.communicate(timeout=60)[1]
         check_equal(self.run.returncode, 0, f"the run: {error}")
         done = muster("verify", self.out / "run/run.mcap")
@@ -103,7 +124,7 @@ def test_a_person_launches_clones_and_disposes():
     """What a person does is outside input, the rules of one that is launched with it; the run can be
     verified.  A name is free again when its agent is disposed of."""
     with folder() as out, Processes() as processes:
-        live = Live(processes, out, team_write(out, duration=30))
+        live = Live(processes, out, team_write(out, duration=25))
         rules = out / "c_2.clp"
         rules.write_text('(extends "red.clp")\n(deffacts f (launched well))\n' +
                          "".join(f"(defrule r{i} (never {i}) => (printout t \"{'x' * 200}\" crlf))\n"
@@ -131,3 +152,94 @@ def test_a_person_launches_clones_and_disposes():
         x = "(nth$ 2 (position))"
         check("." in live.done("do", "blue", x), "it feels its body")
         live.verify()
+
+
+# --- who dies ------------------------------------------------------------------------------------
+
+RESTARTS = "on-crash: restart\ncheckpoint: 0.1\n"
+
+
+def chaos_is_calm(out, file, chaos):
+    """The same run with and without deaths: one hash.  @return what the second one said"""
+    calm, wild = out / "calm", out / "wild"
+    done, summary = experiment_run(calm, "--domain", new_domain(), file=file)
+    check_equal(done.returncode, 0, f"the calm run: {done.stderr}")
+    file.write_text(file.read_text() + chaos)
+    done, wild_summary = experiment_run(wild, "--domain", new_domain(), file=file)
+    check_equal(done.returncode, 0, f"the run with deaths: {done.stderr}")
+    check_equal(wild_summary["hash"], summary["hash"], f"the hash; it said: {done.stderr}")
+    return done.stderr
+
+
+def test_who_was_disposed_of_stays_so():
+    """One whose process dies afterwards; one that shares its process with one that lives on; and one that
+    has moved on does not begin anew either."""
+    with folder() as out:
+        file = team_write(out, head=RESTARTS, more=(
+            "  - {name: w, rules: red.clp, count: 2, processes: 1, body: pioneer, place: random}\n"
+            "  - {name: yellow, rules: red.clp, body: pioneer, place: random}\n"
+            "observer:\n  - {at: 1, do: blue, line: (dispose)}\n  - {at: 1.5, do: w_0, line: (dispose)}\n"
+            "  - {at: 1.5, do: yellow, move: south}\n"))
+        said = chaos_is_calm(out, file, "chaos:\n  - {at: 2, kill: blue}\n  - {at: 2, kill: w_0}\n  - {at: 2, kill: yellow}\n")
+        check("blue was killed by signal 9" in said, said)
+
+
+def test_a_host_with_clones_comes_back():
+    with folder() as out:
+        file = team_write(out, "(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 south))",
+                          head=RESTARTS)
+        said = chaos_is_calm(out, file, "chaos:\n  - {at: 2, kill: south}\n  - {at: 2, kill: north}\n")
+        check("south was killed by signal 9" in said, said)
+
+
+def child_of(run, *words):
+    """The process id of a run's child whose command line begins with these words, the program's name first."""
+    def find():
+        for pid in children_of(run.pid):
+            try:
+                line = pathlib.Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+            except OSError:
+                continue
+            if [pathlib.Path(line[0]).name, *line[1:len(words)]] == list(words):
+                return pid
+        return None
+    return wait_for(find, 10, " ".join(words))
+
+
+# It is at work for a second or so before it wants to go, if it does that some thousand times.
+MOVER = """
+(defglobal ?*text* = "abcdefghijklmnop")
+(deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
+(defrule away (position ?t $?) (test (and (= ?t 2.0) (eq ?*my-name* red))) =>
+  (printout t "going" crlf) (grow) (loop-for-count %d (str-length (str-cat ?*text* x))) (bind ?*text* "") (moveTo south))
+"""
+
+
+def target_dies(out, checkpoint):
+    """The host to which red moves has said that it is ready, and has the name; it is killed before it has
+    lived through a step: the simulator stands still meanwhile.  @return the summary"""
+    file = team_write(out, MOVER % 2500, head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
+    with Processes() as processes:
+        domain = new_domain()
+        run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
+                              stderr=subprocess.PIPE, text=True)
+        south, simulator = child_of(run, "muster-host", "south"), child_of(run, "muster-sim")
+        wait_for(lambda: "going" in run.stderr.readline(), 20, "red at work")
+        os.kill(simulator, signal.SIGSTOP)
+        wait_for(lambda: members(domain)["red"]["pid"] == south, 4, "red at south")
+        os.kill(south, signal.SIGKILL)
+        os.kill(simulator, signal.SIGCONT)
+        error = run.communicate(timeout=60)[1]
+        check_equal(run.returncode, 0, f"the run: {error}")
+    return json.loads((out / "run/summary.json").read_text())
+
+
+def test_a_target_dies_with_the_name():
+    """It is started again, and the agent lives there, once: nobody writes checkpoints, but the broker has
+    kept the capsule."""
+    with folder() as out:
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % 1))
+        check_equal(done.returncode, 0, done.stderr)
+        summary = target_dies(out, 0)
+        check_equal(summary["restarts"], [{"process": "south", "count": 1}], "who was started again")
+        check_equal(summary["hash"], calm["hash"], "the hash")

@@ -367,6 +367,34 @@ def test_the_death_of_a_monitor_ends_nothing():
               text_of(out / "said"), text_of(out / "said"))
 
 
+def test_a_monitor_that_never_sees_the_run_is_named():
+    """A program that says nothing of it is waited for as long as a robot is."""
+    with folder() as out:
+        done, summary = watched(out, "mute", "monitors: [{name: mute, program: /bin/cat}]\n",
+                                "--programs")
+        check_equal(done.returncode, 0, f"a program that ends at once: {done.stderr}")
+        check_equal(summary["monitors"][0]["ended"], "with the run", "ends well")
+        (out / "mute.sh").write_text("#!/bin/sh\nexec sleep 100\n")
+        (out / "mute.sh").chmod(0o755)
+        done, summary = watched(out, "waits", "monitors: [{name: mute, program: mute.sh}]\n",
+                                "--programs")
+        check_equal((done.returncode, summary), (4, None), done.stderr)
+        check("missing: mute\n" in done.stderr, done.stderr)
+
+
+def test_a_monitor_that_is_slower_than_the_run_sees_its_end():
+    """It has the steps that wait for it, and how the run ended, when the simulator has gone."""
+    with folder() as out:
+        (out / "slow.clp").write_text("""
+(deffunction burn (?n) (bind ?x 0) (loop-for-count (?i 1 ?n) do (bind ?x (+ ?x (sqrt ?i)))) ?x)
+(defrule step (step (number ?n)) => (burn 3000))
+(defrule over (run-ended (how ?how) (step ?n)) => (printout t ?how " " ?n crlf))
+""")
+        _, summary = watched(out, "slow", "monitors: [{rules: slow.clp}]\n")
+        check_equal(summary["monitors"][0]["ended"], "with the run", "its end")
+        check_equal(text_of(out / "slow/monitor.log"), "done 300\n", "what it saw")
+
+
 def test_wrong_rules_of_a_monitor_are_a_wrong_file():
     with folder() as out:
         (out / "wrong.clp").write_text("\n(defrule x (step) => (no-such-function))\n")

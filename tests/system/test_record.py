@@ -277,6 +277,10 @@ def test_a_python_program_is_recorded():
         check_equal(samples_of(got["raw"]), {"Readings": 200, "Newer": 200}, "samples")
         check_equal(samples_of(got["topics"]), {"Readings": 200},
                     "samples that definitions are right for")
+        first, again = replay_compare(path, out, "--rate", 0, record=("--all",))
+        for topic in ("Readings", "Newer"):
+            one, other = ([s for t, s in which if t == topic] for which in (first, again))
+            check(one == other and len(one) == 200, f"{topic} in a replay")
         said = [(m["sensor"], m["number"], m["values"]) for _, _, _, m in got["messages"]]
         check_equal(said, [(f"s{i % 2}", i, [i / 2] * (i % 4)) for i in range(200)], "readings")
 
@@ -439,15 +443,15 @@ def test_a_recorder_hears_what_the_run_records():
         check(all(one in frames for one in heard), "each is in the run's recording, in this order")
 
 
-def replay_compare(path, out, *words):
+def replay_compare(path, out, *words, record=()):
     """Records the replay of a recording; gives what is in the one and in the other."""
     domain = new_domain()
     again = out / "again.mcap"
     with Processes() as processes:
-        record = record_start(processes, domain, again)
+        recorder = record_start(processes, domain, again, *record)
         done = muster("replay", path, "--domain", domain, "--topics", "all", "--wait", 20, *words)
         check_equal(done.returncode, 0, done.stderr)
-        record_end(record)
+        record_end(recorder)
     return sums(path), sums(again)
 
 

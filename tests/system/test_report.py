@@ -56,6 +56,22 @@ def test_a_report_again_is_the_same():
             same(before, texts(out / name), before)
 
 
+def test_a_report_of_a_run_without_a_recording():
+    with folder() as out:
+        file = out / "again.yaml"
+        file.write_text(TEAM + EVENTS)
+        done, _ = experiment_run(out / "run", "--set", "seed=3", "--record", "none", file=file)
+        before = texts(out / "run")
+        (out / "run/report.html").unlink()
+        again = muster("report", out / "run")
+        check_equal(again.returncode, done.returncode, f"{again.stdout} {again.stderr}")
+        same(before, texts(out / "run"), before)
+        file.unlink()
+        gone = muster("report", out / "run")
+        check_equal(gone.returncode, 3, "without its experiment, too")
+        check("again.yaml: cannot read the experiment" in gone.stderr, gone.stderr)
+
+
 def test_a_report_from_the_recording_alone():
     with folder() as out:
         file = out / "again.yaml"

@@ -232,6 +232,24 @@ def test_why_a_fact():
         check("had no such fact" in muster("why", recording, "ram", "f-999999@5").stdout, "no fact")
 
 
+def test_why_of_a_clone():
+    """A clone has a mind in the recording, and no body."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = processes.start(MUSTER, "run", ROOT / "experiments" / "travel.yaml", "--rate", 5,
+                              "--duration", 20, "--out", out / "o", "--domain", domain, "--quiet")
+        path = out / "o" / "run.mcap"
+        wait_for(lambda: path.exists() and path.stat().st_size > 200000, 20, "some steps of it")
+        wait_for(lambda: muster("clone", "red", "rosa", "south", "--domain",
+                                domain).returncode == 0, 20, "the clone")
+        check_equal(run.wait(60), 0, "the run")
+        told = muster("why", path, "rosa", "19")
+        check_equal((told.returncode, told.stderr), (0, ""), "why")
+        check(told.stdout.startswith("rosa at 19.0 s\n"), told.stdout)
+        never = muster("why", path, "rosa")
+        check_equal((never.returncode, never.stdout), (0, "rosa was stalled 0 times\n"), never.stderr)
+
+
 def test_why_usage():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 1)

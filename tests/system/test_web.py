@@ -515,6 +515,8 @@ def test_hands_of_a_person_at_the_page():
                          ".includes('told by observer')")
             stood = viewer.until("frame", lambda f: f["step"] > 20 and f["robots"][names.index("red")][7] & 7 == 2
                                  and abs(f["robots"][names.index("red")][3]) < 5)
+            pose = "document.querySelector('.panel:not([hidden]) .pose').textContent" # x 1.50 m   y ...
+            browser.wait(f"Math.abs(parseFloat({pose}.slice(2)) - {red(stood)[0]}) < 0.05")
             # All of the world is shown; the scale is that of the narrower side.
             browser.click("#tools [data-tool=fit]")
             browser.click("#tools [data-tool=hands]")
@@ -523,11 +525,12 @@ def test_hands_of_a_person_at_the_page():
             start = (middle[0] + x * scale, middle[1] - y * scale)
             browser.drag(start, (middle[0] + 1.5 * scale, middle[1] + 2.5 * scale)) # where nothing is
             viewer.until("frame", lambda f: abs(red(f)[0] - 1.5) < 0.1 and abs(red(f)[1] + 2.5) < 0.1)
+            browser.wait(f"Math.abs(parseFloat({pose}.slice(2)) - 1.5) < 0.1")
             now = viewer.last["frame"]
             start = (middle[0] + red(now)[0] * scale, middle[1] - red(now)[1] * scale)
-            browser.drag(start, (start[0], start[1] - 3 * scale), shift=True)
+            browser.drag(start, (start[0], start[1] - 1.2 * scale), shift=True)
             pushed = viewer.until("frame", lambda f: abs(red(f)[1] - red(now)[1]) > 0.01)
-            check(abs(red(pushed)[1] - red(now)[1]) < 3, "it was pushed, not placed")
+            check(abs(red(pushed)[1] - red(now)[1]) < 1, "it was pushed, not placed")
             browser.click_at(*start)
             browser.click("[data-tab='World']")
             browser.wait("document.querySelectorAll('.panel:not([hidden]) .output .answer').length === 2")
@@ -543,7 +546,7 @@ def test_hands_of_a_person_at_the_page():
             browser.wait("document.querySelectorAll('.panel:not([hidden]) .output :is(.answer, .failure)').length === 5")
             said = browser.value("document.querySelector('.panel:not([hidden]) .output').textContent")
             check_equal(said.count("done at step"), 5, said)
-            for word in ("place red", "push red 0 3", "sensor red all off"):
+            for word in ("place red", "push red 0 1", "sensor red all off"):
                 check(f"world> {word}" in said, said)
             check_equal(browser.said, [], "the page had no fault")
         viewer.close()
@@ -596,6 +599,13 @@ def test_script_in_a_fact_is_text():
             browser.click(".panel:not([hidden]) [data-view=Facts]")
             browser.wait("document.querySelector('.panel:not([hidden]) .output').textContent"
                          f".includes('(note \"{SCRIPT}\")')")
+            browser.click("[data-tab=World]")
+            browser.click(".panel:not([hidden]) .line input")
+            browser.type("reset <b>x</b>")
+            browser.key("Enter")
+            browser.wait("document.querySelector('.panel:not([hidden]) .failure')?.textContent"
+                         ".includes('reset <b>x</b>: ')")
+            check_equal(browser.value("document.querySelectorAll('.output b, #said b').length"), 0, "no markup")
             check_equal(browser.value("document.images.length"), 0, "no picture came of it")
             check_equal(browser.value("window.hacked"), None, "nothing ran")
             check_equal(browser.said, [], "nor tried to")

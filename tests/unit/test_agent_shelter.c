@@ -166,9 +166,13 @@ static void call_global(void)
 static void call_tell(void)
 {
     static const char *const relations[] = {"robot", NULL};
+    static const struct mind_slot slot = {
+        .name = "what", .kind = MIND_SLOT_STRING, .word = "slot by slot"};
     mind_observe(mind, 100000000, relations);
     (void)mind_tell(mind, "(robot (name red) (x 12.0))");
     (void)mind_tell(mind, "(seen (what \"it\") (where 1 2 3.5))");
+    mu_result told = mind_tell_slots(mind, "seen", &slot, 1);
+    CU_ASSERT_EQUAL(told, mind_is_broken(mind) ? MU_MALFORMED : MU_OK);
 }
 
 /* --- the test --------------------------------------------------------------------------------- */

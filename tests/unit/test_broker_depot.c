@@ -143,6 +143,8 @@ static void test_the_capsule_goes_when_the_host_has_answered_a_step(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 1);
     ready("p-north", "red", 1);
     (void)story_collect();
+    register_as("p-north", "red", 1,
+                muster_STATE_MOVING); /* it may die yet, with the step at hand */
     CU_ASSERT_EQUAL(story.b->depot.count, 1);
     struct one_up u;
     one_up(&u, "red", "p-north", NULL, 0, 0);

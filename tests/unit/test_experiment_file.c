@@ -361,7 +361,8 @@ static void test_other_faults(void)
     CHECK_BAD(cases);
 }
 
-#define HOSTS "world: a.world\nduration: 9\nhosts: [north, south]\n"
+#define HOSTS        "world: a.world\nduration: 9\nhosts: [north, south]\n"
+#define LAUNCH(deed) HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, " deed "}]\n"
 
 static void test_hosts(void)
 {
@@ -374,6 +375,7 @@ static void test_hosts(void)
     CU_ASSERT_STRING_EQUAL(e->robots[0].host, "south");
     CU_ASSERT_STRING_EQUAL(e->observer[0].move, "north");
     CU_ASSERT_PTR_NULL(e->observer[0].line);
+    CU_ASSERT_EQUAL_FATAL(load(LAUNCH("do: north, launch: b, rules: a.clp"), NULL), MU_OK);
     static const struct bad_case cases[] = {
         {BASE "hosts: [b c]\n", 6, 9, "cannot be a host's name"},
         {BASE "hosts: [n, m, n]\n", 6, 15, "a second host, or a robot, has the name 'n'"},
@@ -390,6 +392,10 @@ static void test_hosts(void)
          5, 12, "expected a line, or move"},
         {HOSTS "robots: [{name: a, rules: a.clp}]\nobserver: [{at: 1, do: a, move: east}]\n", 5, 33,
          "no host 'east'"},
+        {LAUNCH("do: east, launch: b, rules: a.clp"), 5, 24, "no host 'east'"},
+        {LAUNCH("do: north, launch: b"), 5, 12, "launch: NAME and rules: FILE"},
+        {LAUNCH("do: north, launch: south, rules: a.clp"), 5, 39, "cannot be an agent's name"},
+        {LAUNCH("do: north, launch: b, rules: none.clp"), 5, 49, "cannot read the rules"},
     };
     CHECK_BAD(cases);
 }

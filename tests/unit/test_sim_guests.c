@@ -78,6 +78,35 @@ static void test_who_ends_is_out(void)
     expect("amber@2 ");
 }
 
+/* Who was about to move lives where it was to go. */
+static void test_a_process_dies(void)
+{
+    seat("ruby", 1);
+    seat("amber", 2);
+    guests_settle(guests);
+    seat("ruby", 2);
+    seat("pearl", 2);
+    guests_renumber(guests, 1, -1);
+    expect("amber@2 ruby@2 ");
+    guests_renumber(guests, 2, -1);
+    expect("amber@-1 ruby@-1 ");
+    guests_settle(guests);
+    expect("amber@-1 pearl@-1 ruby@-1 ");
+}
+
+static void test_a_process_has_another_index(void)
+{
+    seat("ruby", 3);
+    guests_settle(guests);
+    seat("ruby", 5);
+    seat("pearl", 5);
+    guests_renumber(guests, 3, 2);
+    guests_renumber(guests, 5, 4);
+    expect("ruby@2 ");
+    guests_settle(guests);
+    expect("pearl@4 ruby@4 ");
+}
+
 static void test_limit_new_ones_of_a_step(void)
 {
     char name[16];
@@ -97,6 +126,8 @@ int main(void)
         {"they stand in order of name", test_they_stand_in_order_of_name},
         {"who moves does so between steps", test_who_moves_does_so_between_steps},
         {"who ends is out", test_who_ends_is_out},
+        {"a process dies", test_a_process_dies},
+        {"a process has another index", test_a_process_has_another_index},
         {"limit: new ones of a step", test_limit_new_ones_of_a_step},
         CU_TEST_INFO_NULL,
     };

@@ -28,11 +28,13 @@ export function createActor() {
     });
   }
 
-  /* One after the other: lines are to arrive in the order in which they were typed. */
-  let last = Promise.resolve();
-  function postInTurn(...request) {
-    last = last.then(() => post(...request), () => post(...request));
-    return last.catch(() => 'muster web does not answer');
+  /* One after the other: lines are to arrive in the order in which they were typed.  Whom they are
+   * for has a turn of its own, so that nobody waits for the lines of another console. */
+  const turns = new Map();
+  function postInTurn(whom, ...request) {
+    const done = (turns.get(whom) ?? Promise.resolve()).then(() => post(...request), () => post(...request));
+    turns.set(whom, done);
+    return done.catch(() => 'muster web does not answer');
   }
 
   /* The server says 503 while its agent joins, 429 while others' lines wait. */
@@ -60,19 +62,19 @@ export function createActor() {
     /** Sends lines of CLIPS.  @return {ask, failed}: failed is a promise of why not, or "" */
     say(agent, text) {
       const ask = ++asks;
-      return {ask, failed: postInTurn(`/lines/${encodeURIComponent(agent)}`, ask, text)};
+      return {ask, failed: postInTurn(agent, `/lines/${encodeURIComponent(agent)}`, ask, text)};
     },
     /** Asks how a line goes on.  @return likewise */
     complete(agent, text) {
       const ask = ++asks;
-      return {ask, failed: postInTurn(`/words/${encodeURIComponent(agent)}`, ask, text)};
+      return {ask, failed: postInTurn(agent, `/words/${encodeURIComponent(agent)}`, ask, text)};
     },
     /** Sends an order to the world.  @return likewise */
     order(line) {
       const ask = ++asks;
-      return {ask, failed: postInTurn('/world', ask, line)};
+      return {ask, failed: postInTurn('the world', '/world', ask, line)};
     },
     /** Asks to be shown what the agent prints, or no longer. */
-    watch: (agent, on) => postInTurn(`/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),
+    watch: (agent, on) => postInTurn(agent, `/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),
   };
 }
