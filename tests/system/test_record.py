@@ -203,10 +203,10 @@ def test_what_has_gone_is_recorded_and_replayed():
         wait_for(lambda: muster("lookup", "seeker", "--domain", domain).returncode == 0, 20,
                  "the seeker in the white pages")
         muster("send", "seeker", "word", "--domain", domain)  # the operator comes, and goes
+        time.sleep(1)  # the recorder finds the seeker by itself
         seeker.kill()
         wait_for(lambda: "absent" in muster("lookup", "seeker", "--domain", domain).stdout, 20,
                  "the seeker to be missed")
-        time.sleep(1.5)  # the recorder misses it by a clock of its own
         broker.terminate()
         broker.wait(10)
         time.sleep(0.5)
@@ -214,7 +214,6 @@ def test_what_has_gone_is_recorded_and_replayed():
         got = decode(out / "a.mcap", "Registration/gone", "BrokerStatus/gone")
         check_equal(got["topics"], got["raw"], "messages that were decoded")
         what = {(topic, gone["what"]) for topic, _, _, gone in got["messages"]}
-        check(len(what) == 3, str(got["messages"]))
         check_equal(what, {("Registration/gone", 1), ("Registration/gone", 2),
                            ("BrokerStatus/gone", 2)}, "who took leave, and who did not")
         second = new_domain()
