@@ -542,3 +542,8 @@ uint32_t broker_samples_wanted(const struct broker *b)
 {
     return b->glances.count > 0 ? 1 : lockstep_missing(&b->lockstep);
 }
+
+bool broker_in_lockstep(const struct broker *b)
+{
+    return b->lockstep.on;
+}

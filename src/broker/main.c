@@ -234,7 +234,7 @@ static void samples_await(struct post *p, bool impatient)
         bus_wait(&p->bus, wanted, whole_ns);
         most_ns -= whole_ns;
     }
-    bus_wait(&p->bus, 1, most_ns);
+    (broker_in_lockstep(p->broker) ? bus_wait : bus_wait_awake)(&p->bus, 1, most_ns);
 }
 
 /* What must be on disk before anybody is told. */

@@ -491,10 +491,6 @@ enum bus_life bus_fate(const struct bus_reader *reader)
     return (enum bus_life)reader->fates[reader->next - 1];
 }
 
-/* Where mail goes to and fro, the next sample is there sooner than a thread could fall asleep and
- * wake.  So after a short wait the next one begins awake, and yields to whoever wants to run.  On a
- * machine that is busy that is the worse way: who sleeps is woken at once, who yields waits for its
- * turn.  When a turn has taken long, the next waits are asleep. */
 static const uint64_t AWAKE_NS = 100000;
 static const uint64_t BUSY_MACHINE_NS = 100000000;
 
@@ -503,7 +499,9 @@ static bool has_come(const struct bus *bus, uint64_t samples)
     return bus->arrived - bus->taken >= samples;
 }
 
-/* Called with the lock. */
+/* Called with the lock.  Yields to whoever wants to run.  On a machine that is busy that is the
+ * worse way: who sleeps is woken at once, who yields waits for its turn.  When a turn has taken
+ * long, the next waits are asleep. */
 static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
 {
     if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
@@ -534,7 +532,7 @@ static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
     bus->wanted = 0;
 }
 
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+static void arrivals_await(struct bus *bus, uint64_t samples, int64_t timeout_ns, bool awake)
 {
     uint64_t began_ns = mu_clock_ns();
     uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
@@ -546,10 +544,22 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }
-    wait_awake(bus, samples, began_ns, until_ns);
+    if (awake) {
+        wait_awake(bus, samples, began_ns, until_ns);
+    }
     wait_asleep(bus, samples, until_ns);
     pthread_mutex_unlock(&bus->lock);
     bus->last_wait_ns = mu_clock_ns() - began_ns;
+}
+
+void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+{
+    arrivals_await(bus, samples, timeout_ns, false);
+}
+
+void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+{
+    arrivals_await(bus, samples, timeout_ns, true);
 }
 
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)

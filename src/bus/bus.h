@@ -234,6 +234,13 @@ enum bus_life bus_fate(const struct bus_reader *reader);
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
 
 /**
+ * The same where mail goes to and fro: there the next sample comes sooner than a thread falls
+ * asleep and wakes, so that a wait behind a short one begins awake.  Not for a lock step, in which
+ * the time belongs to the others.
+ */
+void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns);
+
+/**
  * Gives a file descriptor that is readable when samples have arrived since the last bus_wait.
  *
  * @return the bus's own; -1: the system has none left

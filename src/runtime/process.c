@@ -300,7 +300,7 @@ static void samples_await(mu_process *p, int64_t most_ns)
         most_ns -= pair_ns;
         wanted = 1;
     }
-    bus_wait(&p->bus, wanted, most_ns);
+    (p->in_lockstep ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
 }
 
 static void busy_say(mu_process *p, uint64_t busy_ns)
