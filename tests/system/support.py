@@ -50,11 +50,14 @@ class Skip(Exception):
 
 
 def process_own(folder):
-    """What a process that runs tests has for itself as long as it lives: a share of the domains
-    (it waits for one if need be), and a place in which `muster run` notes what is live."""
+    """Gives a process that runs tests a place of its own in which `muster run` notes what is live."""
     own = pathlib.Path(folder) / str(os.getpid())
     own.mkdir(mode=0o700)
     os.environ["XDG_RUNTIME_DIR"] = str(own)
+
+
+def _domains_claim():
+    """Claims a share of the domains as long as this process lives; waits for one if need be."""
     while not _own["claim"]:
         for first in range(FIRST_DOMAIN, FIRST_DOMAIN + SHARES * DOMAINS, DOMAINS):
             claim = socket.socket()  # its port is that of a domain, for which DDS has UDP alone
@@ -68,6 +71,7 @@ def process_own(folder):
 
 def new_domain():
     """A DDS domain that no other test uses at the same time."""
+    _domains_claim()
     _own["next"] = (_own["next"] + 1) % DOMAINS
     return _own["first"] + _own["next"]
 
