@@ -10,7 +10,7 @@ free: a robot that drives in a circle in real time and moves; how long its motor
 of the run: with the usual steps of 100 ms, and with such of 20 ms, for a closer look.
 kills: kill -9 of source, target or both at random instants of a move, with mail on the way all the
 time; whoever was killed comes back with --restore.  One agent lives, and no mail is lost or twice.  A
-platform that dies when the move is over comes back with what it wrote last: that is not counted.
+platform that dies when the move is over, or was refused, comes back with what it wrote last: that is not counted.
 
 `make soak-moves`, or tests/soak/moves.py [PART...] [--count N] [--seed N]; about twelve minutes.
 """
@@ -259,12 +259,13 @@ def killed(t, dice, which):
         t.hosts[name].process.wait()
         t.hosts[name].reader.join()  # it has read the last words
     move.wait()
-    over = t.hosts[target].saw("name=red state=running", 0, since[target])
+    over = any(t.hosts[name].saw("name=red state=running", 0, since[name]) and name in victims
+               for name in (source, target))  # it lived there, or, after a refusal, where it was
     for name in victims:
         wait_for(lambda n=name: members(t.domain)[n]["state"] == "absent", 10, f"{name} gone")
         t.hosts[name] = t.host_start(name, "--restore")
     place = place_settled(t, 20)
-    return "stayed" if place == source else "went on", not (over and target in victims)
+    return "stayed" if place == source else "went on", not over
 
 
 def kills(count, dice):
