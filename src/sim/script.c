@@ -98,14 +98,10 @@ mu_result script_put(struct script *s, const muster_RunCommand *command, char *w
 
 static void watch_act(struct condition_watch *w, int robot, const muster_Act *act)
 {
-    const struct condition *c = &w->condition;
-    if (c->body != robot || w->happened) {
-        return;
-    }
-    w->happened = c->kind == CONDITION_FIRED && condition_fired(c, act->rules);
-    for (uint32_t i = 0; c->kind == CONDITION_TOLD && i < act->mails._length; i++) {
+    condition_note_rules(w, robot, act->rules);
+    for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *mail = &act->mails._buffer[i];
-        w->happened = w->happened || condition_told(c, mail->content, mail->dst);
+        condition_note_mail(w, robot, mail->content, mail->dst);
     }
 }
 

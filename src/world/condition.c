@@ -320,3 +320,17 @@ bool condition_watch_look(struct condition_watch *w, const struct condition_view
     w->happened = false;
     return came;
 }
+
+void condition_note_rules(struct condition_watch *w, int robot, const char *rules)
+{
+    const struct condition *c = &w->condition;
+    bool asked = c->kind == CONDITION_FIRED && c->body == robot;
+    w->happened = w->happened || (asked && condition_fired(c, rules));
+}
+
+void condition_note_mail(struct condition_watch *w, int robot, const char *content, const char *dst)
+{
+    const struct condition *c = &w->condition;
+    bool asked = c->kind == CONDITION_TOLD && c->body == robot;
+    w->happened = w->happened || (asked && condition_told(c, content, dst));
+}

@@ -106,6 +106,13 @@ struct condition_watch {
     bool was;      /* it was so at the step before */
 };
 
+/** A robot has fired these rules in the step, as a list in its act: condition_fired. */
+void condition_note_rules(struct condition_watch *w, int robot, const char *rules);
+
+/** A robot has sent a mail in the step: condition_told. */
+void condition_note_mail(struct condition_watch *w, int robot, const char *content,
+                         const char *dst);
+
 /**
  * Looks whether it holds, which stays in was, at the end of a step.
  *
