@@ -238,11 +238,14 @@ static int order_send(struct line *l, struct request *r)
     if (l->answered) {
         return answer_tell(l, r);
     }
-    if (is_for_later(r) && !l->over) {
+    bool arrived = bus_drain(&l->commands, (int64_t)SIMULATOR_PATIENCE_NS);
+    if (is_for_later(r) && arrived && !l->over) {
         return waits_tell(r);
     }
     fprintf(stderr, "%s: %s\n", r->program,
-            l->over ? "the run has ended" : "no answer yet: the run makes no steps");
+            l->over    ? "the run has ended"
+            : !arrived ? "the simulator has not taken the order; it is stopped, or was killed"
+                       : "no answer yet: the run makes no steps");
     return MU_EXIT_TIME;
 }
 
