@@ -99,16 +99,31 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
     dds_return_t code = DDS_RETCODE_ERROR;
     dds_set_log_sink(log_nothing, NULL);
     int index = 0;
-    for (int i = 0; code < 0 && (index = config_index(options->place, i)) >= 0; i++) {
+    for (int i = 0; code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
+                    (index = config_index(options->place, i)) >= 0;
+         i++) {
         code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }
     dds_set_log_sink(NULL, NULL);
     if (code >= 0) {
+        bus->domain = code;
         bus->index = index;
         return MU_OK;
     }
+    if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
+        fprintf(stderr, "this program is in domain %d already\n", options->domain);
+        return MU_FAULT_USAGE;
+    }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
     return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 119", code);
+}
+
+static void domain_close(struct bus *bus)
+{
+    if (bus->domain > 0) {
+        dds_delete(bus->domain);
+    }
+    bus->domain = 0;
 }
 
 /* @return whether an address can go into the configuration as it stands */
@@ -140,6 +155,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
     bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
     dds_delete_qos(qos);
     if (bus->participant < 0) {
+        domain_close(bus);
         return dds_fault("participant", bus->participant);
     }
     pthread_condattr_t clock;
@@ -155,6 +171,7 @@ void bus_close(struct bus *bus)
 {
     dds_delete(bus->participant);
     bus->participant = 0;
+    domain_close(bus);
     if (bus->wakes) {
         close(bus->wake_fd);
         bus->wakes = false;
