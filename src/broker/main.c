@@ -153,9 +153,7 @@ static void registrations_take(struct post *p)
         ups_take(p);
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
-            life = bus_fate(&p->registrations);
-        }
-        if (life != BUS_DATA) {
+        } else {
             broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }

@@ -420,6 +420,17 @@ static void samples_empty(struct bus_reader *r)
     }
 }
 
+/* What one sample of a batch says.  When its writer went while it lay unread, DDS has no other
+ * sample to say so: then the last one of its instance is handed out once more, as its end. */
+static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_t *info)
+{
+    enum bus_life fate = info->instance_state == DDS_IST_ALIVE                ? BUS_DATA
+                         : info->instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
+                                                                              : BUS_LOST;
+    r->states[i] = info->valid_data ? BUS_DATA : fate;
+    r->fates[i] = info->valid_data && info->sample_rank == 0 ? fate : BUS_DATA;
+}
+
 /* Takes the next batch.  @return whether there is anything in it */
 static bool batch_take(struct bus_reader *r)
 {
@@ -438,17 +449,25 @@ static bool batch_take(struct bus_reader *r)
         reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
-        r->fates[i] = infos[i].instance_state == DDS_IST_ALIVE                ? BUS_DATA
-                      : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
-                                                                              : BUS_LOST;
-        r->states[i] = infos[i].valid_data ? BUS_DATA : r->fates[i];
+        sample_judge(r, i, &infos[i]);
     }
     return r->count > 0;
+}
+
+/* @return whether the sample that was handed out last is to be said to have ended */
+static bool end_is_due(const struct bus_reader *r)
+{
+    return r->next > 0 && r->states[r->next - 1] == BUS_DATA && r->fates[r->next - 1] != BUS_DATA;
 }
 
 const void *bus_next(struct bus_reader *r, enum bus_life *life)
 {
     for (;;) {
+        if (end_is_due(r)) {
+            int32_t last = r->next - 1;
+            *life = (enum bus_life)(r->states[last] = r->fates[last]);
+            return r->samples[last];
+        }
         if (r->next == r->count && !batch_take(r)) {
             return NULL;
         }
@@ -471,6 +490,7 @@ void *bus_keep(struct bus_reader *r, void *spare)
 {
     void *kept = r->samples[r->next - 1];
     r->samples[r->next - 1] = spare;
+    r->fates[r->next - 1] = BUS_DATA; /* there is nothing left to say it of */
     return kept;
 }
 
@@ -484,11 +504,6 @@ int bus_wake_fd(struct bus *bus)
     int fd = bus->wake_fd;
     pthread_mutex_unlock(&bus->lock);
     return fd;
-}
-
-enum bus_life bus_fate(const struct bus_reader *reader)
-{
-    return (enum bus_life)reader->fates[reader->next - 1];
 }
 
 static const uint64_t AWAKE_NS = 100000;

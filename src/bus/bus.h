@@ -90,14 +90,14 @@ struct bus_reader {
     uint32_t batches;        /* since the samples were emptied */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
-    uint32_t fates[BUS_BATCH]; /* what has become of each sample's instance since */
+    uint32_t fates[BUS_BATCH]; /* not BUS_DATA: that is to be said behind the sample */
 };
 
 /* What a sample says beside its data. */
 enum bus_life {
     BUS_DATA,     /* the sample is whole */
-    BUS_DISPOSED, /* its writer took the instance back: only the key is set */
-    BUS_LOST,     /* its writer is gone or silent: only the key is set */
+    BUS_DISPOSED, /* its writer took the instance back: only the key means anything */
+    BUS_LOST,     /* its writer is gone or silent: likewise */
 };
 
 /**
@@ -200,6 +200,8 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  * Hands out the next sample that is there.
  *
  * Samples that break a rule of the wire (check.h) are dropped here and counted in bus->malformed.
+ * Every end of an instance is handed out, also of one that came and went while nobody looked: then
+ * behind its last sample.
  *
  * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
  */
@@ -209,18 +211,13 @@ const void *bus_next(struct bus_reader *reader, enum bus_life *life);
 void *bus_sample(enum bus_topic topic);
 
 /**
- * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller.
+ * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller,
+ * who does not hear of the end of its instance if that has come already.
  *
  * @param spare  memory of bus_sample, or of a sample kept earlier, that the reader gets for it
  * @return the sample
  */
 void *bus_keep(struct bus_reader *reader, void *spare);
-
-/**
- * What became of the instance of the sample that bus_next gave last: when its writer goes while a
- * sample of it lies unread, DDS gives that sample and no other to say so.
- */
-enum bus_life bus_fate(const struct bus_reader *reader);
 
 /**
  * Waits until samples lie in the readers, or the time is over.
