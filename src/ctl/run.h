@@ -136,6 +136,12 @@ MU_MUST_USE mu_result run_start(struct run *r);
 /** @return what a child is; it may have died */
 struct run_part run_part_of(const struct run *r, const struct child *child);
 
+/** @return whether the simulator has said that the run is over, well or not */
+static inline bool run_is_over(const struct run *r)
+{
+    return r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
+}
+
 /** @return whether the run starts the monitors of its experiment: a run that is done again has what
  * they said from the recording; in run_monitors.c */
 bool run_monitors_start(const struct run *r);

@@ -8,6 +8,7 @@ import random
 import re
 import signal
 import subprocess
+import time
 import xml.dom.minidom
 
 from support import (BIN, FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
@@ -303,6 +304,24 @@ def test_a_silent_controller_is_a_fault():
         check_equal(run.returncode, 5, "exit code")
         check("silent" in words.decode() and "blue" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_run_that_gets_no_time_hears_of_its_end():
+    """Its simulator waits for it: who looks on has heard it all long before."""
+    with folder() as out, Processes() as processes:
+        run, children, domain = run_start(processes, out / "r")
+        simulator = next(pid for pid in children if command_of(pid) == "muster-sim")
+        with open(out / "top", "w") as said:
+            top = processes.start(MUSTER, "top", "--json", "--domain", domain, stdout=said)
+        wait_for((out / "top").read_text, 20, "somebody who looks on")
+        run.send_signal(signal.SIGSTOP)
+        check_equal(muster("world", "pace", "0", "--domain", domain).returncode, 0, "full speed")
+        check_equal(top.wait(30), 0, "the run is over")
+        time.sleep(1.5)  # longer than the simulator waits for others
+        check(alive(simulator), "the simulator has gone")
+        run.send_signal(signal.SIGCONT)
+        check_equal(run.wait(30), 0, "the run")
+        check((out / "r/summary.json").exists(), "its report")
 
 
 def test_the_command_line_reaches_a_run():
