@@ -117,6 +117,13 @@ void robot_drop(struct robot *r);
 /* robot_mind.c */
 
 /**
+ * What its mind is to be made with: by the settings of its crew, and what it may ask of the robot.
+ *
+ * @param folder  of the shared rules; NULL: a capsule has them
+ */
+struct mind_options robot_options(struct robot *r, const char *folder);
+
+/**
  * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared
  * library, its rules, its globals.  Who is to come back, and has ended since, is out.
  *
