@@ -77,7 +77,7 @@ static struct robot *place_find(struct host *h)
 {
     for (uint32_t i = 0; i < h->crew.count; i++) {
         struct robot *r = &h->crew.robots[i];
-        if (r->out && !trip_holds(r)) {
+        if (r->out && !r->trip) {
             return r;
         }
     }

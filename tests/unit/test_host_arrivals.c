@@ -3,11 +3,13 @@
  * Who comes to a host, without a network: the process is put together in memory, and nobody gives
  * names away, so that each who is taken in waits for its name.
  */
+#include "../support/samples.h"
 #include "../support/suite.h"
 #include "agent/clips_mind.h"
 #include "core/log.h"
 #include "host/host.h"
 #include "runtime/process.h"
+#include "runtime/trips.h"
 
 #include <CUnit/Basic.h>
 #include <dirent.h>
@@ -23,17 +25,22 @@ static struct host *host;
 static char bytes[TRIP_CAPSULE_MAX], why[MU_FAULT_TEXT_MAX + 1];
 static struct mu_text text;
 
-static void host_begin(void)
+static void host_begin_for(uint32_t places)
 {
     memset(&process, 0, sizeof process);
     process.with_body = true;
-    process_take_memory(&process, PLACES + 1, 0);
-    settings = (struct host_settings){.agents = PLACES, .bytes = TRIP_CAPSULE_MAX - 1};
+    process_take_memory(&process, places + 1, 0);
+    settings = (struct host_settings){.agents = places, .bytes = TRIP_CAPSULE_MAX - 1};
     settings.robots.name = "north";
     host = host_make(&settings);
     host->crew.process = &process;
     (void)mu_text_copy(host->folder, sizeof host->folder, "rules");
     CU_ASSERT_EQUAL_FATAL(host_join(host), MU_OK);
+}
+
+static void host_begin(void)
+{
+    host_begin_for(PLACES);
 }
 
 /* A passport; what stands behind it is added by whoever wants it. */
@@ -180,6 +187,154 @@ static void test_who_is_refused_leaves_nothing_behind(void)
     READS(why, "full");
 }
 
+/* --- journeys --------------------------------------------------------------------------------- */
+
+/* Who lives on a host, and knows of another one. */
+static void team_begin(uint32_t count)
+{
+    host_begin_for(count);
+    muster_Member south = {.name = words("south"),
+                           .kind = muster_KIND_HOST,
+                           .state = muster_STATE_RUNNING,
+                           .broker = words("main"),
+                           .host = words("h")};
+    muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW};
+    d.members._buffer = &south;
+    d.members._length = 1;
+    step_take_delivery(&process, &d, NULL);
+    for (uint32_t i = 0; i < count; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "w_%u", (unsigned)i);
+        mover_write(name, 1);
+        struct robot *r = take();
+        CU_ASSERT_PTR_NOT_NULL_FATAL(r);
+        robot_on_registered(r, r->agent, true, "");
+    }
+}
+
+static mu_result set_out(struct robot *r)
+{
+    struct mind_travel south = {.kind = MIND_MOVES, .host = "south"};
+    return trip_begin(r, &south, NULL);
+}
+
+static bool has_heard(struct robot *r, const char *fact)
+{
+    static char said[4096];
+    struct mu_text out;
+    mu_text_init(&out, said, sizeof said);
+    mind_feel_nothing(r->mind, 0);
+    return mind_facts(r->mind, "event", &out) == MU_OK && strstr(said, fact);
+}
+
+static uint32_t trips_in(enum trip_phase phase)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < host->crew.trips_max; i++) {
+        count += host->crew.trips[i].robot && host->crew.trips[i].phase == phase;
+    }
+    return count;
+}
+
+static void test_an_agent_makes_one_journey_at_a_time(void)
+{
+    team_begin(2);
+    struct robot *red = &host->crew.robots[0], *blue = &host->crew.robots[1];
+    CU_ASSERT_EQUAL(set_out(red), MU_OK);
+    CU_ASSERT_EQUAL(set_out(red), MU_REFUSED);
+    CU_ASSERT_EQUAL(set_out(blue), MU_OK);
+    CU_ASSERT_TRUE(has_heard(red, "(event refused moveTo south busy)"));
+    CU_ASSERT_FALSE(has_heard(blue, "refused"));
+    CU_ASSERT_EQUAL(trips_in(TRIP_DEPARTS), 2);
+    trip_step_end(&host->crew);
+    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), 2);
+    trip_step_answered(&host->crew);
+    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 2);
+    CU_ASSERT_TRUE(process.trips.under_way);
+}
+
+/* What the broker says of an earlier journey is not of this one; and each hears of its own. */
+static void test_words_reach_whom_they_are_about(void)
+{
+    team_begin(2);
+    struct robot *red = &host->crew.robots[0], *blue = &host->crew.robots[1];
+    muster_Trip word = {.word = muster_TRIP_REFUSED,
+                        .agent = words("w_1"),
+                        .asker = words(""),
+                        .epoch = 1,
+                        .reason = words("full")};
+    CU_ASSERT_EQUAL(set_out(red), MU_OK);
+    CU_ASSERT_EQUAL(set_out(blue), MU_OK);
+    trip_step_end(&host->crew);
+    trip_step_answered(&host->crew);
+    host_hear(host, &word);
+    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 2);
+    word.epoch = 2;
+    host_hear(host, &word);
+    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 1);
+    CU_ASSERT(trip_holds(red) && !blue->trip);
+    CU_ASSERT_EQUAL(mu_agent_state(blue->agent), MU_RUNNING);
+    CU_ASSERT_EQUAL(mu_agent_state(red->agent), MU_MOVING);
+    CU_ASSERT_TRUE(process.trips.under_way);
+}
+
+static void test_limit_journeys(void)
+{
+    team_begin(MU_CAPSULES_MAX + 1);
+    struct robot *last = &host->crew.robots[MU_CAPSULES_MAX];
+    for (int i = 0; i < MU_CAPSULES_MAX; i++) {
+        CU_ASSERT_EQUAL(set_out(&host->crew.robots[i]), MU_OK);
+    }
+    CU_ASSERT_EQUAL(set_out(last), MU_REFUSED);
+    CU_ASSERT_TRUE(has_heard(last, "(event refused moveTo south busy)"));
+    trip_step_end(&host->crew);
+    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), MU_CAPSULES_MAX);
+}
+
+/* The second of two that do not fit goes with the next answer. */
+static void test_limit_bytes_of_an_answer(void)
+{
+    static char much[TRIP_ANSWER_MAX];
+    team_begin(1);
+    muster_Trip word = {.word = muster_TRIP_NEW, .agent = words("ruby"), .text = much};
+    memset(much, 'x', sizeof much - 1);
+    CU_ASSERT_EQUAL(set_out(&host->crew.robots[0]), MU_OK);
+    CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
+    trip_step_end(&host->crew);
+    CU_ASSERT_EQUAL(trips_in(TRIP_DEPARTS), 1);
+    trips_sent(&process, 1);
+    trip_step_end(&host->crew);
+    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), 1);
+}
+
+static void test_limit_words(void)
+{
+    host_begin();
+    muster_Trip word = {.word = muster_TRIP_WANTED, .host = words("north")};
+    for (int i = 0; i < TRIPS_OUT_MAX; i++) {
+        CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
+    }
+    CU_ASSERT_EQUAL(trips_say(&process, &word), MU_FULL);
+}
+
+/* The first pieces of so many agents; the next sender is told to try again. */
+static void test_limit_arrivals(void)
+{
+    host_begin();
+    for (int i = 0; i <= HOST_ARRIVALS; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "w_%d", i);
+        struct mu_mail piece = {.src = name,
+                                .dst = "north",
+                                .conversation = name,
+                                .reply_with = "1",
+                                .content = "0 1000\npassport"};
+        CU_ASSERT_EQUAL(host->agent->outbox.next_seq, host->agent->outbox.first_seq);
+        arrival_take(host, &piece);
+    }
+    CU_ASSERT_EQUAL(host->agent->outbox.next_seq, host->agent->outbox.first_seq + 1);
+}
+
 /* --- files ------------------------------------------------------------------------------------ */
 
 static char folder[] = "/tmp/muster-arrivals-XXXXXX";
@@ -268,6 +423,12 @@ int main(void)
          test_a_later_copy_takes_the_place_of_one_that_waits},
         {"one that lives here stays", test_one_that_lives_here_stays},
         {"who is refused leaves nothing behind", test_who_is_refused_leaves_nothing_behind},
+        {"an agent makes one journey at a time", test_an_agent_makes_one_journey_at_a_time},
+        {"words reach whom they are about", test_words_reach_whom_they_are_about},
+        {"limit: journeys", test_limit_journeys},
+        {"limit: bytes of an answer", test_limit_bytes_of_an_answer},
+        {"limit: words", test_limit_words},
+        {"limit: arrivals", test_limit_arrivals},
         {"the file of who was there before goes", test_the_file_of_who_was_there_before_goes},
         {"who began here and is refused does not begin anew",
          test_who_began_here_and_is_refused_does_not_begin_anew},
