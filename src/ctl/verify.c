@@ -133,7 +133,7 @@ static void words_make(struct verify *v)
 static int run_again(struct verify *v)
 {
     static struct supervise children;
-    char library[128];
+    char library[sizeof v->files.folder + sizeof "/library"];
     snprintf(library, sizeof library, "%s/library", v->files.folder);
     setenv("MUSTER_RULES", library, 1);
     words_make(v);
@@ -153,8 +153,9 @@ static int run_again(struct verify *v)
     int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
     bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION;
     if (!ran) {
-        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s\n", code,
-                run->words);
+        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s%s\n", code,
+                run->words,
+                code == MU_EXIT_WRITE ? "muster verify: TMPDIR=DIR lets it write elsewhere" : "");
     }
     return ran ? MU_EXIT_DONE : code;
 }

@@ -72,6 +72,23 @@ def test_files_from_elsewhere():
         check_equal(json.loads(said)["hash"], summary["hash"], "hash")
 
 
+def test_files_with_strange_names():
+    """Blanks, quotes, equals signs and dots in names of folders and files."""
+    with folder() as out:
+        home = out / """it's "day" 1 = v1..2"""
+        home.mkdir()
+        (home / "ram = 'x' .clp").write_text(RAM)
+        (home / 'po"st..clp').write_text(POST)
+        (home / "bump = 1.yaml").write_text(
+            BUMP.format(world=ROOT / "worlds" / "arena.world")
+            .replace("ram.clp", "\"ram = 'x' .clp\"").replace("post.clp", "'po\"st..clp'"))
+        done = muster("run", "bump = 1.yaml", "--quiet", "--out", "run", cwd=home)
+        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        code, said, why = verify(home / "run" / "run.mcap")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(muster("report", home / "run").returncode, 0, "the report again")
+
+
 def test_overrides():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
