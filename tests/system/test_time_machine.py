@@ -8,8 +8,8 @@ import signal
 import struct
 import zlib
 
-from support import (MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder, muster,
-                     new_domain, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
+                     muster, new_domain, wait_for)
 
 COLLECT = str(ROOT / "experiments" / "collect.yaml")
 CHUNK, FRAME_OF_RED = 6, b"red\0"
@@ -70,6 +70,23 @@ def test_files_from_elsewhere():
         code, said, why = verify(recording, "--json")
         check_equal(code, 0, f"exit code: {why}{said}")
         check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
+def test_files_with_strange_names():
+    """Blanks, quotes, equals signs and dots in names of folders and files."""
+    with folder() as out:
+        home = out / """it's "day" 1 = v1..2"""
+        home.mkdir()
+        (home / "ram = 'x' .clp").write_text(RAM)
+        (home / 'po"st..clp').write_text(POST)
+        (home / "bump = 1.yaml").write_text(
+            BUMP.format(world=ROOT / "worlds" / "arena.world")
+            .replace("ram.clp", "\"ram = 'x' .clp\"").replace("post.clp", "'po\"st..clp'"))
+        done = muster("run", "bump = 1.yaml", "--quiet", "--out", "run", cwd=home)
+        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        code, said, why = verify(home / "run" / "run.mcap")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(muster("report", home / "run").returncode, 0, "the report again")
 
 
 def test_overrides():
@@ -161,7 +178,50 @@ def test_a_cut_recording():
         (out / "cut.mcap").write_bytes(data[:len(data) * 3 // 4])
         code, said, _ = verify(out / "cut.mcap")
         check_equal(code, 0, f"exit code: {said}")
-        check("without its end" in said and "equal" in said, said)
+        check(said.startswith("equal  to step ") and "the recording is cut off there" in said, said)
+
+
+def broken_off(out, name, blow):
+    """A run that somebody ends from outside.  @return its recording"""
+    domain = new_domain()
+    with Processes() as processes:
+        run = processes.start(MUSTER, "run", FOLLOW, "--rate", 20, "--duration", 600, "--quiet",
+                              "--out", out / name, "--domain", domain)
+        path = out / name / "run.mcap"
+        wait_for(lambda: path.exists() and path.stat().st_size > 300000, 20, "some steps of it")
+        run.send_signal(blow)
+        run.wait(20)
+    return path
+
+
+def test_a_run_that_was_stopped_is_equal_as_far_as_it_went():
+    with folder() as out:
+        for blow in (signal.SIGINT, signal.SIGTERM):
+            recording = broken_off(out, blow.name, blow)
+            rows = (out / blow.name / "run.csv").read_text().splitlines()
+            check_equal(len(rows), len(set(rows)), "each step's tracks stand once")
+            code, said, why = verify(recording)
+            check_equal(code, 0, f"exit code: {said}{why}")
+            check(said.startswith("equal  to step ") and "the run was stopped there" in said, said)
+            found = json.loads(verify(recording, "--json")[1])
+            check_equal((found["equal"], found["ended"]), (True, "stopped"), "JSON")
+            done = muster("report", out / blow.name)
+            check_equal(done.returncode, 0, f"no expectation had its time: {done.stdout}")
+            check("where it broke off" in done.stdout, done.stdout)
+
+
+def test_a_run_that_was_killed_is_equal_as_far_as_its_recording_goes():
+    with folder() as out:
+        code, said, why = verify(broken_off(out, "killed", signal.SIGKILL))
+        check_equal(code, 0, f"exit code: {said}{why}")
+        check("the recording is cut off there" in said, said)
+
+
+def test_a_stopped_run_that_was_changed_differs():
+    with folder() as out:
+        recording = broken_off(out, "run", signal.SIGINT)
+        (out / "changed.mcap").write_bytes(changed(recording.read_bytes(), 0.5))
+        check_equal(verify(out / "changed.mcap")[0], 1, "exit code")
 
 
 def unpacked(pid):
