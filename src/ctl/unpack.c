@@ -128,13 +128,27 @@ static mu_result folders_make(char *path)
     return MU_OK;
 }
 
+/* @return whether some part of a path is ".." */
+static bool leads_up(const char *path)
+{
+    const char *at = path;
+    while ((at = strstr(at, "..")) != NULL) {
+        bool begins = at == path || at[-1] == '/';
+        if (begins && (at[2] == '/' || at[2] == '\0')) {
+            return true;
+        }
+        at++;
+    }
+    return false;
+}
+
 /* Where a recorded file is to lie: "ROLE/PATH" below the folder that the run was started in,
  * "ROLE/_/PATH" anywhere; the library apart.  @return false: a name that leads out of the folder */
 static bool place_find(const struct unpacked *u, const char *from, const char *name,
                        struct mu_text *path)
 {
     const char *rest = strchr(name, '/');
-    if (!rest || strstr(name, "..") || strncmp(name, "/", 1) == 0 || strstr(from, "..")) {
+    if (!rest || leads_up(name) || strncmp(name, "/", 1) == 0 || leads_up(from)) {
         return false;
     }
     mu_text_add(path, u->folder);
