@@ -490,24 +490,6 @@ static void statuses_take(struct run *r)
     }
 }
 
-/* One line that is written over, for people; nothing for files and pipes. */
-static void progress_show(struct run *r)
-{
-    uint64_t now_ns = mu_clock_ns();
-    if (r->options.quiet || !isatty(STDERR_FILENO) || now_ns - r->progress_wall_ns < 200000000u) {
-        return;
-    }
-    r->progress_wall_ns = now_ns;
-    double time_s = (double)r->time_ns * 1e-9;
-    double wall_s = (double)r->wall_ns * 1e-9;
-    if (r->state != muster_RUN_RUNNING || wall_s <= 0.0) {
-        return;
-    }
-    double factor = time_s / wall_s;
-    fprintf(stderr, "\r%.1f of %.0f s simulated, %.1f x real time, %.0f s to go   ", time_s,
-            r->experiment->duration, factor, (r->experiment->duration - time_s) / factor);
-}
-
 /* --- the course of a run ---------------------------------------------------------------------- */
 
 static int crash_explain(const struct child *child, bool running)
@@ -575,7 +557,7 @@ static int round_live(struct run *r)
     supervise_look(&r->children);
     hosts_excuse(r);
     run_monitors_look(r);
-    progress_show(r);
+    run_progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
     }
@@ -714,9 +696,7 @@ static int watch(struct run *r)
     while (code < 0 && !run_is_over(r)) {
         code = round_live(r);
     }
-    if (!r->options.quiet && isatty(STDERR_FILENO)) {
-        fputs("\r\033[K", stderr);
-    }
+    run_progress_clear(r);
     if (code < 0 && r->state == muster_RUN_FAULT) {
         fprintf(stderr, "muster run: %s\n", r->waits_for);
         return MU_EXIT_CRASH;
@@ -766,6 +746,19 @@ static int live(struct run *r)
     return code;
 }
 
+static int domain_explain(int wanted)
+{
+    if (wanted >= 0) {
+        fprintf(stderr,
+                "muster run: another run has domain %d; without --domain and MUSTER_DOMAIN a free "
+                "one is found\n",
+                wanted);
+    } else {
+        fputs("muster run: no DDS domain is free: too many runs live\n", stderr);
+    }
+    return MU_EXIT_DDS;
+}
+
 int run_verb(int argc, char **argv)
 {
     struct run *r = mu_startup_alloc(sizeof *r);
@@ -782,8 +775,7 @@ int run_verb(int argc, char **argv)
         return series_run(&r->options, r->experiment);
     }
     if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
+        return domain_explain((int)r->options.domain);
     }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
@@ -796,5 +788,8 @@ int run_verb(int argc, char **argv)
     /* A disk that is full ends the recording, not the report. */
     bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
     int reported = reports ? run_report(r) : code;
+    if (!reports) {
+        run_broken_tell(r);
+    }
     return code < 0 ? reported : code;
 }

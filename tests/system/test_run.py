@@ -13,6 +13,7 @@ import xml.dom.minidom
 
 from support import (BIN, FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
                      command_of, experiment_run, folder, muster, new_domain, wait_for)
+from terminal import ESCAPES, Terminal
 
 SHORT = ("--duration", "20")
 
@@ -273,8 +274,28 @@ def test_ctrl_c_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.send_signal(signal.SIGINT)
-        check_equal(run.wait(10), 130, "exit code")
+        _, words = run.communicate(timeout=10)
+        check_equal(run.returncode, 130, "exit code")
+        check(f"muster report {out / 'r'}" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_narrow_terminal_has_the_progress_on_one_line():
+    with folder() as out:
+        with Terminal(MUSTER, "run", FOLLOW, "--rate", 1, "--duration", 3, "--out", out / "r",
+                      columns=20) as t:
+            t.end(30)
+        lines = [line for line in re.split(r"[\r\n]", ESCAPES.sub(b"", t.raw).decode())
+                 if "simul" in line and "3.0 s" not in line]
+        check(len(lines) > 3, f"progress: {t.text}")
+        check_equal([line for line in lines if len(line) > 19], [], "lines that are too wide")
+
+
+def test_a_taken_domain_is_named():
+    with folder() as out, Processes() as processes:
+        _, _, domain = run_start(processes, out / "r")
+        done = muster("run", FOLLOW, "--domain", domain, "--out", out / "second")
+        check_equal((done.returncode, f"has domain {domain}" in done.stderr), (4, True), done.stderr)
 
 
 def test_killing_the_run_leaves_nothing_behind():

@@ -89,6 +89,25 @@ def test_files_with_strange_names():
         check_equal(muster("report", home / "run").returncode, 0, "the report again")
 
 
+def test_files_that_are_named_by_a_step_up():
+    """A world takes in one beside its folder, in two spellings."""
+    with folder() as out:
+        (out / "mine..too").mkdir()
+        include = 'include "../robots.inc"\ninclude "../mine..too/../empty.inc"\n'
+        (out / "mine..too" / "t.world").write_text(
+            include + 'include "../empty.inc"\nmodel (size [8 8 0.8] boundary 1)\n')
+        (out / "robots.inc").write_text(f'include "{ROOT}/worlds/../worlds/pioneer.inc"\n')
+        (out / "empty.inc").write_text("")
+        (out / "mine..too" / "t.yaml").write_text(
+            f"name: up\nworld: t.world\nduration: 3\nrobots:\n  - {{name: red, body: pioneer, "
+            f"pose: [0, 0, 0], rules: {ROOT}/rules/patrol.clp}}\n")
+        recording, summary = record(out / "run", file=out / "mine..too" / "t.yaml")
+        (out / "robots.inc").unlink()
+        code, said, why = verify(recording, "--json")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
 def test_overrides():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
