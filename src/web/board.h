@@ -18,6 +18,7 @@ enum board_item {
     BOARD_FRAME,      /* one step */
     BOARD_STATISTICS, /* totals since the run began */
     BOARD_AGENTS,     /* the white pages */
+    BOARD_LATER,      /* orders from pages that wait for their time */
     BOARD_ITEMS
 };
 
