@@ -57,3 +57,8 @@ enum board_ended board_end(struct board *b)
     e->version++;
     return BOARD_NEW;
 }
+
+void board_drop(struct board *b, enum board_item item)
+{
+    mu_text_clear(&b->items[item].text);
+}

@@ -523,7 +523,7 @@ static void test_words_that_do_not_come(void)
 
 static const char *agent_name(int i)
 {
-    static char text[16];
+    static char text[24];
     snprintf(text, sizeof text, "agent-%d", i);
     return text;
 }
