@@ -64,6 +64,7 @@ class Viewer:
         self.socket.sendall(f"GET /events HTTP/1.0\r\nHost: {page.host}\r\n\r\n".encode())
         self.file = self.socket.makefile("rb")
         self.last = {}  # by event
+        self.kept = {"ordered": []}  # all of them
         self.head = []
         while (line := self.file.readline().strip()):
             self.head.append(line.decode())
@@ -82,6 +83,8 @@ class Viewer:
                 data = json.loads(line[6:])
             elif not line and name:
                 self.last[name] = data
+                if name in self.kept:
+                    self.kept[name].append(data)
                 if wanted in (None, name):
                     return name, data
                 name = data = None
@@ -94,6 +97,16 @@ class Viewer:
                 return self.last[wanted]
             self.next()
         raise AssertionError(f"no such {wanted} within {seconds} s: {str(self.last)[:400]}")
+
+    def first(self, wanted, good, seconds=30):
+        """The first event of that name that is as wanted, among those that have come, too."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for data in self.kept[wanted]:
+                if good(data):
+                    return data
+            self.next()
+        raise AssertionError(f"no such {wanted} within {seconds} s: {str(self.kept[wanted])[:400]}")
 
     def close(self):
         self.file.close()
@@ -419,13 +432,29 @@ def test_hands_move_bodies_and_are_part_of_the_run():
         check(done["good"] and done["step"] >= first["step"], f"{done}")
         viewer.until("frame", lambda f: abs(f["robots"][red][0] - 3000) < 500
                      and abs(f["robots"][red][1] + 3000) < 500)
-        for line, said in (("sensor red sonar off", ""), ("push red 50 0", ""), ("reset red", ""),
+        for line, said in (("sensor red sonar off", ""), ("push red 50 0", ""), ("reset", ""),
                            ("place red 3 -3", ""), ("place nobody 0 0", "no robot or object"),
                            ("place red 1e6 0", "")):
             check_equal(act(page, number, "/world", line, 2).status, 202, line)
             done = viewer.next("ordered")[1]
             check_equal(done["good"], not said and "1e6" not in line, f"{line}: {done}")
+        other = Viewer(page)
+        for ask, line in ((3, "sensor red laser off\nat 20"), (4, "reset\nat 0\nwhen time > 21"),
+                          (5, "push red 50 0\nwhen red near nobody 1"), (6, "pace 2\nat 25"),
+                          (7, "place red 0 0\nat 1000")):
+            check_equal(act(page, number, "/world", line, ask).status, 202, line)
+        for ask, good, step, said in ((3, True, 200, ""), (4, True, 211, ""), (5, False, None, "nobody"),
+                                      (6, False, None, "at once")):
+            done = viewer.first("ordered", lambda o, n=ask: o["ask"] == n)
+            check_equal(done["good"], good, f"{done}")
+            check(step in (None, done["step"]) and said in done["text"], f"{done}")
+        seen = other.first("ordered", lambda o: o["order"] == "reset")
+        check_equal((seen["ask"], seen["at_s"], seen["when"]), (0, 0, "time > 21"), "another page sees it")
+        other.close()
+        viewer.until("later", lambda w: [o["order"] for o in w["orders"]] == ["place red 0 0"])
         for line, status, said in (("", 400, "expected place"), ("place red 1", 400, "expected place NAME"),
+                                   ("reset\nat noon", 400, "seconds"), ("reset\nat -1", 400, "seconds"),
+                                   ("reset\nsoon", 400, "at SECONDS"), ("reset\nwhen " + "x" * 128, 400, "that long"),
                                    ("save /tmp/here", 400, "expected place, push"),
                                    ("place red 1 2 3 4 5 6 7 8 9", 400, "expected"),
                                    ("reset " + "x" * 300, 400, "that long"),
@@ -436,6 +465,9 @@ def test_hands_move_bodies_and_are_part_of_the_run():
         check_equal(page.act("/world", "reset", X_Muster_Token=None).status, 403, "no token")
         end = viewer.until("run", lambda r: r["state"] == "done" and len(r["hash"]) == 64, 60)
         check_equal(run.wait(30), 0, "the run")
+        done = viewer.first("ordered", lambda o: o["ask"] == 7)
+        check_equal((done["good"], done["text"]), (False, "the run has ended"), "its time did not come")
+        viewer.until("later", lambda w: w["orders"] == [])
         late = page.act("/world", "reset", X_Muster_Viewer=number)
         check_equal((late.status, late.text), (404, "no run lives\n"), "too late")
         viewer.close()
@@ -548,6 +580,57 @@ def test_hands_of_a_person_at_the_page():
             check_equal(said.count("done at step"), 5, said)
             for word in ("place red", "push red 0 1", "sensor red all off"):
                 check(f"world> {word}" in said, said)
+            check_equal(browser.said, [], "the page had no fault")
+        viewer.close()
+
+
+SHOWN = ".panel:not([hidden])"
+WAITING = f"document.querySelector('{SHOWN} .waiting').textContent"
+WORLD_SAID = f"document.querySelector('{SHOWN} .output').textContent"
+
+
+def world_order(browser, line, at="", when=""):
+    for selector, text in ((".line input", line), (".later .seconds", at), (".later .rest input", when)):
+        browser.click(f"{SHOWN} {selector}")
+        browser.type(text)
+    browser.key("Enter")  # in the last of the fields
+
+
+def test_orders_for_later_of_a_person_at_the_page():
+    with folder() as out, page_open() as (page, processes, domain):
+        run = follow_start(processes, domain, out / "run", "--rate", 10, "--duration", 150)
+        viewer = Viewer(page)
+        with Browser(page.url) as browser:
+            browser.wait("document.querySelectorAll('tbody tr').length === 4")
+            browser.click("[data-tab='World']")
+            browser.wait("Number(document.getElementById('time').textContent) > 1")
+            world_order(browser, "sensor red sonar off", at="30")
+            browser.wait(f"{WAITING} === 'waits sensor red sonar off, at 30 s'")
+            empty = "[...document.querySelectorAll('.panel:not([hidden]) .later input')].every(i => !i.value)"
+            browser.wait(empty)
+            world_order(browser, "reset", when="time > 35")
+            browser.wait(f"{WAITING}.includes('waits reset, when time > 35')")
+            world_order(browser, "reset", at="soon")
+            browser.wait(f"{WORLD_SAID}.includes('reset, at soon s: at: expected seconds')")
+            check(not browser.value(empty), "what was refused can be mended")
+            browser.click("[data-tab='Robots']")
+            browser.wait("document.getElementById('said').textContent === 'sensor red sonar off, at 30 s: done at step 300'")
+            browser.click("[data-tab='World']")
+            browser.wait(f"{WORLD_SAID}.includes('reset, when time > 35: done at step 351')")
+            browser.wait(f"{WAITING} === ''")
+            browser.click("[data-tab='agent red']")
+            browser.click(f"{SHOWN} summary")
+            browser.click(f"{SHOWN} .later .seconds")
+            browser.type("5000")
+            browser.click(f"{SHOWN} [data-hand=Block]")
+            viewer.until("later", lambda w: [o["order"] for o in w["orders"]] == ["sensor red all off"])
+            browser.call("Page.reload")  # what waits outlives the page
+            browser.wait("document.querySelector('[data-tab=World]') !== null")
+            browser.click("[data-tab='World']")
+            browser.wait(f"{WAITING} === 'waits sensor red all off, at 5000 s'")
+            check(run.wait(60) in (0, 1), "the run, whatever it was to come to")
+            browser.wait(f"{WORLD_SAID}.includes('sensor red all off, at 5000 s: the run has ended')")
+            browser.wait(f"{WAITING} === ''")
             check_equal(browser.said, [], "the page had no fault")
         viewer.close()
 

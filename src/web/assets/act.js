@@ -69,10 +69,10 @@ export function createActor() {
       const ask = ++asks;
       return {ask, failed: postInTurn(agent, `/words/${encodeURIComponent(agent)}`, ask, text)};
     },
-    /** Sends an order to the world.  @return likewise */
-    order(line) {
+    /** Sends an order to the world: its line, and in lines behind it when.  @return likewise */
+    order(text) {
       const ask = ++asks;
-      return {ask, failed: postInTurn('the world', '/world', ask, line)};
+      return {ask, failed: postInTurn('the world', '/world', ask, text)};
     },
     /** Asks to be shown what the agent prints, or no longer. */
     watch: (agent, on) => postInTurn(agent, `/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),

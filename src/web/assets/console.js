@@ -8,7 +8,10 @@ import {createLine, createPane} from './pane.js';
 const ROBOT_BUTTONS = [['Start', '(run)'], ['Suspend', '(suspend)'], ['Step', '(step N)'], ['Resume', '(resume)']];
 const OBSERVER_BUTTONS = [['Start all', '(start robots)'], ['Suspend all', '(suspend robots)'],
   ['Resume all', '(resume robots)'], ['Agents', '(agents)']];
-const VIEWS = [['Log', null], ['Facts', '(facts)'], ['Agenda', '(agenda)'], ['Rules', '(rules)']];
+/* title, line that asks for it, what is said until there is an answer */
+const VIEWS = [['Log', null, 'What it prints, what is watched, and answers to lines.'],
+  ['Facts', '(facts)', 'No facts were shown yet.'], ['Agenda', '(agenda)', 'No agenda was shown yet.'],
+  ['Rules', '(rules)', 'No rules were shown yet.']];
 const WATCHES = ['facts', 'rules', 'activations'];
 
 const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus zero */
@@ -16,7 +19,7 @@ const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus ze
 /** hands: a row of what hands can do to it; null: none. */
 export function createConsole(name, actor, hands) {
   const isObserver = name === 'observer';
-  const panes = new Map(VIEWS.map(([title]) => [title, createPane()]));
+  const panes = new Map(VIEWS.map(([title, , empty]) => [title, createPane(empty)]));
   const shownText = new Map();
   const asked = new Map(); /* by number: {view, text} */
   const completions = new Map(); /* what waits for a word's end, by number */

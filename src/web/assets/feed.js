@@ -2,7 +2,7 @@
 // The stream of events from the server.  The browser connects again by itself when it breaks.
 
 const EVENTS = ['hello', 'run', 'scene', 'frame', 'statistics', 'agents', 'said', 'ended',
-  'completed', 'ordered', 'missed'];
+  'completed', 'ordered', 'later', 'missed'];
 
 /** handlers: by event, each with its data; and `link`, with whether the server is there. */
 export function openFeed(handlers) {

@@ -131,6 +131,7 @@ openFeed({
   ended: (data) => tabs.consoleOf(data.agent)?.ended({...data, step: model.frame?.step ?? 0}),
   completed: (data) => tabs.consoleOf(data.agent)?.completed(data),
   ordered: (data) => world.ordered(data),
+  later: ({orders}) => world.wait(orders),
   missed({frames, answers}) {
     header.set({missed: frames, lost: answers});
     if (answers > 0) forgetAsked();

@@ -6,9 +6,9 @@ import {element} from './dom.js';
 const NODES_MAX = 1500;
 const HISTORY_MAX = 200;
 
-/** One pane of text; what comes is put at its end. */
-export function createPane() {
-  const pane = element('pre', {class: 'output', tabindex: '0'});
+/** One pane of text; what comes is put at its end.  empty: what is said as long as it has none */
+export function createPane(empty) {
+  const pane = element('pre', {class: 'output', tabindex: '0', 'data-empty': empty});
   return {
     pane,
     add(kind, text) {
@@ -41,6 +41,7 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
   let place = 0;
 
   function enter() {
+    if (!input.value.trim()) return;
     history.push(input.value);
     if (history.length > HISTORY_MAX) history.shift();
     place = history.length;
@@ -62,7 +63,7 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
 
   function onKey(event) {
     const completes = onTab && event.key === 'Tab' && !event.shiftKey && input.value.trim();
-    if (event.key === 'Enter' && input.value.trim()) enter();
+    if (event.key === 'Enter') enter();
     else if (event.key === 'ArrowUp') recall(-1);
     else if (event.key === 'ArrowDown') recall(1);
     else if (completes) complete();
@@ -70,5 +71,5 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
     if (completes || event.key === 'ArrowUp' || event.key === 'ArrowDown') event.preventDefault();
   }
 
-  return {row: element('div', {class: 'line'}, element('label', {}, label), input), input};
+  return {row: element('div', {class: 'line'}, element('label', {}, label), input), input, enter};
 }
