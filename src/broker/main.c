@@ -191,8 +191,10 @@ static void pages_tell(struct post *p)
 {
     muster_Page page;
     while (broker_page_news(p->broker, &page)) {
-        mu_result written = bus_write(&p->pages, &page);
-        (void)written; /* reliable, and the last state of a page is what counts */
+        if (bus_write(&p->pages, &page) != MU_OK) {
+            broker_page_untold(p->broker, &page);
+            return;
+        }
     }
 }
 

@@ -57,6 +57,7 @@ struct bus_options {
 enum { BUS_BATCH = 32 };
 
 struct bus {
+    int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
     int32_t participant;
     enum bus_place place;
     int index;                  /* of the participant; -1: CYCLONEDDS_URI says */
@@ -107,11 +108,13 @@ enum bus_life {
  * loopback address, the sockets are bound to that address and to no other.
  *
  * @return MU_OK; MU_BUSY when the place is taken (another simulator, or four brokers, are there);
- *         MU_FAULT_USAGE: no such address, or more than MU_PEERS_MAX hosts; MU_FAULT_DDS
+ *         MU_FAULT_USAGE: no such address, more than MU_PEERS_MAX hosts, or this program is in
+ *         that domain already; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *options);
 
-/** Leaves the network; what was written and not yet sent is sent first. */
+/** Leaves the network; what was written and not yet sent is sent first.  The domain may be opened
+ * again. */
 void bus_close(struct bus *bus);
 
 /** Opens a reader, which must stay where it is.  partition NULL: the default one. */
