@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import resource
 import signal
 import socket
@@ -43,23 +44,23 @@ def record_end(p):
 def test_every_message_of_a_recording_is_decoded():
     tool_python(*READERS)
     domain = new_domain()
-    with folder() as out, Processes() as processes, open(out / "log", "w+") as log:
+    with folder() as out, Processes() as processes:
         path = out / "a.mcap"
-        record = processes.start(MUSTER, "record", "--domain", domain, "--out", path, "-v",
-                                 stdout=subprocess.PIPE, stderr=log, text=True)
+        record = record_start(processes, domain, path)
         broker_start(processes, domain)
         processes.start(program("pages_agent"), domain, "seeker", out / "seeker")
 
         def tell(word):
             return muster("send", "seeker", word, "--domain", domain).returncode == 0
 
+        def recorded(word):
+            return re.search(b"group:scouts.{1,120}" + word, path.read_bytes(), re.DOTALL)
+
         # It tells its group what it is told; from the first that was heard on, all are.
-        wait_for(lambda: tell("early") and "topic=Up" in (out / "log").read_text(), 20,
-                 "the recorder to hear of the seeker")
+        wait_for(lambda: tell("early") and recorded(b"early"), 20, "the recorder to hear the seeker")
         for i in range(5):
             check(tell(f"gold{i}"), "the seeker is told")
-        heard = lambda: "gold4" in (out / "seeker").read_text()
-        wait_for(heard, 10, "the seeker to hear it")
+        wait_for(lambda: recorded(b"gold4"), 10, "the recorder to hear the last of it")
         record.send_signal(signal.SIGINT)
         said, _ = record.communicate(timeout=20)
         check_equal(record.returncode, 0, "muster record")
