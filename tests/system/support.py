@@ -40,6 +40,10 @@ SENDS = """
 (defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
 """
 
+# How much longer something may take here than on a machine that has nothing else to do.  Who waits
+# for an event waits no longer for it than it takes.
+PATIENCE = float(os.environ.get("TEST_PATIENCE", "4"))
+
 # Nothing of a test stays in the user's folders; who wants a store names it.
 os.environ["MUSTER_STORE"] = "none"
 
@@ -88,13 +92,13 @@ def check_equal(got, want, what):
 
 def wait_for(condition, seconds, what):
     """Waits for an event, not for a time: polls until it is true."""
-    until = time.monotonic() + seconds
+    until = time.monotonic() + PATIENCE * seconds
     while time.monotonic() < until:
         value = condition()
         if value:
             return value
         time.sleep(0.01)
-    raise AssertionError(f"not within {seconds} s: {what}")
+    raise AssertionError(f"not within {PATIENCE * seconds} s: {what}")
 
 
 @contextlib.contextmanager

@@ -36,7 +36,7 @@ def record_start(processes, domain, path, *words):
 
 def record_end(p):
     p.send_signal(signal.SIGINT)
-    out, errors = p.communicate(timeout=20)
+    out, errors = p.communicate(timeout=60)
     check_equal((p.returncode, errors), (0, ""), "muster record")
     return out
 
@@ -62,7 +62,7 @@ def test_every_message_of_a_recording_is_decoded():
             check(tell(f"gold{i}"), "the seeker is told")
         wait_for(lambda: recorded(b"gold4"), 10, "the recorder to hear the last of it")
         record.send_signal(signal.SIGINT)
-        said, _ = record.communicate(timeout=20)
+        said, _ = record.communicate(timeout=60)
         check_equal(record.returncode, 0, "muster record")
         got = decode(path, "Up", "Pages")
         check(f"{got['count']} messages" in said, f"{said}: {got['count']}")
@@ -209,7 +209,7 @@ def test_what_has_gone_is_recorded_and_replayed():
         wait_for(lambda: "absent" in muster("lookup", "seeker", "--domain", domain).stdout, 20,
                  "the seeker to be missed")
         broker.terminate()
-        broker.wait(10)
+        broker.wait(30)
         time.sleep(0.5)
         record_end(record)
         got = decode(out / "a.mcap", "Registration/gone", "BrokerStatus/gone")
@@ -489,7 +489,7 @@ def test_who_watches_frames_sees_a_replay():
                       "--wait", 20)
         check_equal((done.returncode, done.stdout), (0, "53 messages of 3 topics\n"), done.stderr)
         for watcher in watchers:
-            said, _ = watcher.communicate(timeout=20)
+            said, _ = watcher.communicate(timeout=60)
             lines = said.splitlines()
             check_equal(lines[0].split()[:2], ["scene", "arena.world"], "the world")
             steps = [int(l.split()[1]) for l in lines if l.startswith("frame ")]
@@ -544,13 +544,13 @@ def test_a_replay_goes_round():
                             20, "--wait", 20, "--loop", stdout=subprocess.PIPE, text=True)
         watch = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
                                 text=True)
-        watch.communicate(timeout=20)  # it ends with the first round
+        watch.communicate(timeout=60)  # it ends with the first round
         again = processes.start(program("frame_watcher"), domain, "every", stdout=subprocess.PIPE,
                                 text=True)
-        said, _ = again.communicate(timeout=20)
+        said, _ = again.communicate(timeout=60)
         check("\nframe 10 " in said, f"the end of a later round: {said[-500:]}")
         p.send_signal(signal.SIGINT)
-        said, _ = p.communicate(timeout=20)
+        said, _ = p.communicate(timeout=60)
         check_equal(p.returncode, 130, "interrupted")
         check(int(said.split()[0]) > 26, f"two rounds and more: {said}")
 
@@ -568,7 +568,7 @@ def test_a_run_that_breaks_leaves_its_recording():
                 words = pathlib.Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
                 if words.startswith(who):
                     os.kill(pid, signal.SIGKILL)
-            run.wait(20)
+            run.wait(60)
             check_equal(run.returncode, 5, who)
             done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 0)
             check_equal(done.returncode, 0, f"{who}: {done.stderr}")
