@@ -5,6 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import time
 
 from support import (MUSTER, ROOT, Processes, check, check_equal, children_of, experiment_run, folder, members, muster, new_domain,
                      wait_for)
@@ -210,7 +211,7 @@ def child_of(run, *words):
 MOVER = """
 (defglobal ?*text* = "abcdefghijklmnop")
 (deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
-(defrule away (position ?t $?) (test (and (= ?t 2.0) (eq ?*my-name* red))) =>
+(defrule away (position ?t $?) (test (and (= ?t 2.0) (eq ?*my-name* %s))) =>
   (printout t "going" crlf) (grow) (loop-for-count %d (str-length (str-cat ?*text* x))) (bind ?*text* "") (moveTo south))
 """
 
@@ -218,7 +219,7 @@ MOVER = """
 def target_dies(out, checkpoint):
     """The host to which red moves has said that it is ready, and has the name; it is killed before it has
     lived through a step: the simulator stands still meanwhile.  @return the summary"""
-    file = team_write(out, MOVER % 2500, head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
+    file = team_write(out, MOVER % ("red", 2500), head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
     with Processes() as processes:
         domain = new_domain()
         run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
@@ -234,11 +235,35 @@ def target_dies(out, checkpoint):
     return json.loads((out / "run/summary.json").read_text())
 
 
+def test_a_source_dies_when_its_robot_has_been_handed_in():
+    """Its host is stopped, so that the clock waits for it; meanwhile the robot's process dies, and is let go
+    of.  The robot goes on, once."""
+    with folder() as out, Processes() as processes:
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("blue", 1)))
+        check_equal(done.returncode, 0, done.stderr)
+        file, domain = team_write(out, MOVER % ("blue", 2500), head=RESTARTS), new_domain()
+        run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
+                              stderr=subprocess.PIPE, text=True)
+        south, blue = child_of(run, "muster-host", "south"), child_of(run, "muster-robot", "blue")
+        wait_for(lambda: "going" in run.stderr.readline(), 20, "blue at work")
+        busy = lambda: "busy" in members(domain)["blue"].get("reason", "")
+        wait_for(busy, 10, "blue at work, in the white pages")
+        os.kill(south, signal.SIGSTOP)
+        wait_for(lambda: not busy(), 20, "blue handed in")
+        os.kill(blue, signal.SIGKILL)
+        time.sleep(1.5)  # so that it is missed, and let go of
+        os.kill(south, signal.SIGCONT)
+        error = run.communicate(timeout=60)[1]
+        check_equal(run.returncode, 0, f"the run: {error}")
+        summary = json.loads((out / "run/summary.json").read_text())
+        check_equal(summary["hash"], calm["hash"], f"the hash: {error}")
+
+
 def test_a_target_dies_with_the_name():
     """It is started again, and the agent lives there, once: nobody writes checkpoints, but the broker has
     kept the capsule."""
     with folder() as out:
-        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % 1))
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("red", 1)))
         check_equal(done.returncode, 0, done.stderr)
         summary = target_dies(out, 0)
         check_equal(summary["restarts"], [{"process": "south", "count": 1}], "who was started again")
