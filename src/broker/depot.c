@@ -469,10 +469,10 @@ static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
-/* Whom a lock step needs goes to its host in the run, when that has been started again. */
+/* Whom a lock step needs goes to a host of the run, when that has been started again. */
 static bool is_for(const struct broker *b, const struct depot_capsule *c, uint32_t host)
 {
-    return !b->lockstep.on || !c->in_step || c->host == host;
+    return !b->lockstep.on || !c->in_step || b->registry.agents[host].let_go;
 }
 
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)

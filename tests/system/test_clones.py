@@ -244,27 +244,58 @@ def is_idle(pid):
     return used() - before <= 1
 
 
-def test_a_source_dies_when_its_robot_has_been_handed_in():
-    """Its host is stopped, so that the clock waits for it; meanwhile the robot's process dies, and is let go
-    of.  The robot goes on, once."""
-    with folder() as out, Processes() as processes:
-        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("blue", 1)))
-        check_equal(done.returncode, 0, done.stderr)
-        file, domain = team_write(out, MOVER % ("blue", 2500), head=RESTARTS), new_domain()
+def source_dies(out, file, name, source):
+    """An agent is handed in and its host, south, stopped, so that the clock waits for that; meanwhile the process
+    that it leaves dies, and is let go of.  @return the summary, and what the run said"""
+    with Processes() as processes:
+        domain = new_domain()
         run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
                               stderr=subprocess.PIPE, text=True)
-        south, blue = child_of(run, "muster-host", "south"), child_of(run, "muster-robot", "blue")
-        wait_for(lambda: "going" in run.stderr.readline(), 20, "blue at work")
+        south, dies = child_of(run, "muster-host", "south"), child_of(run, *source)
+        wait_for(lambda: f"{name}: going" in run.stderr.readline(), 20, f"{name} at work")
         time.sleep(0.1)  # south has answered this step long ago
         os.kill(south, signal.SIGSTOP)
-        wait_for(lambda: is_idle(blue), 20, "blue handed in")
-        os.kill(blue, signal.SIGKILL)
+        wait_for(lambda: is_idle(dies), 20, f"{name} handed in")
+        os.kill(dies, signal.SIGKILL)
         time.sleep(1.5)  # so that it is missed, and let go of
         os.kill(south, signal.SIGCONT)
         error = run.communicate(timeout=60)[1]
         check_equal(run.returncode, 0, f"the run: {error}")
-        summary = json.loads((out / "run/summary.json").read_text())
+    return json.loads((out / "run/summary.json").read_text()), error
+
+
+def test_a_source_dies_when_its_robot_has_been_handed_in():
+    """The robot goes on, once, from its checkpoint."""
+    with folder() as out:
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("blue", 1)))
+        check_equal(done.returncode, 0, done.stderr)
+        file = team_write(out, MOVER % ("blue", 2500), head=RESTARTS)
+        summary, error = source_dies(out, file, "blue", ("muster-robot", "blue"))
         check_equal(summary["hash"], calm["hash"], f"the hash: {error}")
+
+
+# A clone on north, which is told when it is time, and has no checkpoint.
+GUEST = """
+(defglobal ?*text* = "abcdefghijklmnop" ?*n* = 0)
+(deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
+(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 north))
+(defrule beat (position $?) => (bind ?*n* (+ ?*n* 1)) (broadcast beat ?*n*))
+(defrule away (message beat 20) (test (eq (my-name) c_1)) => (printout t "going" crlf) (grow)
+  (loop-for-count %d (str-length (str-cat ?*text* x))) (bind ?*text* "") (moveTo south))
+(defrule heard (message beat 38) (test (eq (my-name) c_1)) => (printout t "hears 38" crlf))
+"""
+
+
+def test_a_source_dies_when_its_only_copy_has_been_handed_in():
+    """Nobody else has the agent.  It goes on, once: at the target, or, when that has been silent for too long,
+    on the host that it left, which has been started again."""
+    with folder() as out:
+        (out / "blue.clp").write_text(GUEST % 2500)
+        (out / "t.yaml").write_text(f"name: t\nworld: {ROOT}/worlds/arena.world\nduration: 4\non-crash: restart\n"
+                                    "checkpoint: 0\nhosts: [north, south]\n"
+                                    "robots:\n  - {name: blue, rules: blue.clp}\n")
+        _, error = source_dies(out, out / "t.yaml", "c_1", ("muster-host", "north"))
+        check_equal(error.count("c_1: hears 38"), 1, f"its last words: {error}")
 
 
 def test_a_target_dies_with_the_name():
