@@ -131,6 +131,37 @@ def test_rules_move_clone_and_dispose():
         check_equal(t.place_of("red"), "north", "who was copied")
 
 
+def test_rules_may_refuse_to_go():
+    """A mail of layer 1 is a request; a handler of the rules comes before what a robot does by itself."""
+    with team(bodies=()) as t:
+        t.robot_start("red", """
+            (deffunction granted (?id ?from ?performative ?content)
+              (if (eq ?performative dispatch) then (reply ?id never) else FALSE))
+            (on-layer 1 granted)""")
+        done = t.muster("send", "red", "south", "--layer", 1, "--performative", "dispatch", "--wait", 10)
+        check("never" in done.stdout + done.stderr, f"its answer: {done.stdout} {done.stderr}")
+        t.done("send", "red", "ruby", "south", "--layer", 1, "--performative", "clone", "--wait", 10)
+        check_equal((t.place_of("red"), t.place_of("ruby")), ("elsewhere", "south"), "who went")
+
+
+def test_a_host_that_is_disposed_of_ends_with_its_agents():
+    """They do not move first; what it has written stays."""
+    with team(bodies=()) as t:
+        store = t.out / "store"
+        store.mkdir()
+        t.hosts["east"] = t.host_start("east", "--checkpoint", "60", "--folder", store)
+        (t.out / "red.clp").write_text("(deffacts f (kept 1.5))")
+        t.done("launch", "red", "east", "--rules", t.out / "red.clp", "--quiet")
+        wait_for(lambda: (store / "red.capsule").exists(), 10, "a checkpoint")
+        t.done("dispose", "east")
+        check_equal(t.hosts["east"].wait(10), 0, "the host's end")
+        check_equal(t.place_of("red"), None, "where red lives")
+        check((store / "red.capsule").exists(), "its file has gone")
+        t.hosts["east"] = t.host_start("east", "--restore", "--folder", store)
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check("(kept 1.5)" in t.ask("red", "(facts)"), "a fact")
+
+
 def test_launch():
     with team(bodies=()) as t:
         path = t.out / "big.clp"
