@@ -75,6 +75,7 @@ static mu_result result_tell(const struct compare *c)
     mu_result written = chosen.json ? MU_OK : compare_page(c, chosen.page, &fault);
     if (written != MU_OK) {
         mu_fault_print(&fault);
+        fprintf(stderr, "muster compare: --out FILE puts the page elsewhere\n");
         return written;
     }
     if (!chosen.json) {

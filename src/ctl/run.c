@@ -43,7 +43,7 @@ static void signal_note(int number)
     run_signal = number;
 }
 
-/* --- files --------------------------------------------------------------------------------------
+/* --- files ---------------------------------------------------------------------------------------
  */
 
 /* An experiment of somebody else's does nothing here but with muster's own programs. */
