@@ -6,7 +6,9 @@
 #include "core/options.h"
 #include "ctl/verbs.h"
 
+#include <limits.h>
 #include <string.h>
+#include <unistd.h>
 
 static struct {
     const char *by, *page;
@@ -38,17 +40,44 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
-static mu_result folders_read(struct compare *c, const struct mu_options *o)
+/* A run that was stopped or killed leaves its recording, and no summary. */
+static void missing_explain(const char *folder)
+{
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%.*s/summary.json", PATH_MAX - 32, folder);
+    bool none = access(path, F_OK) != 0;
+    snprintf(path, sizeof path, "%.*s/run.mcap", PATH_MAX - 32, folder);
+    if (none && access(path, F_OK) == 0) {
+        fprintf(stderr, "muster compare: `muster report %s` makes it of the recording\n", folder);
+    }
+}
+
+static mu_result folder_read(struct compare *c, const char *folder)
 {
     struct mu_fault fault;
+    mu_result added = compare_add(c, folder, &fault);
+    if (added == MU_DUPLICATE) {
+        fprintf(stderr, "muster compare: %s has a run that is there already: left out\n", folder);
+        return MU_OK;
+    }
+    if (added != MU_OK) {
+        mu_fault_print(&fault);
+        missing_explain(folder);
+        return added;
+    }
+    if (c->runs[c->runs_count - 1].broke_off) {
+        fprintf(stderr, "muster compare: the run in %s broke off: it counts as far as it went\n",
+                folder);
+    }
+    return MU_OK;
+}
+
+static mu_result folders_read(struct compare *c, const struct mu_options *o)
+{
     for (size_t i = 0; i < o->words_count; i++) {
-        mu_result added = compare_add(c, o->words[i], &fault);
-        if (added == MU_DUPLICATE) {
-            fprintf(stderr, "muster compare: %s has a run that is there already: left out\n",
-                    o->words[i]);
-        } else if (added != MU_OK) {
-            mu_fault_print(&fault);
-            return added;
+        mu_result read = folder_read(c, o->words[i]);
+        if (read != MU_OK) {
+            return read;
         }
     }
     if (compare_close(c) != MU_OK) {

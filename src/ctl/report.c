@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -220,12 +221,13 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
     if (broke_off(m)) { /* what was to come later is not judged */
         r->experiment->duration = fmin(r->experiment->duration, (double)r->time_ns * 1e-9);
     }
-    if (!m->recorded) {
-        return MU_OK;
-    }
     snprintf(csv, sizeof csv, "%s/run.csv", r->folder);
     if (m->summary->there && access(csv, F_OK) == 0) {
         return MU_OK;
+    }
+    if (!m->recorded) {
+        return mu_fault_at(fault, csv, 0, 0, "%s, and there is no run.mcap that it can be made of",
+                           strerror(errno));
     }
     if (!m->summary->there) {
         orders_note(m);

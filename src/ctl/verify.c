@@ -157,7 +157,8 @@ static int run_again(struct verify *v)
                 run->words,
                 code == MU_EXIT_WRITE ? "muster verify: TMPDIR=DIR lets it write elsewhere" : "");
     }
-    return ran ? MU_EXIT_DONE : code;
+    /* The words of its command are the recording's. */
+    return ran ? MU_EXIT_DONE : code == MU_EXIT_USAGE ? MU_EXIT_FILE : code;
 }
 
 /* --- what came out ---------------------------------------------------------------------------- */

@@ -264,6 +264,12 @@ def test_what_cannot_be_verified():
         for file in (out / "junk.mcap", out / "none.mcap"):
             check_equal(verify(file)[0], 3, f"exit code of {file}")
         check_equal(muster("verify").returncode, 2, "exit code without a file")
+        plain, _ = record(out / "plain", "--duration", 1)
+        data = plain.read_bytes().replace(b"seed\x01\0\0\x001", b"seed\x01\0\0\x00x")
+        (out / "changed.mcap").write_bytes(data)
+        code, _, why = verify(out / "changed.mcap")
+        check_equal(code, 3, "exit code of a seed that is none")
+        check("--seed" in why, why)
         code, _, why = verify(out / "free")
         check_equal(code, 3, "exit code of a folder")
         check("name the run.mcap" in why, why)
