@@ -333,7 +333,8 @@ static mu_result file_open(struct mcap_reader *r, const char *path)
         return MU_FAULT_OS;
     }
     r->size = S_ISREG(is.st_mode) && is.st_size > 0 ? (uint64_t)is.st_size : 0;
-    return MU_OK;
+    errno = S_ISDIR(is.st_mode) ? EISDIR : 0;
+    return errno == 0 ? MU_OK : MU_FAULT_OS;
 }
 
 /* @return MU_OK or MU_FAULT_OS */
@@ -356,7 +357,9 @@ mu_result mcap_reader_open(struct mcap_reader *r, const char *path, struct mu_fa
         return open_fault(r, fault, strerror(ENAMETOOLONG));
     }
     if (file_open(r, path) != MU_OK) {
-        return open_fault(r, fault, strerror(errno));
+        return open_fault(r, fault,
+                          errno == EISDIR ? "this is a folder: name the run.mcap that is in it"
+                                          : strerror(errno));
     }
     if (!has_magic(r)) {
         return open_fault(r, fault, "this is no recording: expected an MCAP file");

@@ -507,6 +507,16 @@ def simulator_place_taken(domain):
     return False
 
 
+def test_times_that_a_recording_does_not_have():
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 1)
+        for words, wanted in ((("--from", 3), "run.mcap has 1.0 s"),
+                              (("--from", 1, "--to", 0.5), "expected more than --from, 1")):
+            done = muster("replay", out / "o" / "run.mcap", "--domain", new_domain(), *words)
+            check_equal(done.returncode, 2, done.stderr)
+            check(wanted in done.stderr, done.stderr)
+
+
 def test_a_replay_is_refused_beside_a_simulator():
     domain = new_domain()
     with folder() as out, Processes() as processes:
