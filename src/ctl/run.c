@@ -140,8 +140,9 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
-        fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
-                mu_outcome_text(outcome));
+        fprintf(stderr, "muster run: a command of the observer is not delivered: %s%s\n",
+                mu_outcome_text(outcome),
+                outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all" : "");
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
         r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }

@@ -89,6 +89,8 @@ def test_topics_that_are_named_are_recorded_alone():
         check("messages of 1 topics" in done.stdout, done.stdout)
         got = decode(path)
         check_equal(list(got["topics"]), ["Pages"], "topics")
+        done = muster("record", "Pagse", "--domain", domain, "--out", path, "--duration", 1)
+        check("nothing of the topic Pagse" in done.stderr, done.stderr)
 
 
 def stranger_record(out, count):

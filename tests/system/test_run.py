@@ -246,6 +246,20 @@ def test_bad_files_are_refused_with_their_place():
         check_equal(muster("nonsense").returncode, 2, "an unknown verb")
 
 
+def test_a_robot_without_a_place_is_told_with_its_line():
+    for robot, words in (("name: pink", "'pink' does not stand in this world"),
+                         ("name: red, pose: [100, 0, 0]", "outside the world"),
+                         ("name: w, body: pioneer, pose: [-2.5, -4.4, 0]", "overlaps robot 'red'"),
+                         ("name: w, body: pionier, pose: [0, 0, 0]", "(pioneer")):
+        with folder() as out:
+            (out / "t.yaml").write_text(
+                f"world: {ROOT}/worlds/arena.world\nduration: 1\nrobots:\n"
+                f"  - {{{robot}, rules: {ROOT}/rules/patrol.clp}}\n")
+            done = muster("run", out / "t.yaml", "--out", out / "r")
+            check_equal(done.returncode, 3, done.stderr)
+            check(f"{out}/t.yaml:4:5: " in done.stderr and words in done.stderr, done.stderr)
+
+
 def run_start(processes, out, *words, rate=1):
     """A slow run in the background whose robots run, and the pids of all its processes."""
     domain = new_domain()
