@@ -54,6 +54,7 @@ export function createDiary(name, {stepMs, onWhy}) {
     said() {},
     ended() {},
     forget() {},
+    renew() {},
     show,
     /** A chain of causes, when that is what is looked at. */
     tell(text) {
