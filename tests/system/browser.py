@@ -119,7 +119,7 @@ class Browser:
         self.call("Emulation.setDeviceMetricsOverride", width=self.size[0], height=self.size[1],
                   deviceScaleFactor=1, mobile=False)
         self.call("Page.navigate", url=self.url)
-        self.wait("document.readyState === 'complete' && location.protocol === 'http:'")
+        self.wait(f"document.readyState === 'complete' && location.protocol === '{self.url.split(':')[0]}:'")
 
     def __exit__(self, *exc):
         if self.process.poll() is None:

@@ -662,6 +662,25 @@ def test_who_has_no_token_only_looks():
             check("token" in said, said)
 
 
+NOTHING_KEPT = """for (const kind of ['localStorage', 'sessionStorage']) {
+    Object.defineProperty(window, kind, {get() { throw new Error('nothing is kept here'); }});
+}"""
+
+
+def test_a_browser_that_keeps_nothing():
+    with page_open() as (page, _, _), Browser("about:blank") as browser:
+        browser.call("Page.addScriptToEvaluateOnNewDocument", source=NOTHING_KEPT)
+        browser.call("Page.navigate", url=page.url)
+        browser.wait("document.getElementById('banner')?.textContent.includes('no run yet')")
+        dark = "document.documentElement.dataset.theme"
+        check_equal(browser.value(dark), "light", "as the system says")
+        browser.click("#theme")
+        check_equal(browser.value(dark), "dark", "as the person says")
+        browser.click("[data-tab=World]")
+        browser.wait(f"document.querySelector('{SHOWN} .denied').hidden")  # it has the token
+        check_equal(browser.said, [], "the page had no fault")
+
+
 def test_script_in_names_and_facts_is_text():
     with page_open() as (page, processes, domain):
         processes.start(program("frame_feeder"), domain, 4, 20, 60, SCRIPT)

@@ -30,7 +30,8 @@ export function createDiary(name, {stepMs, onWhy}) {
   function fill() {
     const row = VIEWS.find(([title]) => title === view);
     if (!row || !mind) return;
-    const lines = mind.step < 0 ? ['The recording knows nothing of its mind then.'] : row[1](mind, secondsOf);
+    const known = mind.step < 0 ? ['The recording knows nothing of its mind then.'] : row[1](mind, secondsOf);
+    const lines = known.length > 0 ? known : ['There is nothing.'];
     const fresh = (line) => view === 'Facts' && had.size > 0 && !had.has(line);
     const top = output.scrollTop;
     output.replaceChildren(...lines.map((line) => element('span', {class: fresh(line) ? 'new' : ''}, line + '\n')));

@@ -23,4 +23,19 @@ export function mark(node, name, value) {
   if (node.getAttribute(name) !== value) node.setAttribute(name, value);
 }
 
+/** What a browser keeps in its localStorage or sessionStorage; one that keeps nothing gives null. */
+export function createStore(kind) {
+  const attempt = (run) => {
+    try {
+      return run(window[kind]);
+    } catch {
+      return null;
+    }
+  };
+  return {
+    get: (name) => attempt((store) => store.getItem(name)),
+    set: (name, value) => attempt((store) => store.setItem(name, value)),
+  };
+}
+
 export const byId = (id) => document.getElementById(id);

@@ -56,7 +56,7 @@ export function createAnswer(empty) {
   return {
     pane,
     replace(text, note) {
-      const lines = text.split('\n'), before = top;
+      const lines = (text.trim() ? text : 'There is nothing.\n').split('\n'), before = top;
       pane.replaceChildren(...lines.map((line) => element('span', {class: had && !had.has(line) ? 'new' : ''}, line + '\n')),
         element('span', {class: 'note'}, note));
       pane.scrollTop = top = before;

@@ -15,6 +15,7 @@ export function createTabs(fixed, makeConsole, names) {
     const dot = console ? element('span', {class: 'dot'}) : '';
     const button = element('button', {type: 'button', role: 'tab', 'data-tab': key, click: () => select(key)}, dot, title.slice(0, 40));
     panel.setAttribute('role', 'tabpanel');
+    panel.setAttribute('aria-label', title);
     panel.hidden = true;
     tabs.set(key, {button, panel, console, dot});
     strip.append(button);
