@@ -793,6 +793,14 @@ def test_keys_scroll_what_is_read_and_do_nothing_twice():
             browser.click("[data-tab='Robots']")
             browser.click("[data-tab='agent red']")
             browser.wait(end)  # it is read where it was left
+            browser.click(f"{SHOWN} .close")
+            browser.wait("!document.querySelector('[data-tab=\"agent red\"]')")
+            browser.wait("document.activeElement.dataset.tab === 'agent observer'")
+            browser.key("Escape")
+            browser.key("r")
+            browser.click("tbody tr:nth-child(1)", 2)
+            browser.wait(f"document.querySelector('{SHOWN} h2').textContent.startsWith('red')")
+            check_equal(browser.value(f"{OUTPUT}.textContent"), "", "it is another console")
             check_equal(browser.said, [], "the page had no fault")
 
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The console of one agent: its facts, agenda and rules, buttons, and a line of CLIPS.
 
-import {element, mark, say} from './dom.js';
+import {closeButton, element, mark, say} from './dom.js';
 import {createAnswer, createLine, createPane} from './pane.js';
 
 /* button, line, key for its title; N stands for the number beside it */
@@ -16,8 +16,8 @@ const WATCHES = ['facts', 'rules', 'activations'];
 
 const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus zero */
 
-/** hands: a row of what hands can do to it; null: none. */
-export function createConsole(name, actor, hands) {
+/** hands: a row of what hands can do to it; null: none.  onClose: closes its tab; the observer's stays. */
+export function createConsole(name, actor, hands, onClose) {
   const isObserver = name === 'observer';
   const panes = new Map(VIEWS.map(([title, line, empty]) => [title, (line ? createAnswer : createPane)(empty)]));
   const asked = new Map(); /* by number: {view, text} */
@@ -42,7 +42,7 @@ export function createConsole(name, actor, hands) {
     element('input', {type: 'checkbox', change: (event) => watch(what, event.target.checked)}), what));
   const holder = element('div', {class: 'holder'});
   const panel = element('div', {class: 'panel console'},
-    element('h2', {}, dot, name, state), pose, rule, denied,
+    element('h2', {}, dot, name, state, isObserver ? '' : closeButton(onClose)), pose, rule, denied,
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what it is to do'}, ...buttons),
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views),
     element('div', {class: 'row', hidden: isObserver}, element('span', {class: 'quiet'}, 'watch'), ...watches),
@@ -144,6 +144,10 @@ export function createConsole(name, actor, hands) {
       watching = false;
       asked.clear();
       for (const number of [...completions.keys()]) completed(number, '');
+    },
+    /** It is closed: what is watched is not shown any more. */
+    leave() {
+      if (watching) actor.watch(name, false);
     },
     /** The server knows us: what was watched is watched again. */
     renew() {

@@ -13,6 +13,9 @@ export function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** Closes what it stands on. */
+export const closeButton = (run) => element('button', {type: 'button', class: 'close', title: 'close this tab', click: run}, 'Close');
+
 /** Sets text only where it differs, which spares the browser a layout. */
 export function say(node, text) {
   if (node.textContent !== text) node.textContent = text;

@@ -33,7 +33,7 @@ const model = {scene: null, frame: null, run: null, agents: new Map(), fired: ne
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
 const world = createWorld(actor);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel], ...(recording ? [] : [['World', world.panel]])],
-  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : consoleFor(name)),
+  (name, onClose) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy, onClose}) : consoleFor(name, onClose)),
   recording ? [] : ['observer']);
 const hands = createHands({camera: view.camera, bodiesOf, order: world.order, canAct: () => !recording && !actor.denied && !isOver()});
 view.onTop = hands.draw;
@@ -57,8 +57,8 @@ const nameOf = (index) => model.scene?.robots[index]?.name;
 
 const poseOf = (name) => bodiesOf().find((body) => body.name === name)?.pose ?? null;
 
-function consoleFor(name) {
-  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)));
+function consoleFor(name, onClose) {
+  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)), onClose);
 }
 
 /* All that hands can take. */
