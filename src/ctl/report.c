@@ -217,7 +217,8 @@ static void orders_note(struct remaking *m)
 
 static bool broke_off(const struct remaking *m)
 {
-    return m->summary->there ? m->summary->broke_off : !remake_is_done(&m->recording);
+    return m->summary->there ? m->summary->broke_off
+                              : recording_end(&m->recording) != RECORDING_DONE;
 }
 
 /* What run.csv and events.csv lack when a run breaks off stands in the recording. */

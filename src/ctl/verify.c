@@ -81,12 +81,24 @@ static void word_add(struct verify *v, const char *word)
     v->argv[v->argc++] = word;
 }
 
-/* As long as the recording is: what was interrupted, or is cut, is compared as far as it goes. */
+static int64_t last_step(const struct verify *v)
+{
+    return v->before.steps[v->before.steps_count - 1].step;
+}
+
+static double seconds(const struct verify *v, int64_t step)
+{
+    return (double)step * (double)v->before.step_ns * 1e-9;
+}
+
+/* As long as the recording is.  Where it says that there was more, a step of that, too: it is what
+ * differs, or what ends a step in which somebody was silent. */
 static double duration_s(const struct verify *v)
 {
-    int64_t last = v->before.steps[v->before.steps_count - 1].step;
-    bool cut = !mcap_reader_whole(v->before.reader); /* its last Frame was no run's last one */
-    return (double)(last + cut) * (double)v->before.step_ns * 1e-9;
+    const char *said = mcap_reader_value(v->before.reader, "end", "steps");
+    int64_t last = last_step(v);
+    bool more = said && strtoll(said, NULL, 10) > last;
+    return seconds(v, last + more > 0 ? last + more : 1);
 }
 
 static void words_make(struct verify *v)
@@ -121,7 +133,7 @@ static void words_make(struct verify *v)
 static int run_again(struct verify *v)
 {
     static struct supervise children;
-    char library[128];
+    char library[sizeof v->files.folder + sizeof "/library"];
     snprintf(library, sizeof library, "%s/library", v->files.folder);
     setenv("MUSTER_RULES", library, 1);
     words_make(v);
@@ -141,8 +153,9 @@ static int run_again(struct verify *v)
     int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
     bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION;
     if (!ran) {
-        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s\n", code,
-                run->words);
+        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s%s\n", code,
+                run->words,
+                code == MU_EXIT_WRITE ? "muster verify: TMPDIR=DIR lets it write elsewhere" : "");
     }
     return ran ? MU_EXIT_DONE : code;
 }
@@ -154,6 +167,14 @@ static const char *hash_of(struct recording *r)
     const char *hash = mcap_reader_value(r->reader, "end", "hash");
     return hash ? hash : "none";
 }
+
+/* How a recorded run ended, for scripts and for people. */
+static const struct {
+    const char *word, *sentence;
+} ends[] = {[RECORDING_DONE] = {"done", ""},
+            [RECORDING_STOPPED] = {"stopped", "the run was stopped there"},
+            [RECORDING_FAULT] = {"fault", "the run broke off there"},
+            [RECORDING_CUT] = {"cut", "the recording is cut off there"}};
 
 static bool is_changed(const struct verify *v)
 {
@@ -170,10 +191,11 @@ static void result_json(struct verify *v, const struct difference *d)
     mu_json_uint(&j, "steps", v->before.steps_count);
     mu_json_bool(&j, "changed", is_changed(v));
     mu_json_bool(&j, "whole", mcap_reader_whole(v->before.reader));
+    mu_json_string(&j, "ended", ends[recording_end(&v->before)].word);
     mu_json_string(&j, "hash", hash_of(&v->after));
     if (d) {
         mu_json_int(&j, "step", d->step);
-        mu_json_real(&j, "time_s", (double)d->step * (double)v->before.step_ns * 1e-9);
+        mu_json_real(&j, "time_s", seconds(v, d->step));
         mu_json_string(&j, "who", d->who);
         mu_json_string(&j, "what", d->what);
         mu_json_string(&j, "recorded", d->one);
@@ -182,24 +204,30 @@ static void result_json(struct verify *v, const struct difference *d)
     mu_json_end(&j);
 }
 
+static void equal_print(struct verify *v)
+{
+    enum recording_end end = recording_end(&v->before);
+    if (end == RECORDING_DONE) {
+        printf("equal  %zu steps\n", v->before.steps_count);
+        printf("hash   %s\n", hash_of(&v->after));
+    } else {
+        printf("equal  to step %lld (%.1f s); %s\n", (long long)last_step(v),
+               seconds(v, last_step(v)), ends[end].sentence);
+    }
+}
+
 static void result_print(struct verify *v, const struct difference *d)
 {
-    if (!mcap_reader_whole(v->before.reader)) {
-        printf("the recording ends at %.1f s without its end; compared as far as it goes\n",
-               duration_s(v));
-    }
     if (is_changed(v)) {
         printf("the recording has been changed: a checksum in it is wrong\n");
     }
     if (d) {
         printf("different at step %lld (%.1f s): %s%s%s is ", (long long)d->step,
-               (double)d->step * (double)v->before.step_ns * 1e-9, plain(d->who),
-               d->who[0] ? " " : "", d->what);
+               seconds(v, d->step), plain(d->who), d->who[0] ? " " : "", d->what);
         printf("%s in the recording, ", plain(d->one));
         printf("and %s now\n", plain(d->other));
     } else {
-        printf("equal  %zu steps\n", v->before.steps_count);
-        printf("hash   %s\n", hash_of(&v->after));
+        equal_print(v);
     }
 }
 
@@ -241,8 +269,15 @@ static int recording_check(const struct verify *v)
                 v->file);
         return MU_EXIT_USAGE;
     }
-    if (v->before.steps_count == 0 || !note(v, "seed")[0]) {
+    if (!note(v, "seed")[0]) {
         fprintf(stderr, "%s: expected a recording of `muster run`\n", v->file);
+        return MU_EXIT_FILE;
+    }
+    if (v->before.steps_count == 0) {
+        fprintf(stderr,
+                "%s: it has no step: the run was stopped, or the file is cut off, before the "
+                "first one; there is nothing to do again\n",
+                v->file);
         return MU_EXIT_FILE;
     }
     return MU_EXIT_DONE;

@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -161,6 +162,34 @@ const muster_Frame *recording_frame(struct recording *r, int64_t step)
         f = recording_next(r);
     }
     return f;
+}
+
+/* @return how long the run was to be, ns; 0: it is not known */
+static double wanted_ns(const struct recording *r)
+{
+    const char *duration = mcap_reader_value(r->reader, "run", "duration_s");
+    return duration ? round(strtod(duration, NULL) * 1e9) : 0;
+}
+
+/* A run that somebody stops says that it is done: how far it was to go tells. */
+enum recording_end recording_end(const struct recording *r)
+{
+    if (r->steps_count == 0) {
+        return RECORDING_CUT;
+    }
+    const struct recording_step *last = &r->steps[r->steps_count - 1];
+    const char *state = mcap_reader_value(r->reader, "end", "state");
+    const char *steps = mcap_reader_value(r->reader, "end", "steps");
+    bool known = wanted_ns(r) > 0;
+    bool over = known && (double)last->log_ns >= wanted_ns(r);
+    if (!state) {
+        return over ? RECORDING_DONE : RECORDING_CUT;
+    }
+    if (strcmp(state, "fault") == 0) {
+        return RECORDING_FAULT;
+    }
+    bool stopped = known && !over && steps && strtoll(steps, NULL, 10) == last->step;
+    return stopped ? RECORDING_STOPPED : RECORDING_DONE;
 }
 
 void recording_seek(struct recording *r, int64_t step)

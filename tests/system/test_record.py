@@ -10,7 +10,7 @@ import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     children_of, experiment_run, folder, muster, new_domain, observer_environment,
+                     child_of, experiment_run, folder, muster, new_domain, observer_environment,
                      program, tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -563,10 +563,7 @@ def test_a_run_that_breaks_leaves_its_recording():
                                   "--domain", domain)
             path = out / "o" / "run.mcap"
             wait_for(lambda: path.exists() and path.stat().st_size > 200000, 20, "a part of it")
-            for pid in children_of(run.pid):
-                words = pathlib.Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
-                if words.startswith(who):
-                    os.kill(pid, signal.SIGKILL)
+            os.kill(child_of(run, *who.split()), signal.SIGKILL)
             run.wait(20)
             check_equal(run.returncode, 5, who)
             done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 0)

@@ -4,7 +4,7 @@ import json
 import os
 import signal
 
-from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
+from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, child_of,
                      experiment_run, folder, muster, wait_for)
 
 PAGES = ("tracks.svg", "bearing.svg", "report.html")
@@ -118,18 +118,10 @@ robots:
         check_equal(made["robots"], summary["robots"], "the recording's counters")
 
 
-def simulator_of(pid):
-    for child in children_of(pid):
-        with open(f"/proc/{child}/comm") as f:
-            if f.read().strip() == "muster-sim":
-                return child
-    return None
-
-
 def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
     with folder() as out, Processes() as processes:
         run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--rate", "10", "--out", out / "r")
-        simulator = wait_for(lambda: simulator_of(run.pid), 20, "the simulator")
+        simulator = child_of(run, "muster-sim")
         recording = out / "r/run.mcap"
         wait_for(lambda: recording.exists() and recording.stat().st_size > 500000, 30, "steps")
         live = muster("report", out / "r")
