@@ -4,7 +4,7 @@
  * The HTTP side: libmicrohttpd on 127.0.0.1, in our loop and thread.
  *
  *     GET  / and the other assets
- *     GET  /events       the stream of events of one viewer
+ *     GET  /events       the stream of events of one viewer; HEAD: whether there is room for one
  *     GET  /scene        the world
  *     GET  /recording    what recording is shown; null: a run is
  *     GET  /tracks       where robots were in it

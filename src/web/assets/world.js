@@ -72,13 +72,13 @@ export function createWorld(actor) {
     asked.set(ask, shown);
     add('typed', `world> ${shown}\n`);
     failed.then((why) => {
-      if (why) end(ask, 'failure', why);
-      else times?.done({at, when});
+      if (!why) times?.done({at, when});
+      else if (asked.has(ask)) end(ask, 'failure', why);
     });
   }
 
   function end(ask, kind, text) {
-    const shown = asked.get(ask) ?? 'an order';
+    const shown = asked.get(ask);
     asked.delete(ask);
     add(kind, `${shown}: ${text}\n`);
     toast(`${shown}: ${text}`, kind === 'failure');
@@ -104,10 +104,10 @@ export function createWorld(actor) {
         if (source !== 'page') add('trace', `${frame.time.toFixed(1)} s  ${source}: ${what} ${name}\n`);
       }
     },
-    /** The server is there again, and knows nothing of us. */
-    forget() {
+    /** Answers are lost, or the server is, which knows nothing of us when it is there again. */
+    forget(why) {
+      if (asked.size > 0) add('note', `no answer: ${why}\n`);
       asked.clear();
-      waiting.replaceChildren();
     },
     draw() {
       say(denied, actor.denied);
