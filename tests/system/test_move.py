@@ -220,7 +220,7 @@ def test_moves_in_lock_step():
         t.robot_start("red", STEPS + """
 (defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))""")
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--hosts", "2", "--rate", "4", "--duration", "8", "--domain", t.domain)
+                                "--hosts", "2", "--rate", "2", "--duration", "12", "--domain", t.domain)
         t.done("start", "red")
         wait_for(lambda: t.place_of("red") == "north", 15, "red at north")
         check_equal(t.done("move", "red", "south"), "red at south\n", "the answer")
@@ -282,7 +282,7 @@ def test_the_target_dies_in_lock_step():
     with team(bodies=()) as t:
         t.robot_start("red", STEPS)
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--hosts", "2", "--rate", "4", "--duration", "12", "--domain", t.domain)
+                                "--hosts", "2", "--rate", "2", "--duration", "16", "--domain", t.domain)
         t.done("start", "red")
         wait_for(lambda: int(t.ask("red", "?*steps*")) > 3, 15, "a run")
         t.hosts["north"].send_signal(signal.SIGSTOP)
