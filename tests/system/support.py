@@ -198,6 +198,14 @@ def members(domain):
     return {m["name"]: m for m in lines}
 
 
+def places_taken(domain):
+    """How many processes beside brokers and simulator are in a domain: by the ports of DDS that they have."""
+    first = 7400 + 250 * domain + 10
+    ports = {int(line.split()[1].split(":")[1], 16)
+             for line in pathlib.Path("/proc/net/udp").read_text().splitlines()[1:]}
+    return sum(first + 2 * index in ports for index in range(10, 120))
+
+
 def observer_environment():
     """What a program that is not muster's needs to find everybody in a domain on loopback."""
     uri = ("<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/>"
