@@ -73,7 +73,7 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
     with folder() as out:
         done, summary = experiment_run(out / "calm", *words)
         check_equal(done.returncode, 0, done.stderr)
-    with run("--rate", "15", *RESTART, *EACH_STEP, *words) as r:
+    with run("--rate", "5", *RESTART, *EACH_STEP, *words) as r:
         r.reach("red", 30)
         r.kill("red")
         r.reach("red", 100)
@@ -116,7 +116,7 @@ def crew_file(out, more=""):
 
 def test_the_robots_of_a_process_come_back_together():
     with folder() as out:
-        with run("--rate", "10", *RESTART, "--set", "checkpoint=1", file=crew_file(out, "resolvers: [near]")) as r:
+        with run("--rate", "5", *RESTART, "--set", "checkpoint=1", file=crew_file(out, "resolvers: [near]")) as r:
             r.reach("w_0", 20)
             r.kill("w")
             r.kill("near")
@@ -133,7 +133,7 @@ def test_the_robots_of_a_process_come_back_together():
 
 
 def test_in_free_running_a_broker_comes_back_too():
-    with run("--free", *RESTART, *EACH_STEP, "--set", "duration=6") as r:
+    with run("--free", *RESTART, *EACH_STEP, "--set", "duration=15") as r:
         r.reach("red", 10)
         r.kill("main")
         r.kill("red")
@@ -163,7 +163,7 @@ def test_one_robot_may_not_die():
 
 
 def test_without_checkpoints_a_robot_begins_anew():
-    with run("--rate", "10", *RESTART, "--set", "checkpoint=0", "--set", "duration=15") as r:
+    with run("--rate", "2", *RESTART, "--set", "checkpoint=0", "--set", "duration=15") as r:
         wait_for(lambda: members(r.domain).get("red", {}).get("state") == "running", 10, "red")
         r.kill("red")
         wait_for(lambda: members(r.domain)["red"]["state"] == "running"
