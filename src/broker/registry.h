@@ -137,6 +137,9 @@ uint64_t registry_last_seq(const struct agent *a);
 /** @return the next page in which a line has changed since it was last given here, or MU_NONE */
 uint32_t registry_next_page(struct registry *r);
 
+/** A page is to be given again. */
+void registry_mark_page(struct registry *r, uint32_t page);
+
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                    muster_Member *out);

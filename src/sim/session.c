@@ -255,7 +255,6 @@ static void registrations_take(struct session *s)
             session_register(s, r, life);
             continue;
         }
-        life = life == BUS_DATA ? bus_fate(&s->registrations) : life;
         if (s->options.return_ns > 0) {
             session_return_hear(s, r, life);
         } else {

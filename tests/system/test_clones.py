@@ -2,12 +2,11 @@
 """New agents while a lock step goes on: clones and those that are launched, and their end."""
 import json
 import os
-import pathlib
 import signal
 import subprocess
 import time
 
-from support import (MUSTER, ROOT, Processes, check, check_equal, children_of, experiment_run, folder, members, muster, new_domain,
+from support import (MUSTER, ROOT, Processes, check, check_equal, child_of, experiment_run, folder, members, muster, new_domain,
                      wait_for)
 
 # Says each step how many there were; who was cloned tells red each time that it hears of it.
@@ -191,20 +190,6 @@ def test_a_host_with_clones_comes_back():
                           head=RESTARTS)
         said = chaos_is_calm(out, file, "chaos:\n  - {at: 2, kill: south}\n  - {at: 2, kill: north}\n")
         check("south was killed by signal 9" in said, said)
-
-
-def child_of(run, *words):
-    """The process id of a run's child whose command line begins with these words, the program's name first."""
-    def find():
-        for pid in children_of(run.pid):
-            try:
-                line = pathlib.Path(f"/proc/{pid}/cmdline").read_text().split("\0")
-            except OSError:
-                continue
-            if [pathlib.Path(line[0]).name, *line[1:len(words)]] == list(words):
-                return pid
-        return None
-    return wait_for(find, 10, " ".join(words))
 
 
 # It is at work for a second or so before it wants to go, if it does that some thousand times.
