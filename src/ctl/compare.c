@@ -7,7 +7,9 @@
 #include "ctl/verbs.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static struct {
@@ -40,34 +42,41 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
-/* A run that was stopped or killed leaves its recording, and no summary. */
-static void missing_explain(const char *folder)
+/* A pattern such as out/follow-* also finds the page of a series, and runs that broke off.
+ * @return why a path is left out, or NULL */
+static const char *path_objection(const char *path)
 {
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%.*s/summary.json", PATH_MAX - 32, folder);
-    bool none = access(path, F_OK) != 0;
-    snprintf(path, sizeof path, "%.*s/run.mcap", PATH_MAX - 32, folder);
-    if (none && access(path, F_OK) == 0) {
-        fprintf(stderr, "muster compare: `muster report %s` makes it of the recording\n", folder);
+    struct stat what;
+    char summary[PATH_MAX + 32], recording[PATH_MAX + 32];
+    if (stat(path, &what) != 0) {
+        return NULL;
     }
+    if (!S_ISDIR(what.st_mode)) {
+        return "is no folder: left out";
+    }
+    snprintf(summary, sizeof summary, "%s/summary.json", path);
+    snprintf(recording, sizeof recording, "%s/run.mcap", path);
+    bool broke_off = access(summary, F_OK) != 0 && access(recording, F_OK) == 0;
+    return broke_off ? "broke off: left out; `muster report` with that folder makes its report"
+                     : NULL;
 }
 
-static mu_result folder_read(struct compare *c, const char *folder)
+static mu_result folder_read(struct compare *c, const char *path)
 {
     struct mu_fault fault;
-    mu_result added = compare_add(c, folder, &fault);
+    const char *objection = path_objection(path);
+    mu_result added = objection ? MU_OK : compare_add(c, path, &fault);
     if (added == MU_DUPLICATE) {
-        fprintf(stderr, "muster compare: %s has a run that is there already: left out\n", folder);
-        return MU_OK;
-    }
-    if (added != MU_OK) {
+        objection = "has a run that is there already: left out";
+    } else if (added != MU_OK) {
         mu_fault_print(&fault);
-        missing_explain(folder);
         return added;
     }
-    if (c->runs[c->runs_count - 1].broke_off) {
-        fprintf(stderr, "muster compare: the run in %s broke off: it counts as far as it went\n",
-                folder);
+    if (!objection && c->runs[c->runs_count - 1].broke_off) {
+        objection = "has a run that broke off: it counts as far as it went";
+    }
+    if (objection) {
+        fprintf(stderr, "muster compare: %s %s\n", path, objection);
     }
     return MU_OK;
 }
@@ -79,6 +88,10 @@ static mu_result folders_read(struct compare *c, const struct mu_options *o)
         if (read != MU_OK) {
             return read;
         }
+    }
+    if (c->runs_count == 0) {
+        fputs("muster compare: there is no report to compare\n", stderr);
+        return MU_FAULT_FILE;
     }
     if (compare_close(c) != MU_OK) {
         fprintf(stderr, "muster compare: expected at most %d groups\n", COMPARE_GROUPS_MAX);

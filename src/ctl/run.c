@@ -31,8 +31,11 @@ static const uint64_t START_PATIENCE_NS = 20000000000u;
 static const uint64_t START_PATIENCE_EACH_NS = 60000000; /* a robot: its rules are read */
 static const int64_t ROUND_NS = 5000000;
 static const int STOP_PATIENCE_MS = 2000;
+static const int LAST_PATIENCE_MS = 10000; /* for what the report needs */
 /* The simulator says something every second, whatever it waits for. */
 static const uint64_t SILENCE_NS = 6000000000u;
+/* How long the word that the run is over may take, when somebody has ended well, or not. */
+static const uint64_t END_PATIENCE_NS = 5000000000u, CRASH_PATIENCE_NS = 100000000;
 /* A round that took longer was not ours alone: the machine slept, or somebody stopped us all. */
 static const uint64_t ROUND_COUNTS_NS = 100000000;
 
@@ -137,8 +140,9 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
-        fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
-                mu_outcome_text(outcome));
+        fprintf(stderr, "muster run: a command of the observer is not delivered: %s%s\n",
+                mu_outcome_text(outcome),
+                outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all" : "");
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
         r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }
@@ -330,24 +334,6 @@ static void statuses_take(struct run *r)
     }
 }
 
-/* One line that is written over, for people; nothing for files and pipes. */
-static void progress_show(struct run *r)
-{
-    uint64_t now_ns = mu_clock_ns();
-    if (r->options.quiet || !isatty(STDERR_FILENO) || now_ns - r->progress_wall_ns < 200000000u) {
-        return;
-    }
-    r->progress_wall_ns = now_ns;
-    double time_s = (double)r->time_ns * 1e-9;
-    double wall_s = (double)r->wall_ns * 1e-9;
-    if (r->state != muster_RUN_RUNNING || wall_s <= 0.0) {
-        return;
-    }
-    double factor = time_s / wall_s;
-    fprintf(stderr, "\r%.1f of %.0f s simulated, %.1f x real time, %.0f s to go   ", time_s,
-            r->experiment->duration, factor, (r->experiment->duration - time_s) / factor);
-}
-
 /* --- the course of a run ---------------------------------------------------------------------- */
 
 static int crash_explain(const struct child *child, bool running)
@@ -392,6 +378,19 @@ static void hosts_excuse(struct run *r)
     }
 }
 
+/* Who has ended well has done so because the run is over: the simulator says so before, but on a
+ * busy machine the word may still be on its way.  @return whether it comes */
+static bool end_comes(struct run *r, const struct child *ended)
+{
+    bool well = WIFEXITED(ended->status) && WEXITSTATUS(ended->status) == 0;
+    uint64_t until_ns = mu_clock_ns() + (well ? END_PATIENCE_NS : CRASH_PATIENCE_NS);
+    while (!run_is_over(r) && !run_signal && mu_clock_ns() < until_ns &&
+           mu_process_spin(r->process, ROUND_NS) >= 0) {
+        statuses_take(r);
+    }
+    return run_is_over(r);
+}
+
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -402,26 +401,16 @@ static int round_live(struct run *r)
     supervise_look(&r->children);
     hosts_excuse(r);
     run_monitors_look(r);
-    progress_show(r);
+    run_progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
     }
-    bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    const struct child *ended = over ? NULL : run_restart_look(r);
+    const struct child *ended = run_is_over(r) ? NULL : run_restart_look(r);
     if (ended) {
-        /* A simulator that is done says so before it ends; the word may still be on its way. */
-        bool is_broker =
-            strcmp(ended->name, "broker") == 0 || strncmp(ended->name, "broker.", 7) == 0;
-        for (int i = 0; i < 20 && !is_broker; i++) {
-            spun = mu_process_spin(r->process, ROUND_NS);
-            statuses_take(r);
-            if (r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT) {
-                return -1;
-            }
-        }
-        return crash_explain(ended, r->state == muster_RUN_RUNNING);
+        bool comes = run_part_of(r, ended).kind != RUN_BROKER && end_comes(r, ended);
+        return comes ? -1 : crash_explain(ended, r->state == muster_RUN_RUNNING);
     }
-    if (simulator_silent(r) && !over) {
+    if (simulator_silent(r) && !run_is_over(r)) {
         fprintf(stderr, "muster run: the simulator has been silent for %d s\n",
                 (int)(SILENCE_NS / 1000000000u));
         return MU_EXIT_CRASH;
@@ -548,12 +537,10 @@ static int watch(struct run *r)
     }
     r->begun = true;
     int code = -1;
-    while (code < 0 && r->state != muster_RUN_DONE && r->state != muster_RUN_FAULT) {
+    while (code < 0 && !run_is_over(r)) {
         code = round_live(r);
     }
-    if (!r->options.quiet && isatty(STDERR_FILENO)) {
-        fputs("\r\033[K", stderr);
-    }
+    run_progress_clear(r);
     if (code < 0 && r->state == muster_RUN_FAULT) {
         fprintf(stderr, "muster run: %s\n", r->waits_for);
         return MU_EXIT_CRASH;
@@ -567,18 +554,20 @@ static void counters_await(struct run *r)
     for (unsigned i = 0; i < run_brokers(r); i++) {
         char name[RUN_CHILD_MAX];
         run_child_name(r, i, name);
-        supervise_stop(&r->children, supervise_find(&r->children, name), STOP_PATIENCE_MS);
+        supervise_stop(&r->children, supervise_find(&r->children, name), LAST_PATIENCE_MS);
     }
     if (mu_process_spin(r->process, ROUND_NS) >= 0) {
         statuses_take(r);
     }
 }
 
-/* The simulator ends when its record is on the disk.  @return -1, or why it is not */
+/* The simulator need not wait for us any longer, and ends when its record is on the disk.
+ * @return -1, or why it is not */
 static int record_await(struct run *r)
 {
     struct child *simulator = supervise_find(&r->children, "simulator");
-    supervise_await(&r->children, simulator, STOP_PATIENCE_MS);
+    supervise_signal(simulator, SIGTERM);
+    supervise_await(&r->children, simulator, LAST_PATIENCE_MS);
     if (simulator->ended && WIFEXITED(simulator->status) && WEXITSTATUS(simulator->status) == 0) {
         return -1;
     }
@@ -601,6 +590,19 @@ static int live(struct run *r)
     return code;
 }
 
+static int domain_explain(int wanted)
+{
+    if (wanted >= 0) {
+        fprintf(stderr,
+                "muster run: another run has domain %d; without --domain and MUSTER_DOMAIN a free "
+                "one is found\n",
+                wanted);
+    } else {
+        fputs("muster run: no DDS domain is free: too many runs live\n", stderr);
+    }
+    return MU_EXIT_DDS;
+}
+
 int run_verb(int argc, char **argv)
 {
     struct run *r = mu_startup_alloc(sizeof *r);
@@ -617,8 +619,7 @@ int run_verb(int argc, char **argv)
         return series_run(&r->options, r->experiment);
     }
     if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
+        return domain_explain((int)r->options.domain);
     }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
@@ -631,5 +632,8 @@ int run_verb(int argc, char **argv)
     /* A disk that is full ends the recording, not the report. */
     bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
     int reported = reports ? run_report(r) : code;
+    if (!reports) {
+        run_broken_tell(r);
+    }
     return code < 0 ? reported : code;
 }

@@ -139,6 +139,12 @@ MU_MUST_USE mu_result run_start(struct run *r);
 /** @return what a child is; it may have died */
 struct run_part run_part_of(const struct run *r, const struct child *child);
 
+/** @return whether the simulator has said that the run is over, well or not */
+static inline bool run_is_over(const struct run *r)
+{
+    return r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
+}
+
 /** @return whether the run starts the monitors of its experiment: a run that is done again has what
  * they said from the recording; in run_monitors.c */
 bool run_monitors_start(const struct run *r);
@@ -225,6 +231,15 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
 
 /** Looks whether lines have all their answers, or have waited too long. */
 void run_observer_look(struct run *r);
+
+/** Shows people how far the run is, at most five times a second; nothing for files and pipes. */
+void run_progress_show(struct run *r);
+
+/** Clears the line that run_progress_show writes over. */
+void run_progress_clear(const struct run *r);
+
+/** Says where a run without a report broke off, and how to get one of what there is. */
+void run_broken_tell(const struct run *r);
 
 /** Prints the summary of a folder on one line. */
 void run_summary_print(const char *folder);

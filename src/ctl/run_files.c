@@ -27,10 +27,12 @@ struct files {
 };
 
 /* Below the folder in which the run was started, a file is called as from there; else as from the
- * root, which is called _. */
-static void name_add(struct mu_text *name, const char *path)
+ * root, which is called _.  No name leads up: such a one could lead out of where it is unpacked. */
+static void name_add(struct mu_text *name, const char *spelled)
 {
-    char here[PATH_MAX];
+    char here[PATH_MAX], path[PATH_MAX];
+    mu_text_copy(path, sizeof path, spelled);
+    mu_path_plain(path);
     size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
     bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
     mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
@@ -63,12 +65,25 @@ static const char *name_make(const char *role, const char *path)
     return mu_startup_string(name.at);
 }
 
+/* One file may be named in several ways. */
+static bool is_listed(const struct files *f, const char *spelled)
+{
+    char path[PATH_MAX], other[PATH_MAX];
+    bool listed = false;
+    mu_text_copy(path, sizeof path, spelled);
+    mu_path_plain(path);
+    for (size_t i = 0; i < f->count && !listed; i++) {
+        mu_text_copy(other, sizeof other, f->list[i].path);
+        mu_path_plain(other);
+        listed = strcmp(other, path) == 0;
+    }
+    return listed;
+}
+
 static void file_add(struct files *f, const char *role, const char *path)
 {
-    for (size_t i = 0; i < f->count; i++) {
-        if (strcmp(f->list[i].path, path) == 0) {
-            return;
-        }
+    if (is_listed(f, path)) {
+        return;
     }
     if (f->count == RUN_FILES_MAX) {
         fprintf(stderr, "muster run: %s is not in the recording: it has %d files\n", path,

@@ -103,12 +103,12 @@ static mu_result words_take(const struct mu_options *o, struct ask *a)
         return MU_FAULT_USAGE;
     }
     a->robot = o->words[next];
-    a->file = a->file ? a->file : file_default();
     if (!a->file) {
-        fprintf(stderr, "muster why: there is no out/*/run.mcap here; name a recording\n");
-        return MU_FAULT_FILE;
+        a->file = file_default();
+        fprintf(stderr, "muster why: %s\n",
+                a->file ? a->file : "there is no out/*/run.mcap here; name a recording");
     }
-    return MU_OK;
+    return a->file ? MU_OK : MU_FAULT_FILE;
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */

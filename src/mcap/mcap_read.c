@@ -332,9 +332,12 @@ static mu_result file_open(struct mcap_reader *r, const char *path)
     if (r->fd < 0 || fstat(r->fd, &is) != 0) {
         return MU_FAULT_OS;
     }
+    if (S_ISDIR(is.st_mode)) {
+        errno = EISDIR;
+        return MU_FAULT_OS;
+    }
     r->size = S_ISREG(is.st_mode) && is.st_size > 0 ? (uint64_t)is.st_size : 0;
-    errno = S_ISDIR(is.st_mode) ? EISDIR : 0;
-    return errno == 0 ? MU_OK : MU_FAULT_OS;
+    return MU_OK;
 }
 
 /* @return MU_OK or MU_FAULT_OS */
@@ -358,7 +361,8 @@ mu_result mcap_reader_open(struct mcap_reader *r, const char *path, struct mu_fa
     }
     if (file_open(r, path) != MU_OK) {
         return open_fault(r, fault,
-                          errno == EISDIR ? "this is a folder: name the run.mcap that is in it"
+                          errno == EISDIR ? "is a folder: expected a recording, such as "
+                                            "run.mcap in the folder of a run"
                                           : strerror(errno));
     }
     if (!has_magic(r)) {

@@ -284,7 +284,7 @@ static int session_live(struct session *s)
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+    return s->interrupted ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
 }
 
 /* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of

@@ -70,7 +70,7 @@ def test_ctrl_c_ends_all_runs_and_says_what_is_done():
         pids = wait_for(lambda: len(descendants(series.pid)) == 14 and descendants(series.pid),
                         20, "two runs with six processes each")
         series.send_signal(signal.SIGINT)
-        _, words = series.communicate(timeout=20)
+        _, words = series.communicate(timeout=60)
         check_equal(series.returncode, 130, "exit code")
         check("interrupted: 0 of 40 runs are done" in words.decode(), words.decode())
         wait_for(lambda: not any(alive(pid) for pid in pids), 5, "the end of every process")
@@ -101,4 +101,9 @@ def test_compare_groups_by_a_key():
         check(rows[0]["half_width_95"] > 0, f"the interval: {rows[0]}")
         check("<svg" in page.read_text(), "the page's plots")
         check_equal(muster("compare", out / "nothing").returncode, 3, "a missing report")
+        (out / "broke-off").mkdir()
+        (out / "broke-off" / "run.mcap").touch()
+        done = muster("compare", runs[0], page, out / "broke-off", "--json")
+        check_equal((done.returncode, done.stderr.count("left out")), (0, 2), done.stderr)
+        check_equal(muster("compare", page).returncode, 3, "a page alone")
         check_equal(muster("compare").returncode, 2, "no report")

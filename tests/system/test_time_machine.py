@@ -12,7 +12,7 @@ from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experi
                      muster, new_domain, wait_for)
 
 COLLECT = str(ROOT / "experiments" / "collect.yaml")
-CHUNK, FRAME_OF_RED = 6, b"red\0"
+CHANNEL, MESSAGE, CHUNK, RED = 4, 5, 6, b"red\0"
 
 # Two robots that drive at each other and at a wall, as a person told one and a mail the other.
 BUMP = """world: {world}
@@ -89,6 +89,25 @@ def test_files_with_strange_names():
         check_equal(muster("report", home / "run").returncode, 0, "the report again")
 
 
+def test_files_that_are_named_by_a_step_up():
+    """A world takes in one beside its folder, in two spellings."""
+    with folder() as out:
+        (out / "mine..too").mkdir()
+        include = 'include "../robots.inc"\ninclude "../mine..too/../empty.inc"\n'
+        (out / "mine..too" / "t.world").write_text(
+            include + 'include "../empty.inc"\nmodel (size [8 8 0.8] boundary 1)\n')
+        (out / "robots.inc").write_text(f'include "{ROOT}/worlds/../worlds/pioneer.inc"\n')
+        (out / "empty.inc").write_text("")
+        (out / "mine..too" / "t.yaml").write_text(
+            f"name: up\nworld: t.world\nduration: 3\nrobots:\n  - {{name: red, body: pioneer, "
+            f"pose: [0, 0, 0], rules: {ROOT}/rules/patrol.clp}}\n")
+        recording, summary = record(out / "run", file=out / "mine..too" / "t.yaml")
+        (out / "robots.inc").unlink()
+        code, said, why = verify(recording, "--json")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
 def test_overrides():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
@@ -116,7 +135,7 @@ def test_a_person_in_the_run():
               "nobody had a hand in it")
 
 
-def frames(data):
+def chunks(data):
     """Where the chunks' records lie, and their checksums: (at, length, crc_at)."""
     at = 8
     while at + 9 <= len(data):
@@ -130,21 +149,38 @@ def frames(data):
         at += 9 + length
 
 
+def records(data, at, size):
+    """The records of a chunk: (kind, at, length)."""
+    end = at + size
+    while at < end:
+        length = struct.unpack_from("<Q", data, at + 1)[0]
+        yield data[at], at + 9, length
+        at += 9 + length
+
+
+def frames_of(data, chunks):
+    """Where the Frames lie: (at, length, their chunk)."""
+    channel = None
+    for chunk in chunks:
+        for kind, at, length in records(data, *chunk[:2]):
+            number = struct.unpack_from("<H", data, at)[0]
+            if kind == CHANNEL and b"Frame" in data[at:at + length]:
+                channel = number
+            elif kind == MESSAGE and number == channel:
+                yield at, length, chunk
+
+
 def changed(data, share):
-    """One byte of a command's number changed, about so far into the file, and the chunk's checksum
-    made right again."""
+    """One byte of a number of red's changed, in the Frame so far into the run, and the chunk's
+    checksum made right again."""
     data = bytearray(data)
-    wanted = int(len(data) * share)
-    for at, size, crc_at in frames(data):
-        found = data.find(FRAME_OF_RED, max(at, wanted), at + size)
-        if found > 0:
-            # name, state, x, y, heading, forward, turn, command: numbers stand at multiples of 8
-            # from the body of the message on, which is not known here: 8 bytes further than 64 it
-            # is one of them whatever the place.
-            data[found + 60] ^= 0x10
-            struct.pack_into("<I", data, crc_at, zlib.crc32(data[at:at + size]))
-            return bytes(data)
-    raise AssertionError("no frame found")
+    every = list(frames_of(data, chunks(data)))
+    at, length, (chunk_at, size, crc_at) = every[int(len(every) * share)]
+    # The robots come first: name, state, x, y, heading, forward, turn, command.  A number begins at
+    # a multiple of 8 from the body of the message on; 60 bytes further is one whatever the place.
+    data[data.index(RED, at, at + length) + 60] ^= 0x10
+    struct.pack_into("<I", data, crc_at, zlib.crc32(data[chunk_at:chunk_at + size]))
+    return bytes(data)
 
 
 def test_a_changed_byte_is_found():
@@ -163,7 +199,7 @@ def test_a_wrong_checksum_is_told():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5)
         data = bytearray(recording.read_bytes())
-        _, _, crc_at = next(iter(frames(data)))
+        _, _, crc_at = next(iter(chunks(data)))
         data[crc_at] ^= 1
         (out / "changed.mcap").write_bytes(data)
         code, said, _ = verify(out / "changed.mcap")
