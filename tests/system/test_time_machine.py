@@ -301,7 +301,7 @@ def test_what_cannot_be_verified():
         check("--seed" in why, why)
         code, _, why = verify(out / "free")
         check_equal(code, 3, "exit code of a folder")
-        check("name the run.mcap" in why, why)
+        check("such as run.mcap in the folder of a run" in why, why)
 
 
 # --- why -----------------------------------------------------------------------------------------
