@@ -139,6 +139,9 @@ const char *answer_outcome_advice(enum mu_outcome outcome, const char *to)
     if (outcome == MU_MAIL_REFUSED) {
         return " by the trust policy of its broker";
     }
+    if (outcome == MU_MAIL_NO_STORE) {
+        return "; its broker cannot write to its disk, and its log says why";
+    }
     if (outcome != MU_MAIL_UNKNOWN_NAME) {
         return "";
     }
