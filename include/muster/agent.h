@@ -211,7 +211,12 @@ struct mu_process_options {
                            first one of this host, else of another */
 };
 
-/** Connects to the bus.  @return MU_OK; MU_FAULT_USAGE: an option is wrong; MU_FAULT_DDS */
+/**
+ * Connects to the bus; a program can be in a domain once at a time.
+ *
+ * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or the program is in that domain already;
+ *         MU_FAULT_DDS
+ */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
 /** Lets every agent leave and disconnects; NULL: nothing to do. */

@@ -71,7 +71,7 @@ static void return_refused(struct robot *r, const char *reason)
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
-    r->native = r->native && accepted;
+    r->native = r->native && (accepted || r->arrives);
     if (r->arrives) {
         if (!accepted && r->returns && !r->crew->host[0]) {
             return_refused(r, reason);

@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static const int64_t LAST_PATIENCE_NS = 200000000;
+static const int64_t LAST_PATIENCE_NS = 1000000000; /* for the counters of a report */
 
 mu_result health_open(struct health *h, struct bus *bus)
 {

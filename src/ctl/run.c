@@ -12,7 +12,6 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
-#include "core/options.h"
 #include "core/text.h"
 #include "ctl/series.h"
 #include "ctl/verbs.h"
@@ -32,8 +31,11 @@ static const uint64_t START_PATIENCE_NS = 20000000000u;
 static const uint64_t START_PATIENCE_EACH_NS = 60000000; /* a robot: its rules are read */
 static const int64_t ROUND_NS = 5000000;
 static const int STOP_PATIENCE_MS = 2000;
+static const int LAST_PATIENCE_MS = 10000; /* for what the report needs */
 /* The simulator says something every second, whatever it waits for. */
 static const uint64_t SILENCE_NS = 6000000000u;
+/* How long the word that the run is over may take, when somebody has ended well, or not. */
+static const uint64_t END_PATIENCE_NS = 5000000000u, CRASH_PATIENCE_NS = 100000000;
 /* A round that took longer was not ours alone: the machine slept, or somebody stopped us all. */
 static const uint64_t ROUND_COUNTS_NS = 100000000;
 
@@ -44,164 +46,8 @@ static void signal_note(int number)
     run_signal = number;
 }
 
-/* --- options and files ------------------------------------------------------------------------ */
-
-/* What the command line says; a negative number: nothing. */
-static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
-static struct mu_option_list chosen_set;
-static const char *chosen_seeds;
-
-static struct mu_option option_table[] = {
-    {.name = "seed",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .environment = "MUSTER_SEED",
-     .help = "seed of the run (default: the file's, else 1)",
-     .target = &chosen.seed,
-     .max = 1e15},
-    {.name = "seeds",
-     .kind = MU_OPTION_STRING,
-     .unit = "N..M",
-     .help = "a run for each of these seeds, such as 1..30 or 1,3,7..9, with a report each; at the "
-             "end a table of means with 95 % intervals",
-     .target = &chosen_seeds},
-    {.name = "jobs",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "0",
-     .help = "with --seeds: so many runs at once; 0: one for each processor",
-     .target = &chosen.jobs,
-     .max = 64},
-    {.name = "duration",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .help = "simulated seconds (default: the file's)",
-     .target = &chosen.duration_s,
-     .min = 0.02,
-     .max = 1e6},
-    {.name = "rate",
-     .kind = MU_OPTION_REAL,
-     .unit = "R",
-     .fallback = "0",
-     .environment = "MUSTER_RATE",
-     .help = "times real time; 0: as fast as it goes",
-     .target = &chosen.rate,
-     .max = 1e6},
-    {.name = "free",
-     .kind = MU_OPTION_FLAG,
-     .help = "real time without lock step",
-     .target = &chosen.free},
-    {.name = "set",
-     .kind = MU_OPTION_LIST,
-     .unit = "KEY=VALUE",
-     .help = "override a value of the file, for example robots.red.rules=x.clp",
-     .target = &chosen_set},
-    {.name = "out",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
-             "go (default: out)",
-     .target = &chosen.out},
-    {.name = "record",
-     .kind = MU_OPTION_STRING,
-     .unit = "none|run|full",
-     .environment = "MUSTER_RECORD",
-     .help = "what run.mcap has: nothing; poses, commands and mails; what robots sensed and "
-             "thought, too (default: full to 64 "
-             "robots, run beyond)",
-     .target = &chosen.record},
-    {.name = "no-diary",
-     .kind = MU_OPTION_FLAG,
-     .help = "leave what goes on in minds out of the recording",
-     .target = &chosen.no_diary},
-    {.name = "inputs",
-     .kind = MU_OPTION_STRING,
-     .unit = "FILE",
-     .help = "put in again what came into a recorded run from outside, each at its step",
-     .target = &chosen.inputs},
-    {.name = "root",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "let absolute paths in the experiment start here",
-     .target = &chosen.root},
-    {.name = "programs",
-     .kind = MU_OPTION_FLAG,
-     .help = "start the programs, too, that the experiment names as monitors",
-     .target = &chosen.programs},
-    {.name = "domain",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "D",
-     .environment = "MUSTER_DOMAIN",
-     .help = "DDS domain (default: a free one)",
-     .target = &chosen.domain,
-     .max = 230},
-    {.name = "limit",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "0",
-     .help = "end the run after this much wall time, with exit code 124; 0: never",
-     .target = &chosen.limit_s,
-     .max = 1e9},
-    {.name = "no-spread",
-     .kind = MU_OPTION_FLAG,
-     .help = "let the system move processes between processors; as fast as possible, each "
-             "stays on one",
-     .target = &chosen.no_spread},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = MU_OPTION_FLAG,
-     .help = "say only what came out",
-     .target = &chosen.quiet},
-    {.name = "json",
-     .kind = MU_OPTION_FLAG,
-     .help = "say it as one line of JSON",
-     .target = &chosen.json},
-};
-
-static mu_result seeds_parse(void)
-{
-    static uint64_t seeds[SERIES_RUNS_MAX];
-    chosen.seeds = seeds;
-    chosen.seeds_count = series_seeds(chosen_seeds, seeds);
-    if (chosen.seeds_count == 0) {
-        fprintf(stderr,
-                "muster run: --seeds %s: expected 1 to %d different seeds, such as 1..30 or "
-                "1,3,7..9\n",
-                chosen_seeds, SERIES_RUNS_MAX);
-        return MU_FAULT_USAGE;
-    }
-    return MU_OK;
-}
-
-static mu_result options_parse(struct run *r, int argc, char **argv)
-{
-    static struct mu_options options = {
-        .program = "muster run",
-        .usage = "FILE [OPTION...]",
-        .about = "Runs an experiment with all its processes and leaves a report.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
-    mu_result parsed = mu_options_parse(&options, argc, argv);
-    if (parsed != MU_OK) {
-        return parsed;
-    }
-    if (options.words_count != 1) {
-        fprintf(stderr, "muster run: name one experiment file, for example: "
-                        "muster run experiments/follow.yaml\n");
-        return MU_FAULT_USAGE;
-    }
-    if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
-        strcmp(chosen.record, "full") != 0) {
-        fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
-        return MU_FAULT_USAGE;
-    }
-    chosen.file = options.words[0];
-    chosen.set = chosen_set.items;
-    chosen.set_count = chosen_set.count;
-    parsed = chosen_seeds ? seeds_parse() : MU_OK;
-    r->options = chosen;
-    return parsed;
-}
+/* --- files ---------------------------------------------------------------------------------------
+ */
 
 /* An experiment of somebody else's does nothing here but with muster's own programs. */
 static mu_result programs_check(const struct run *r, struct mu_fault *fault)
@@ -532,6 +378,19 @@ static void hosts_excuse(struct run *r)
     }
 }
 
+/* Who has ended well has done so because the run is over: the simulator says so before, but on a
+ * busy machine the word may still be on its way.  @return whether it comes */
+static bool end_comes(struct run *r, const struct child *ended)
+{
+    bool well = WIFEXITED(ended->status) && WEXITSTATUS(ended->status) == 0;
+    uint64_t until_ns = mu_clock_ns() + (well ? END_PATIENCE_NS : CRASH_PATIENCE_NS);
+    while (!run_is_over(r) && !run_signal && mu_clock_ns() < until_ns &&
+           mu_process_spin(r->process, ROUND_NS) >= 0) {
+        statuses_take(r);
+    }
+    return run_is_over(r);
+}
+
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -546,22 +405,12 @@ static int round_live(struct run *r)
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
     }
-    bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
-    const struct child *ended = over ? NULL : run_restart_look(r);
+    const struct child *ended = run_is_over(r) ? NULL : run_restart_look(r);
     if (ended) {
-        /* A simulator that is done says so before it ends; the word may still be on its way. */
-        bool is_broker =
-            strcmp(ended->name, "broker") == 0 || strncmp(ended->name, "broker.", 7) == 0;
-        for (int i = 0; i < 20 && !is_broker; i++) {
-            spun = mu_process_spin(r->process, ROUND_NS);
-            statuses_take(r);
-            if (r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT) {
-                return -1;
-            }
-        }
-        return crash_explain(ended, r->state == muster_RUN_RUNNING);
+        bool comes = run_part_of(r, ended).kind != RUN_BROKER && end_comes(r, ended);
+        return comes ? -1 : crash_explain(ended, r->state == muster_RUN_RUNNING);
     }
-    if (simulator_silent(r) && !over) {
+    if (simulator_silent(r) && !run_is_over(r)) {
         fprintf(stderr, "muster run: the simulator has been silent for %d s\n",
                 (int)(SILENCE_NS / 1000000000u));
         return MU_EXIT_CRASH;
@@ -688,7 +537,7 @@ static int watch(struct run *r)
     }
     r->begun = true;
     int code = -1;
-    while (code < 0 && r->state != muster_RUN_DONE && r->state != muster_RUN_FAULT) {
+    while (code < 0 && !run_is_over(r)) {
         code = round_live(r);
     }
     run_progress_clear(r);
@@ -705,18 +554,20 @@ static void counters_await(struct run *r)
     for (unsigned i = 0; i < run_brokers(r); i++) {
         char name[RUN_CHILD_MAX];
         run_child_name(r, i, name);
-        supervise_stop(&r->children, supervise_find(&r->children, name), STOP_PATIENCE_MS);
+        supervise_stop(&r->children, supervise_find(&r->children, name), LAST_PATIENCE_MS);
     }
     if (mu_process_spin(r->process, ROUND_NS) >= 0) {
         statuses_take(r);
     }
 }
 
-/* The simulator ends when its record is on the disk.  @return -1, or why it is not */
+/* The simulator need not wait for us any longer, and ends when its record is on the disk.
+ * @return -1, or why it is not */
 static int record_await(struct run *r)
 {
     struct child *simulator = supervise_find(&r->children, "simulator");
-    supervise_await(&r->children, simulator, STOP_PATIENCE_MS);
+    supervise_signal(simulator, SIGTERM);
+    supervise_await(&r->children, simulator, LAST_PATIENCE_MS);
     if (simulator->ended && WIFEXITED(simulator->status) && WEXITSTATUS(simulator->status) == 0) {
         return -1;
     }
@@ -755,7 +606,7 @@ static int domain_explain(int wanted)
 int run_verb(int argc, char **argv)
 {
     struct run *r = mu_startup_alloc(sizeof *r);
-    mu_result ready = options_parse(r, argc, argv);
+    mu_result ready = run_options_parse(&r->options, argc, argv);
     ready = ready == MU_OK ? files_prepare(r) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);

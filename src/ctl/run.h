@@ -32,6 +32,9 @@ struct run_options {
     int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
 
+/** Reads the command line of muster run, in run_options.c.  @return as mu_options_parse */
+MU_MUST_USE mu_result run_options_parse(struct run_options *out, int argc, char **argv);
+
 /* A child, by what it is. */
 enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
 
@@ -135,6 +138,12 @@ MU_MUST_USE mu_result run_start(struct run *r);
 
 /** @return what a child is; it may have died */
 struct run_part run_part_of(const struct run *r, const struct child *child);
+
+/** @return whether the simulator has said that the run is over, well or not */
+static inline bool run_is_over(const struct run *r)
+{
+    return r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
+}
 
 /** @return whether the run starts the monitors of its experiment: a run that is done again has what
  * they said from the recording; in run_monitors.c */

@@ -39,22 +39,30 @@ static void name_add(struct mu_text *name, const char *spelled)
     mu_text_add(name, below ? "" : path);
 }
 
+/* The simulator splits a name from its path at "=": one in the name is doubled. */
+static void equals_double(struct mu_text *name, const char *plain)
+{
+    for (; *plain; plain++) {
+        mu_text_add(name, *plain == '=' ? "=" : "");
+        mu_text_add_bytes(name, plain, 1);
+    }
+}
+
 static const char *name_make(const char *role, const char *path)
 {
-    char name[PATH_MAX + 32];
+    char plain_bytes[PATH_MAX + 32], bytes[2 * sizeof plain_bytes];
     const char *slash = strrchr(path, '/');
-    struct mu_text t;
-    mu_text_init(&t, name, sizeof name);
-    mu_text_add(&t, role);
+    struct mu_text plain, name;
+    mu_text_init(&plain, plain_bytes, sizeof plain_bytes);
+    mu_text_init(&name, bytes, sizeof bytes);
+    mu_text_add(&plain, role);
     if (strcmp(role, "library") == 0 && slash) {
-        mu_text_add(&t, slash);
+        mu_text_add(&plain, slash);
     } else {
-        name_add(&t, path);
+        name_add(&plain, path);
     }
-    for (char *c = name; *c; c++) {
-        *c = *c == '=' ? '_' : *c;
-    }
-    return mu_startup_string(name);
+    equals_double(&name, plain.at);
+    return mu_startup_string(name.at);
 }
 
 /* One file may be named in several ways. */

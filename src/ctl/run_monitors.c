@@ -71,12 +71,11 @@ static bool is_well(const struct child *child)
  * wrong. */
 static void child_look(const struct run *r, struct child *child)
 {
-    bool over = r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
     if (!child->ended || child->excused || !(r->begun || is_well(child))) {
         return;
     }
     child->excused = true;
-    if (!over || !is_well(child)) {
+    if (!run_is_over(r) || !is_well(child)) {
         char fate[SUPERVISE_FATE_MAX];
         supervise_fate(child, fate, sizeof fate);
         fprintf(stderr, "muster run: the monitor %s %s; the run goes on\n", child->name, fate);

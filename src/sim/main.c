@@ -134,7 +134,7 @@ static struct mu_option option_table[] = {
     {.name = "attach",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=PATH",
-     .help = "put a file that the run was made of into the recording",
+     .help = "put a file that the run was made of into the recording; == is = in its name",
      .target = &set.files},
     {.name = "note",
      .kind = MU_OPTION_LIST,
@@ -284,7 +284,7 @@ static int session_live(struct session *s)
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+    return s->interrupted ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
 }
 
 /* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of

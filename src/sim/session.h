@@ -126,6 +126,7 @@ struct session {
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
     int64_t sent_step;       /* the last step that went out */
+    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
     bool held;               /* the lock step waits for a process that is being started again */
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */
@@ -148,6 +149,7 @@ struct session {
     uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
     uint64_t frames_lost;        /* that the network did not take */
     bool go, end;
+    bool interrupted; /* a signal has ended the run before its time */
     char waits_for[1024];
     char hash_text[RUNHASH_TEXT];
 };
@@ -168,7 +170,8 @@ void session_listen(struct session *s, const struct session_listener *listener);
 MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came);
 
 /**
- * Runs to the end.
+ * Runs to the end, and says how it ended.  Who has started the run is waited for until that has
+ * come; a signal behind the end says that it has.
  *
  * @return MU_OK; MU_TIMEOUT: a controller or the broker was silent for too long, and waits_for
  *         says which

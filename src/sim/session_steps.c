@@ -10,6 +10,9 @@
 
 static const int64_t WAIT_NS = 50000000;
 static const int64_t RETRY_NS = 1000000;
+static const int64_t STATUS_DRAIN_NS = 500000000;
+static const int64_t STATUS_ROUND_NS = 20000000;
+static const uint64_t STARTER_PATIENCE_NS = 10000000000;
 
 /* In free running a controller that has not answered for this long, or for three steps if they are
  * longer, has let go of its robot. */
@@ -168,9 +171,14 @@ static void body_hash(struct session *s, size_t body)
     runhash_fold(s->hash, state, sizeof state);
 }
 
-/* Hashes and records the world as this step found it; done while the controllers think. */
+/* Hashes and records the world as this step found it; done while the controllers think.  A step
+ * that is broken off has found it once. */
 static void world_record(struct session *s)
 {
+    if (s->step < s->recorded) {
+        return;
+    }
+    s->recorded = s->step + 1;
     runhash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
         body_hash(s, r);
@@ -428,9 +436,21 @@ static void last_words(struct session *s, muster_RunState state)
     (void)bus_drain(&s->roster, 200000000);
 }
 
+/* Who looks has half a second for the last word.  Who has started the run must have it, and gets
+ * little time on a busy machine: it is waited for. */
+static void status_drain(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    bool heard = bus_drain(&s->status, STATUS_DRAIN_NS);
+    uint64_t until_ns = mu_clock_ns() + STARTER_PATIENCE_NS;
+    while (!heard && s->options.waits_for_go && !*signal_came && mu_clock_ns() < until_ns) {
+        heard = bus_drain(&s->status, STATUS_ROUND_NS);
+    }
+}
+
 mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     mu_result ran = s->options.free ? free_run(s, signal_came) : lockstep_run(s, signal_came);
+    s->interrupted = *signal_came != 0;
     percepts_read(s);
     if (ran == MU_OK) {
         s->waits_for[0] = '\0';
@@ -447,6 +467,6 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     }
     (void)bus_drain(&s->answers, 200000000);
     session_view_close(s);
-    (void)bus_drain(&s->status, 500000000);
+    status_drain(s, signal_came);
     return ran;
 }

@@ -19,7 +19,8 @@ BIN = BUILD / "bin"
 MUSTER = str(BIN / "muster")
 FOLLOW = str(ROOT / "experiments" / "follow.yaml")
 # Domains of the tests: away from those that `muster run` picks first, and below the range of
-# ephemeral ports.  Each process that runs tests has ten of its own.
+# ephemeral ports.  Each process that runs tests has ten of its own, by the ports by which a run has
+# its domain: no run picks one of them.
 FIRST_DOMAIN, DOMAINS, SHARES = 50, 10, 5
 
 # Rules of one that counts what came out of order, and of one that sends numbers to red.
@@ -37,6 +38,23 @@ COUNTS = """
 SENDS = """
 (defglobal ?*n* = 0)
 (defrule speak (position $?) => (bind ?*n* (+ ?*n* 1)) (send red n ?*n*) (update-sensors))
+"""
+
+# How much longer something may take here than on a machine that has nothing else to do.  Who waits
+# for an event waits no longer for it than it takes.
+PATIENCE = float(os.environ.get("TEST_PATIENCE", "4"))
+
+# Blue follows red.  What a test adds begins in the eleventh line.
+PAIR = f"""
+name: pair
+world: {ROOT}/worlds/arena.world
+duration: %g
+robots:
+  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
+  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red,  line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
 """
 
 # Nothing of a test stays in the user's folders; who wants a store names it.
@@ -60,12 +78,12 @@ def _domains_claim():
     """Claims a share of the domains as long as this process lives; waits for one if need be."""
     while not _own["claim"]:
         for first in range(FIRST_DOMAIN, FIRST_DOMAIN + SHARES * DOMAINS, DOMAINS):
-            claim = socket.socket()  # its port is that of a domain, for which DDS has UDP alone
-            with contextlib.suppress(OSError):
-                claim.bind(("127.0.0.1", 7400 + 250 * first))
-                _own.update(first=first, claim=claim)
+            with contextlib.ExitStack() as claim, contextlib.suppress(OSError):
+                for domain in range(first, first + DOMAINS):
+                    held = claim.enter_context(socket.socket())
+                    held.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+                _own.update(first=first, claim=claim.pop_all())
                 return
-            claim.close()
         time.sleep(1)
 
 
@@ -87,13 +105,13 @@ def check_equal(got, want, what):
 
 def wait_for(condition, seconds, what):
     """Waits for an event, not for a time: polls until it is true."""
-    until = time.monotonic() + seconds
+    until = time.monotonic() + PATIENCE * seconds
     while time.monotonic() < until:
         value = condition()
         if value:
             return value
         time.sleep(0.01)
-    raise AssertionError(f"not within {seconds} s: {what}")
+    raise AssertionError(f"not within {PATIENCE * seconds} s: {what}")
 
 
 @contextlib.contextmanager
@@ -117,6 +135,13 @@ def experiment_run(out, *words, file=FOLLOW, timeout=120):
     path = pathlib.Path(out) / "summary.json"
     summary = json.loads(path.read_text()) if path.exists() else None
     return done, summary
+
+
+def pair_run(out, name, more, *words, duration_s=12):
+    """Runs the pair with more lines in its file; gives what experiment_run does."""
+    file = out / f"{name}.yaml"
+    file.write_text(PAIR % duration_s + more)
+    return experiment_run(out / name, *words, file=file)
 
 
 def program(name):
@@ -217,6 +242,21 @@ def children_of(pid):
         if int(fields[1]) == pid and fields[0] != "Z":
             found.append(int(entry.name))
     return found
+
+
+def child_of(run, *words):
+    """The process id of a run's child whose command line begins with these words, the program's
+    name first, once it is that program."""
+    def find():
+        for pid in children_of(run.pid):
+            try:
+                line = pathlib.Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+            except OSError:
+                continue
+            if [pathlib.Path(line[0]).name, *line[1:len(words)]] == list(words):
+                return pid
+        return None
+    return wait_for(find, 10, " ".join(words))
 
 
 def alive(pid):

@@ -3,8 +3,8 @@
 import os
 import subprocess
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, command_of,
-                     experiment_run, folder, members, muster, new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, child_of, experiment_run,
+                     folder, members, muster, new_domain, wait_for)
 
 
 def crowd(out, processes, robots=20):
@@ -52,19 +52,13 @@ def test_threads_of_the_simulator_change_nothing():
         check_equal(len(set(hashes.values())), 1, "hashes")
 
 
-def simulator_of(run):
-    """Its process, once it is that program."""
-    found = [pid for pid in children_of(run.pid) if command_of(pid) == "muster-sim"]
-    return found[0] if found else None
-
-
 def test_a_simulator_with_threads_has_all_processors():
     words = ("run", ROOT / "experiments/follow.yaml", "--quiet", "--set")
     for threads in (1, 3):
         with folder() as out, Processes() as processes:
             run = processes.start(MUSTER, *words, f"simulator.threads={threads}", "--duration", "600",
                                   "--out", out / "run", "--domain", new_domain())
-            pid = wait_for(lambda: simulator_of(run), 10, "a simulator")
+            pid = child_of(run, "muster-sim")
             ours = os.sched_getaffinity(0)
             check_equal(len(os.sched_getaffinity(pid)), len(ours) if threads > 1 else 1,
                         f"processors for {threads} threads, of {len(ours)}")
@@ -120,7 +114,7 @@ def test_a_crew_lives_until_the_last_is_gone():
             check_equal(crew.poll(), None, f"before {name} is disposed of")
             muster("send", name, "now", "--layer", "1", "--performative", "dispose", "--domain", domain)
             wait_for(lambda: members(domain)[name]["state"] == "absent", 10, f"{name} gone")
-        check_equal(crew.wait(10), 0, "the exit code of the crew")
+        check_equal(crew.wait(30), 0, "the exit code of the crew")
 
 
 def test_a_name_that_is_taken_stops_no_other():
@@ -139,4 +133,4 @@ def test_a_name_that_is_taken_stops_no_other():
         check_equal(members(domain)["w_1"]["pid"], one.pid, "who bears the name")
         check_equal(crew.poll(), None, "the crew")
         crew.terminate()
-        check_equal(crew.wait(10), 6, "its exit code")
+        check_equal(crew.wait(30), 6, "its exit code")

@@ -218,7 +218,7 @@ def test_the_time_server_and_the_robot():
                     "a robot without ears")
         for p in (server, robot):
             p.terminate()
-            check_equal(p.wait(10), 0, "the end of an example")
+            check_equal(p.wait(30), 0, "the end of an example")
         check_equal(members(domain)["clock"]["state"], "absent", "the server after its end")
 
 

@@ -10,9 +10,9 @@ import subprocess
 import termios
 import time
 
-from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
-                     experiment_run, folder,
-                     members, muster, new_domain, wait_for)
+from support import (BUILD, FOLLOW, MUSTER, PAIR, ROOT, Processes, check, check_equal, children_of,
+                     experiment_run, folder, members, muster, new_domain, pair_run,
+                     wait_for)
 from terminal import Terminal
 
 WATCHER = str(BUILD / "examples" / "watcher")
@@ -94,7 +94,7 @@ def test_top_says_what_the_report_says_and_changes_nothing():
         watcher = start(processes, out / "watcher", WATCHER, domain)
         time.sleep(0.3)  # they find the domain's ports; the test holds without it, too
         _, summary = experiment_run(out / "report", "--rate", "60", "--domain", domain)
-        check_equal([p.wait(20) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
+        check_equal([p.wait(60) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         check_equal(summary["hash"], plain["hash"], "with three who watch, the same hash")
         end = seen[-1]
@@ -296,24 +296,9 @@ def test_the_example_rules_say_who_is_stalled():
                                f"longest stalled red, {red['stalled_s']:.1f} s", "the summary")
 
 
-# A team with monitors of its own: %s are items of the list.
-WATCHED = f"""
-name: watched
-world: {ROOT}/worlds/arena.world
-duration: 30
-robots:
-  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
-  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
-observer:
-  - {{at: 0, do: red,  line: "(wander)"}}
-  - {{at: 0, do: blue, line: "(follow red)"}}
-"""
-
-
 def watched(out, name, monitors, *words):
-    file = out / f"{name}.yaml"
-    file.write_text(WATCHED + monitors)
-    return experiment_run(out / name, *words, file=file)
+    """The pair, with monitors of its own."""
+    return pair_run(out, name, monitors, *words, duration_s=30)
 
 
 def test_monitors_of_an_experiment_see_all_and_change_nothing():
@@ -350,7 +335,7 @@ def test_the_death_of_a_monitor_ends_nothing():
             "(defrule see (step) => (printout t seen crlf))\n")
         _, plain = watched(out, "plain", "")
         file = out / "killed.yaml"
-        file.write_text(WATCHED + "monitors: [{name: eye, rules: dies.clp}]\n")
+        file.write_text(PAIR % 30 + "monitors: [{name: eye, rules: dies.clp}]\n")
         with open(out / "said", "w") as said:
             run = processes.start(MUSTER, "run", file, "--quiet", "--out", out / "killed", "--rate",
                                   "10", stderr=said)
@@ -490,7 +475,7 @@ def test_a_replay_is_a_run_to_who_watches():
         replayed = muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10",
                           "--domain", domain)
         check_equal(replayed.returncode, 0, f"the replay: {replayed.stderr}")
-        check_equal([p.wait(20) for p in (top, monitor, sums)], [0, 0, 0], "they end with it")
+        check_equal([p.wait(60) for p in (top, monitor, sums)], [0, 0, 0], "they end with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         end = seen[-1]
         check_equal((end["end"], end["hash"], end["missed"]), ("done", summary["hash"], 0), "the end")
@@ -517,7 +502,7 @@ def test_goals_of_rules_are_timed():
         top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
         muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10", "--domain",
                domain)
-        check_equal(top.wait(20), 0, "top ends with it")
+        check_equal(top.wait(60), 0, "top ends with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         red = [r for r in seen if r.get("name") == "red"][-1]
         rows = [line.split(",") for line in (out / "report/run.csv").read_text().splitlines()[1:]]

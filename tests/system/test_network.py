@@ -37,7 +37,7 @@ def test_a_missing_broker_is_named():
     for words in (["ps"], ["send", "red", "x"],
                   ["robot", "red", "--rules", ROOT / "rules/follower.clp"],
                   ["sim", ROOT / "worlds/arena.world"]):
-        done = muster(*words, "--domain", domain, timeout=20)
+        done = muster(*words, "--domain", domain, timeout=60)
         check_equal(done.returncode, 4, f"{words}: {done.stderr}")
         check("muster broker" in done.stderr, f"what to do: {done.stderr}")
 

@@ -8,6 +8,7 @@ import random
 import re
 import signal
 import subprocess
+import time
 import xml.dom.minidom
 
 from support import (BIN, FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
@@ -87,7 +88,7 @@ def test_a_broker_outlives_a_run():
             simulator = processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots",
                                         "red", "--duration", "5", "--domain", domain)
             check_equal(simulator.wait(30), 0, f"the simulator of the {life} run")
-            check_equal(robot.wait(10), 0, f"the robot of the {life} run")
+            check_equal(robot.wait(30), 0, f"the robot of the {life} run")
             done = muster("send", "red", "later", "--domain", domain)
             check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "mail afterwards")
 
@@ -287,7 +288,7 @@ def test_ctrl_c_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.send_signal(signal.SIGINT)
-        _, words = run.communicate(timeout=10)
+        _, words = run.communicate(timeout=30)
         check_equal(run.returncode, 130, "exit code")
         check(f"muster report {out / 'r'}" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
@@ -315,7 +316,7 @@ def test_killing_the_run_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.kill()
-        run.wait(5)
+        run.wait(30)
         wait_for(lambda: all_gone(children), 5, "the end of every child")
 
 
@@ -324,7 +325,7 @@ def test_a_killed_child_ends_the_run_and_is_named():
         with folder() as out, Processes() as processes:
             run, children, _ = run_start(processes, out / "r")
             os.kill(children[index], signal.SIGKILL)
-            _, words = run.communicate(timeout=15)
+            _, words = run.communicate(timeout=60)
             check_equal(run.returncode, 5, f"exit code after the death of {name}")
             check(f"{name} was killed by signal 9" in words.decode(), words.decode())
             wait_for(lambda: all_gone(children), 5, "the end of every child")
@@ -334,10 +335,28 @@ def test_a_silent_controller_is_a_fault():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         os.kill(children[3], signal.SIGSTOP)
-        _, words = run.communicate(timeout=20)
+        _, words = run.communicate(timeout=60)
         check_equal(run.returncode, 5, "exit code")
         check("silent" in words.decode() and "blue" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_run_that_gets_no_time_hears_of_its_end():
+    """Its simulator waits for it: who looks on has heard it all long before."""
+    with folder() as out, Processes() as processes:
+        run, children, domain = run_start(processes, out / "r")
+        simulator = next(pid for pid in children if command_of(pid) == "muster-sim")
+        with open(out / "top", "w") as said:
+            top = processes.start(MUSTER, "top", "--json", "--domain", domain, stdout=said)
+        wait_for((out / "top").read_text, 20, "somebody who looks on")
+        run.send_signal(signal.SIGSTOP)
+        check_equal(muster("world", "pace", "0", "--domain", domain).returncode, 0, "full speed")
+        check_equal(top.wait(30), 0, "the run is over")
+        time.sleep(1.5)  # longer than the simulator waits for others
+        check(alive(simulator), "the simulator has gone")
+        run.send_signal(signal.SIGCONT)
+        check_equal(run.wait(30), 0, "the run")
+        check((out / "r/summary.json").exists(), "its report")
 
 
 def test_the_command_line_reaches_a_run():
@@ -351,7 +370,7 @@ def test_the_command_line_reaches_a_run():
         check_equal(muster("resume", "red", *options).returncode, 0, "resume")
         wait_for(lambda: "red" in running(domain), 5, "red")
         run.send_signal(signal.SIGINT)
-        check_equal(run.wait(10), 130, "exit code")
+        check_equal(run.wait(30), 130, "exit code")
 
 
 def test_programs_stay_small():
