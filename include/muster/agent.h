@@ -22,6 +22,9 @@
 #include <stdint.h>
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct mu_process mu_process;
 typedef struct mu_agent mu_agent;
@@ -390,6 +393,9 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 /** @return the index-th line in order of name, valid until the next spin; NULL past the last */
 const struct mu_member *mu_process_member(const mu_process *p, size_t index);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -16,6 +16,9 @@
 #include "muster/agent.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* A convex piece, seen from above. */
 struct mu_outline {
@@ -165,6 +168,9 @@ int mu_watch_wake_fd(mu_watch *w);
 /** Ends the watch; its process stays.  NULL: nothing to do. */
 void mu_watch_close(mu_watch *w);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -305,6 +305,7 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     c->state = trip->state;
     c->source = place;
     c->host = host;
+    c->in_step = in_step;
     if (in_step) {
         c->phase = DEPOT_STEP;
     } else if (b->places.at[b->registry.agents[host].process].is_broker) {
@@ -468,6 +469,12 @@ static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
+/* Whom a lock step needs goes to a host of the run, when that has been started again. */
+static bool is_for(const struct broker *b, const struct depot_capsule *c, uint32_t host)
+{
+    return !b->lockstep.on || !c->in_step || b->registry.agents[host].let_go;
+}
+
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
     uint32_t host = registry_find(&b->registry, trip->host);
@@ -477,7 +484,7 @@ static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *tri
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
         struct depot_capsule *c = &b->depot.capsules[i];
-        if (is_orphan(b, c)) {
+        if (is_orphan(b, c) && is_for(b, c, host)) {
             c->source = MU_NONE;
             c->host = host;
             b->depot.restored++;

@@ -37,6 +37,7 @@ struct depot_capsule {
     char home[MU_PROCESS_MAX + 1]; /* the process that it set out from, dead or alive */
     uint32_t source, target;       /* places; MU_NONE: not known, or no more */
     uint32_t host;                 /* the agent that it wants to go to */
+    bool in_step;                  /* it came with the answer to a step */
     bool seated;                   /* a lock step has given its name to the target, and said so */
     bool holds;                    /* the step waits for it */
     uint64_t until_ns;             /* the host's word on it is awaited for so long */

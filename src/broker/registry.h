@@ -77,6 +77,7 @@ struct agent {
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
     bool verdict_due;
+    bool let_go;  /* a lock step waits for it to come back in another process */
     bool gone;    /* its process went in lock step: counts when that ends */
     bool ended;   /* it was disposed of in lock step, whose members are to know */
     bool unsaved; /* the journal has to write its line */

@@ -11,6 +11,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <netdb.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,6 +60,12 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     return domain;
 }
 
+static bool is_address(const char *text)
+{
+    struct in_addr address;
+    return inet_pton(AF_INET, text, &address) == 1;
+}
+
 /* Tries to bind a socket.  @return 0, or errno; 0 too when the text is no IPv4 address */
 static int bind_try(const char *text, int port)
 {
@@ -75,10 +82,10 @@ static int bind_try(const char *text, int port)
     return result;
 }
 
-/* @return whether the text is an IPv4 address that no interface of this machine has */
+/* @return whether no interface of this machine has that address */
 static bool is_elsewhere(const char *text)
 {
-    return bind_try(text, 0) == EADDRNOTAVAIL;
+    return text && (!is_address(text) || bind_try(text, 0) == EADDRNOTAVAIL);
 }
 
 /* A domain that fails for its index costs a hundred times as much as this: where many processes
@@ -93,7 +100,10 @@ static bool is_taken(const struct bus_options *options, int index)
 static mu_result domain_open(struct bus *bus, const struct bus_options *options)
 {
     if (is_elsewhere(options->interface)) {
-        fprintf(stderr, "%s is not an address of this machine\n", options->interface);
+        fprintf(stderr,
+                "--interface %s: this machine has no such IPv4 address; `ip -4 -brief address` "
+                "lists those that it has\n",
+                options->interface);
         return MU_FAULT_DDS;
     }
     dds_return_t code = DDS_RETCODE_ERROR;
@@ -132,20 +142,43 @@ static bool is_host(const char *text)
     return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
+/* A peer without an address would be nobody's peer, without a word. */
+static mu_result peers_find(const char *hosts)
+{
+    size_t len;
+    const char *host;
+    for (const char *at = hosts; at && (host = config_host(&at, &len));) {
+        char name[256];
+        struct addrinfo *found = NULL;
+        const struct addrinfo wanted = {.ai_family = AF_INET, .ai_socktype = SOCK_DGRAM};
+        snprintf(name, sizeof name, "%.*s", (int)len, host);
+        int failed = is_address(name) ? 0 : getaddrinfo(name, NULL, &wanted, &found);
+        if (failed) {
+            fprintf(stderr, "--peer %s: no IPv4 address: %s\n", name, gai_strerror(failed));
+            return MU_FAULT_DDS;
+        }
+        if (found) {
+            freeaddrinfo(found);
+        }
+    }
+    return MU_OK;
+}
+
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){.place = options->place, .index = -1};
     if (!is_host(options->interface) || (options->hub && !config_hosts_valid(options->hub))) {
         fprintf(stderr,
-                "expected the address of an interface, and names or addresses of at most %d "
-                "hosts\n",
+                "expected --interface with one address, and --peer with names or addresses of at "
+                "most %d hosts\n",
                 MU_PEERS_MAX);
         return MU_FAULT_USAGE;
     }
     traffic_join();
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
-        mu_result opened = domain_open(bus, options);
+        mu_result opened = peers_find(options->hub);
+        opened = opened == MU_OK ? domain_open(bus, options) : opened;
         if (opened != MU_OK) {
             return opened;
         }

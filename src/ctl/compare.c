@@ -57,7 +57,8 @@ static const char *path_objection(const char *path)
     snprintf(summary, sizeof summary, "%s/summary.json", path);
     snprintf(recording, sizeof recording, "%s/run.mcap", path);
     bool broke_off = access(summary, F_OK) != 0 && access(recording, F_OK) == 0;
-    return broke_off ? "broke off: left out; muster report makes a report of it" : NULL;
+    return broke_off ? "broke off: left out; `muster report` with that folder makes its report"
+                     : NULL;
 }
 
 static mu_result folder_read(struct compare *c, const char *path)
@@ -70,6 +71,9 @@ static mu_result folder_read(struct compare *c, const char *path)
     } else if (added != MU_OK) {
         mu_fault_print(&fault);
         return added;
+    }
+    if (!objection && c->runs[c->runs_count - 1].broke_off) {
+        objection = "has a run that broke off: it counts as far as it went";
     }
     if (objection) {
         fprintf(stderr, "muster compare: %s %s\n", path, objection);
@@ -113,6 +117,7 @@ static mu_result result_tell(const struct compare *c)
     mu_result written = chosen.json ? MU_OK : compare_page(c, chosen.page, &fault);
     if (written != MU_OK) {
         mu_fault_print(&fault);
+        fprintf(stderr, "muster compare: --out FILE puts the page elsewhere\n");
         return written;
     }
     if (!chosen.json) {

@@ -32,6 +32,9 @@ struct run_options {
     int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
 
+/** Reads the command line of muster run, in run_options.c.  @return as mu_options_parse */
+MU_MUST_USE mu_result run_options_parse(struct run_options *out, int argc, char **argv);
+
 /* A child, by what it is. */
 enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
 

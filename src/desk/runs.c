@@ -74,21 +74,31 @@ static bool ports_free(int domain)
 }
 
 /* Other users' lock files lie elsewhere, and their broker may not be up yet: who runs in a domain
- * holds a TCP port of it, too, which DDS has no use for.  @return whether it is ours, for good */
-static bool port_hold(int domain)
+ * holds a TCP port of it, too, which DDS has no use for.  It comes before the look at the ports of
+ * DDS: a look takes each for a moment, and who lives there may want it just then.
+ *
+ * is_picked: of many; one that the user wants is not refused for a stranger's port.
+ * @return whether nobody is there; the TCP port is held for good then */
+static bool ports_take(int domain, bool is_picked)
 {
-    return port_bind(SOCK_STREAM, bus_port(domain, 0)) >= 0;
+    int held = port_bind(SOCK_STREAM, bus_port(domain, 0));
+    if (held < 0 && is_picked) {
+        return false;
+    }
+    bool free = ports_free(domain);
+    if (held >= 0 && !free) {
+        close(held);
+    }
+    return free;
 }
 
-/* is_picked: of many; one that the user wants is not refused for a stranger's port. */
 static bool domain_take(const char *folder, int domain, bool is_picked, const char *name)
 {
     int fd = lock_open(folder, domain, O_RDWR | O_CREAT);
     if (fd < 0) {
         return false;
     }
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0 || !ports_free(domain) ||
-        (!port_hold(domain) && is_picked)) {
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0 || !ports_take(domain, is_picked)) {
         close(fd);
         return false;
     }

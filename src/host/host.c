@@ -390,7 +390,10 @@ static void on_registered(void *self, mu_agent *a, bool accepted, const char *re
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
         return;
     }
-    fprintf(stderr, "muster host: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    fprintf(
+        stderr,
+        "muster host: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
+        mu_agent_name(a), reason, mu_agent_name(a));
     h->crew.refused = true;
     mu_process_stop(h->crew.process);
 }

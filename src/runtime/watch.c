@@ -218,9 +218,15 @@ static void end_tell(mu_watch *w)
     run_forget(w);
 }
 
+/* Its Scene may be here before the writer of its Frames is known, and is no end then. */
+static bool simulator_is_here(const mu_watch *w)
+{
+    return bus_reader_matches(&w->frames) > 0 || bus_reader_matches(&w->scenes) > 0;
+}
+
 static void end_look(mu_watch *w)
 {
-    bool here = bus_reader_matches(&w->frames) > 0;
+    bool here = simulator_is_here(w);
     if (w->met && !here) {
         statuses_look(w); /* what it said last came while the Frames were looked at */
     }

@@ -55,6 +55,13 @@ MU_MUST_USE mu_result recording_open(struct recording *r, const char *path, stru
 /** @return a step's Frame, good until the next call; NULL: the recording does not have it */
 const muster_Frame *recording_frame(struct recording *r, int64_t step);
 
+/** @return what the run's table says of it under a key (docs/recording.md); "": nothing */
+const char *recording_note(const struct recording *r, const char *key);
+
+/** Gives the values that its command line set, KEY=VALUE, in their order; they live until the next
+ * open.  @return how many there are, most at most */
+size_t recording_sets(const struct recording *r, const char *sets[], size_t most);
+
 /** @return how the recorded run ended; RECORDING_CUT when it has no step */
 enum recording_end recording_end(const struct recording *r);
 

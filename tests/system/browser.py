@@ -13,7 +13,7 @@ import tempfile
 import time
 import urllib.request
 
-from support import Skip
+from support import PATIENCE, Skip
 
 FLAGS = ("--headless=new", "--disable-gpu", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync", "--disable-quic", "--mute-audio",
@@ -166,7 +166,7 @@ class Browser:
         return result["result"].get("value")
 
     def wait(self, expression, seconds=20):
-        until = time.monotonic() + seconds
+        until = time.monotonic() + PATIENCE * seconds
         while time.monotonic() < until:
             value = self.value(expression)
             if value:

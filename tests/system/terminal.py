@@ -10,6 +10,8 @@ import struct
 import termios
 import time
 
+from support import PATIENCE
+
 ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]|\x1b[()][AB0]|\x1b[=>]")
 
 
@@ -67,7 +69,7 @@ class Terminal:
 
     def wait_for(self, words, seconds=15, since=0):
         """Reads until the words are shown behind a place.  Gives the place behind them."""
-        until = time.monotonic() + seconds
+        until = time.monotonic() + PATIENCE * seconds
         while time.monotonic() < until:
             at = self.text.find(words, since)
             if at >= 0:
@@ -87,7 +89,7 @@ class Terminal:
 
     def end(self, seconds=10):
         """Waits until the program has ended.  Gives its exit code."""
-        until = time.monotonic() + seconds
+        until = time.monotonic() + PATIENCE * seconds
         while time.monotonic() < until:
             self._read(0.05)
             pid, status = os.waitpid(self.pid, os.WNOHANG)

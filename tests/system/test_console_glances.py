@@ -65,7 +65,7 @@ class Person(threading.Thread):
     def end(self):
         self.process.terminate()
         self.join(10)
-        self.process.wait(10)
+        self.process.wait(30)
         self.process.stdout.close()
 
 

@@ -114,7 +114,7 @@ def test_a_crew_lives_until_the_last_is_gone():
             check_equal(crew.poll(), None, f"before {name} is disposed of")
             muster("send", name, "now", "--layer", "1", "--performative", "dispose", "--domain", domain)
             wait_for(lambda: members(domain)[name]["state"] == "absent", 10, f"{name} gone")
-        check_equal(crew.wait(10), 0, "the exit code of the crew")
+        check_equal(crew.wait(30), 0, "the exit code of the crew")
 
 
 def test_a_name_that_is_taken_stops_no_other():
@@ -127,9 +127,10 @@ def test_a_name_that_is_taken_stops_no_other():
         crew = processes.start(MUSTER, "robot", "w", "--rules", ROOT / "rules/follower.clp",
                                "--count", "3", "--domain", domain, stderr=subprocess.PIPE, text=True)
         check_equal(crew.stderr.readline(), "muster robot: the broker refuses the name w_1: "
-                    "held by another participant\n", "what the crew says")
+                    "held by another participant; muster lookup w_1 says where that is\n",
+                    "what the crew says")
         wait_for(lambda: {"w_0", "w_2"} <= members(domain).keys(), 10, "the others")
         check_equal(members(domain)["w_1"]["pid"], one.pid, "who bears the name")
         check_equal(crew.poll(), None, "the crew")
         crew.terminate()
-        check_equal(crew.wait(10), 6, "its exit code")
+        check_equal(crew.wait(30), 6, "its exit code")

@@ -64,8 +64,8 @@ def test_what_is_written_and_shown_stays_whole():
         broker_start(processes, domain, "--audit", audit)
         receiver_start(processes, domain, out)
         wait_for(lambda: "receiver" in members(domain), 10, "the receiver in the white pages")
-        muster("do", "receiver", odd, "--domain", domain, timeout=10)
-        muster("do", "receiver", b"\xff\xfe broken", "--domain", domain, timeout=10)
+        muster("do", "receiver", odd, "--domain", domain, timeout=60)
+        muster("do", "receiver", b"\xff\xfe broken", "--domain", domain, timeout=60)
         wait_for(lambda: len(audit.read_bytes().splitlines()) == 2, 10, "two records")
         records = [json.loads(line) for line in audit.read_text(encoding="utf-8").splitlines()]
         check_equal(records[0]["line"], odd, "a record")

@@ -54,7 +54,7 @@ def test_four_brokers_live_on_a_host():
         check_equal(broker_of(domain), "a", "the first one of this host")
         for name in "abcd":
             check_equal(pages(domain, name)["broker"]["broker"], name, "who answers")
-        done = muster("ps", "--domain", domain, "--broker", "nobody", timeout=20)
+        done = muster("ps", "--domain", domain, "--broker", "nobody", timeout=60)
         check_equal(done.returncode, 4, "a broker that is not there")
         check("muster broker nobody" in done.stderr, done.stderr)
 
@@ -113,7 +113,7 @@ def test_a_lone_broker_that_was_stopped_keeps_its_agents():
         receiver_start(processes, domain, out / "rx")
         wait_for(lambda: lives_at(domain, "a", "rx"), 10, "rx at a")
         lone.send_signal(signal.SIGSTOP)
-        check_equal(muster("ps", "--domain", domain, timeout=20).returncode, 4, "nobody answers")
+        check_equal(muster("ps", "--domain", domain, timeout=60).returncode, 4, "nobody answers")
         lone.send_signal(signal.SIGCONT)
         wait_for(lambda: lives_at(domain, "a", "rx"), 10, "rx at a")
         check_equal(muster("send", "rx", "x", "--domain", domain).returncode, 0, "mail")
@@ -158,7 +158,7 @@ def test_two_hosts_find_each_other():
                             hosts.addresses[host], "--peer", ",".join(hosts.addresses))
 
         def run_on(host, *words):
-            return subprocess.run(on(host, *words), capture_output=True, text=True, timeout=20)
+            return subprocess.run(on(host, *words), capture_output=True, text=True, timeout=60)
 
         with open(out / "a.log", "w") as log:
             processes.start(*on(0, "broker", "a", "--verbose"), stderr=log)

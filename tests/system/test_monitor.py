@@ -94,7 +94,7 @@ def test_top_says_what_the_report_says_and_changes_nothing():
         watcher = start(processes, out / "watcher", WATCHER, domain)
         time.sleep(0.3)  # they find the domain's ports; the test holds without it, too
         _, summary = experiment_run(out / "report", "--rate", "60", "--domain", domain)
-        check_equal([p.wait(20) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
+        check_equal([p.wait(60) for p in (top, lines, watcher)], [0, 0, 0], "all end with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         check_equal(summary["hash"], plain["hash"], "with three who watch, the same hash")
         end = seen[-1]
@@ -475,7 +475,7 @@ def test_a_replay_is_a_run_to_who_watches():
         replayed = muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10",
                           "--domain", domain)
         check_equal(replayed.returncode, 0, f"the replay: {replayed.stderr}")
-        check_equal([p.wait(20) for p in (top, monitor, sums)], [0, 0, 0], "they end with it")
+        check_equal([p.wait(60) for p in (top, monitor, sums)], [0, 0, 0], "they end with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         end = seen[-1]
         check_equal((end["end"], end["hash"], end["missed"]), ("done", summary["hash"], 0), "the end")
@@ -502,7 +502,7 @@ def test_goals_of_rules_are_timed():
         top = start(processes, out / "top", MUSTER, "top", "--json", "--domain", domain)
         muster("replay", out / "report" / "run.mcap", "--rate", "100", "--wait", "10", "--domain",
                domain)
-        check_equal(top.wait(20), 0, "top ends with it")
+        check_equal(top.wait(60), 0, "top ends with it")
         seen = [json.loads(line) for line in text_of(out / "top").splitlines()]
         red = [r for r in seen if r.get("name") == "red"][-1]
         rows = [line.split(",") for line in (out / "report/run.csv").read_text().splitlines()[1:]]

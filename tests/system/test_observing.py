@@ -91,7 +91,7 @@ def test_frames_say_what_the_report_says():
         _, watched = experiment_run(out / "watched", "--duration", "60", "--rate", "40",
                                     "--domain", domain)
         for w in watchers:
-            check_equal(w.wait(20), 0, "a watcher ends with the simulator")
+            check_equal(w.wait(60), 0, "a watcher ends with the simulator")
         check_equal(watched["hash"], plain["hash"], "who watches changes nothing")
         every, latest = Seen(out / "every"), Seen(out / "latest")
         for seen in (every, latest):
@@ -126,7 +126,7 @@ def test_frames_show_who_has_a_hand_in_the_run():
         check_equal(sent.returncode, 0, f"sent: {sent.stderr}")
         check_equal(muster("world", "pace", "0", "--domain", domain).returncode, 0, "full speed")
         check_equal(run.wait(60), 0, "the run ends well")
-        check_equal(watcher.wait(20), 0, "so does the watcher")
+        check_equal(watcher.wait(60), 0, "so does the watcher")
         seen = Seen(out / "every")
         orders = seen.of("order")
         check_equal([(int(o[1]), o[4]) for o in orders], [(step, "red")], "the order at its step")
@@ -155,7 +155,7 @@ def test_nobody_waits_for_a_reader_that_is_stopped_or_killed():
         check_equal(run.wait(60), 0, "the run ends well")
         summary = summary_of(out / "report")
         check_equal(summary["hash"], plain["hash"], "with the same hash")
-        check_equal(lively.wait(20), 0, "who is there sees the end")
+        check_equal(lively.wait(60), 0, "who is there sees the end")
         seen = Seen(out / "lively")
         check_steps(seen)
         check_against_rows(seen, out / "report")

@@ -88,7 +88,7 @@ def test_a_broker_outlives_a_run():
             simulator = processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots",
                                         "red", "--duration", "5", "--domain", domain)
             check_equal(simulator.wait(30), 0, f"the simulator of the {life} run")
-            check_equal(robot.wait(10), 0, f"the robot of the {life} run")
+            check_equal(robot.wait(30), 0, f"the robot of the {life} run")
             done = muster("send", "red", "later", "--domain", domain)
             check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "mail afterwards")
 
@@ -246,6 +246,20 @@ def test_bad_files_are_refused_with_their_place():
         check_equal(muster("nonsense").returncode, 2, "an unknown verb")
 
 
+def test_a_robot_without_a_place_is_told_with_its_line():
+    for robot, words in (("name: pink", "'pink' does not stand in this world"),
+                         ("name: red, pose: [100, 0, 0]", "outside the world"),
+                         ("name: w, body: pioneer, pose: [-2.5, -4.4, 0]", "overlaps robot 'red'"),
+                         ("name: w, body: pionier, pose: [0, 0, 0]", "(pioneer")):
+        with folder() as out:
+            (out / "t.yaml").write_text(
+                f"world: {ROOT}/worlds/arena.world\nduration: 1\nrobots:\n"
+                f"  - {{{robot}, rules: {ROOT}/rules/patrol.clp}}\n")
+            done = muster("run", out / "t.yaml", "--out", out / "r")
+            check_equal(done.returncode, 3, done.stderr)
+            check(f"{out}/t.yaml:4:5: " in done.stderr and words in done.stderr, done.stderr)
+
+
 def run_start(processes, out, *words, rate=1):
     """A slow run in the background whose robots run, and the pids of all its processes."""
     domain = new_domain()
@@ -274,7 +288,7 @@ def test_ctrl_c_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.send_signal(signal.SIGINT)
-        _, words = run.communicate(timeout=10)
+        _, words = run.communicate(timeout=30)
         check_equal(run.returncode, 130, "exit code")
         check(f"muster report {out / 'r'}" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
@@ -302,7 +316,7 @@ def test_killing_the_run_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.kill()
-        run.wait(5)
+        run.wait(30)
         wait_for(lambda: all_gone(children), 5, "the end of every child")
 
 
@@ -311,7 +325,7 @@ def test_a_killed_child_ends_the_run_and_is_named():
         with folder() as out, Processes() as processes:
             run, children, _ = run_start(processes, out / "r")
             os.kill(children[index], signal.SIGKILL)
-            _, words = run.communicate(timeout=15)
+            _, words = run.communicate(timeout=60)
             check_equal(run.returncode, 5, f"exit code after the death of {name}")
             check(f"{name} was killed by signal 9" in words.decode(), words.decode())
             wait_for(lambda: all_gone(children), 5, "the end of every child")
@@ -321,7 +335,7 @@ def test_a_silent_controller_is_a_fault():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         os.kill(children[3], signal.SIGSTOP)
-        _, words = run.communicate(timeout=20)
+        _, words = run.communicate(timeout=60)
         check_equal(run.returncode, 5, "exit code")
         check("silent" in words.decode() and "blue" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
@@ -356,7 +370,7 @@ def test_the_command_line_reaches_a_run():
         check_equal(muster("resume", "red", *options).returncode, 0, "resume")
         wait_for(lambda: "red" in running(domain), 5, "red")
         run.send_signal(signal.SIGINT)
-        check_equal(run.wait(10), 130, "exit code")
+        check_equal(run.wait(30), 130, "exit code")
 
 
 def test_programs_stay_small():

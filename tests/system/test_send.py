@@ -106,7 +106,7 @@ def test_a_full_box_is_an_exit_code():
         wait_for(lambda: "waiting 1" in " ".join(muster("lookup", "broker.postmaster", "--domain",
                                                         domain).stdout.split()), 10, "its mail")
         check_equal(send(domain, "bob", "two").returncode, 0, "it made room")
-        _, said = waits.communicate(timeout=20)
+        _, said = waits.communicate(timeout=60)
         check_equal((waits.returncode, said), (8, b"muster: to bob: dropped\n"), "the old one")
 
 
@@ -246,8 +246,8 @@ def test_verbs_do_not_stand_in_each_others_way():
         check_equal((late.returncode, late.stdout), (0, "stored\n"), late.stderr)
         check("waiting for it" in late.stderr, late.stderr)
         for reader in readers:
-            check_equal(reader.wait(20), 0, f"{reader.args}")
-        check_equal(busy.wait(20), 124, "no answer")
+            check_equal(reader.wait(60), 0, f"{reader.args}")
+        check_equal(busy.wait(60), 124, "no answer")
         check(not any(name.startswith("operator-") for name in members(domain)), "who only looks")
 
 

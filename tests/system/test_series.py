@@ -70,7 +70,7 @@ def test_ctrl_c_ends_all_runs_and_says_what_is_done():
         pids = wait_for(lambda: len(descendants(series.pid)) == 14 and descendants(series.pid),
                         20, "two runs with six processes each")
         series.send_signal(signal.SIGINT)
-        _, words = series.communicate(timeout=20)
+        _, words = series.communicate(timeout=60)
         check_equal(series.returncode, 130, "exit code")
         check("interrupted: 0 of 40 runs are done" in words.decode(), words.decode())
         wait_for(lambda: not any(alive(pid) for pid in pids), 5, "the end of every process")

@@ -187,7 +187,7 @@ def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
 
 
 def refused_start(domain, store):
-    done = muster("broker", "main", "--domain", domain, "--store", store, timeout=10)
+    done = muster("broker", "main", "--domain", domain, "--store", store, timeout=60)
     return done.returncode, done.stderr
 
 

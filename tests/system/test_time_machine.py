@@ -300,6 +300,15 @@ def test_what_cannot_be_verified():
         for file in (out / "junk.mcap", out / "none.mcap"):
             check_equal(verify(file)[0], 3, f"exit code of {file}")
         check_equal(muster("verify").returncode, 2, "exit code without a file")
+        plain, _ = record(out / "plain", "--duration", 1)
+        data = plain.read_bytes().replace(b"seed\x01\0\0\x001", b"seed\x01\0\0\x00x")
+        (out / "changed.mcap").write_bytes(data)
+        code, _, why = verify(out / "changed.mcap")
+        check_equal(code, 3, "exit code of a seed that is none")
+        check("--seed" in why, why)
+        code, _, why = verify(out / "free")
+        check_equal(code, 3, "exit code of a folder")
+        check("name the run.mcap" in why, why)
 
 
 # --- why -----------------------------------------------------------------------------------------
@@ -349,8 +358,13 @@ def test_why_of_a_clone():
 def test_why_usage():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 1)
-        check_equal(muster("why", recording, "nobody").returncode, 7, "no such robot")
-        for words in ((), ("red", "a@b"), ("red", "stalled@"), ("red", "1", "2"), ("red", "-1")):
+        done = muster("why", recording, "it's \"nobody\"")
+        check_equal(done.returncode, 7, "no such robot")
+        check("it has red, blue, green, yellow" in done.stderr, done.stderr)
+        late = muster("why", recording, "red", "3000")
+        check(late.stdout.startswith("red at 1.0 s, where the recording ends\n"), late.stdout)
+        for words in ((), ("red", "a@b"), ("red", "stalled@"), ("red", "1", "2"), ("red", "-1"),
+                      ("red", "f--3@1"), ("red", "nan")):
             check_equal(muster("why", recording, *words).returncode, 2, f"exit code of {words}")
         check_equal(muster("why", out / "none.mcap", "red").returncode, 3, "no such file")
         check_equal(muster("why", "red", cwd=out).returncode, 3, "no recording here")

@@ -10,8 +10,8 @@ import threading
 import time
 
 from browser import Browser
-from support import (FOLLOW, MUSTER, Processes, broker_start, check, check_equal, experiment_run,
-                     folder, members, new_domain, program, wait_for)
+from support import (FOLLOW, MUSTER, PATIENCE, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, members, new_domain, program, wait_for)
 
 SCRIPT = "<img src=x onerror=alert()>"
 
@@ -92,7 +92,7 @@ class Viewer:
 
     def until(self, wanted, good, seconds=30):
         """The last event of that name, when it is as wanted; what is the same is not sent again."""
-        end = time.monotonic() + seconds
+        end = time.monotonic() + PATIENCE * seconds
         while time.monotonic() < end:
             if wanted in self.last and good(self.last[wanted]):
                 return self.last[wanted]
@@ -236,7 +236,7 @@ def test_usage():
             check_equal(done.returncode, code, f"{words}: {done.stderr}")
             check(said in done.stderr, done.stderr)
         page.process.terminate()
-        check_equal(page.process.wait(10), 0, "ended by a signal")
+        check_equal(page.process.wait(30), 0, "ended by a signal")
 
 
 # --- the stream ----------------------------------------------------------------------------------
@@ -852,7 +852,7 @@ def test_the_page_comes_back_with_the_server():
             with Browser(page.url) as browser:
                 browser.wait("document.getElementById('banner').textContent.includes('no run yet')")
                 page.process.terminate()
-                page.process.wait(10)
+                page.process.wait(30)
                 browser.wait("document.getElementById('banner').textContent.includes('has lost')")
                 follow_start(processes, domain, out / "run", "--rate", 2, "--duration", 600)
                 again = processes.start(MUSTER, "web", "--port", page.port, "--domain", domain,

@@ -82,7 +82,7 @@ def test_orders_for_later_come_at_their_time_or_with_their_condition():
         pace = world(domain, "pace", "2", "--at", "25")
         check_equal(pace.returncode, 2, "the pace is no matter of the run's time")
         done_at(domain, "pace", "0")
-        check_equal((run.wait(60), when.wait(10)), (0, 0), "the run ends well")
+        check_equal((run.wait(60), when.wait(30)), (0, 0), "the run ends well")
         red = track(out / "report", "red")
         check(math.hypot(red[201]["x_m"], red[201]["y_m"] + 3) < 0.1, f"placed: {red[201]}")
         check(math.hypot(red[200]["x_m"], red[200]["y_m"] + 3) > 0.1, f"and not before: {red[200]}")

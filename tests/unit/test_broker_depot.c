@@ -206,17 +206,23 @@ static void test_the_source_dies(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
 }
 
-/* red's process has died behind its answer, and the clock stands still until there is another. */
-static void source_let_go(void)
+/* The clock stands still until there is another process for those of one that has died. */
+static void roster_hold(const char *other)
 {
-    char *processes[] = {words("p-green"), words("p-north")};
+    char *processes[] = {words("p-green"), words(other)};
     muster_Roster roster = {
         .simulator = words("sim"), .lockstep = true, .held = true, .step = 1, .step_ns = 100 * MS};
     roster.processes._buffer = processes;
     roster.processes._length = 2;
+    broker_roster(story.b, &roster, story.now_ns);
+}
+
+/* red's process has died behind its answer. */
+static void source_let_go(void)
+{
     move_begin();
     story_gone("p-red");
-    broker_roster(story.b, &roster, story.now_ns);
+    roster_hold("p-north");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
     (void)story_collect();
 }
@@ -236,6 +242,25 @@ static void test_the_source_is_back_before_the_host_is_ready(void)
     ready("p-north", "red", 1);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red2");
     EXPECT("p-green@0; p-north: red refused 1 gone; sim@0; p-north@0");
+}
+
+/* It has the name, and has lived through no step there. */
+static void test_the_target_is_let_go(void)
+{
+    move_begin();
+    ready("p-north", "red", 1);
+    (void)story_collect();
+    story_gone("p-north");
+    roster_hold("p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-north");
+    host_join("east"); /* which is no part of the run */
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    say("p-red", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "arrive"));
+    host_join("north");
+    say("p-north", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "north"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "p-north: red arrive 1 capsule"));
 }
 
 static void test_no_host(void)
@@ -562,6 +587,7 @@ int main(void)
         {"the source is let go", test_the_source_is_let_go},
         {"the source is back before the host is ready",
          test_the_source_is_back_before_the_host_is_ready},
+        {"the target is let go", test_the_target_is_let_go},
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a new agent", test_a_new_agent},

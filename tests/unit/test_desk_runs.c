@@ -127,30 +127,93 @@ static void test_several_live(void)
     expect_none();
 }
 
-/* Another user's locks lie in another folder; his broker and simulator are not up yet. */
+/* Another user's locks lie in another folder. */
+static void other_begin(char *other, size_t size)
+{
+    snprintf(other, size, "%s/other", folder);
+    CU_ASSERT_EQUAL_FATAL(mkdir(other, 0700), 0);
+    setenv("XDG_RUNTIME_DIR", other, 1);
+}
+
+static void other_end(const char *other)
+{
+    char path[96];
+    for (int d = RUNS_DOMAIN_FIRST; d <= RUNS_DOMAIN_LAST; d++) {
+        snprintf(path, sizeof path, "%s/muster/domain-%d", other, d);
+        (void)unlink(path); /* it was looked at, and is nobody's */
+    }
+    snprintf(path, sizeof path, "%s/muster", other);
+    CU_ASSERT(rmdir(path) == 0 && rmdir(other) == 0);
+}
+
+/* His broker and simulator are not up yet. */
 static void test_somebody_elses_run_has_another_domain(void)
 {
     struct holder ours;
     struct holder theirs;
     char other[64];
-    char path[96];
-    snprintf(other, sizeof other, "%s/other", folder);
-    CU_ASSERT_EQUAL_FATAL(mkdir(other, 0700), 0);
     holder_start(&ours, -1, "follow");
-    setenv("XDG_RUNTIME_DIR", other, 1);
+    other_begin(other, sizeof other);
     holder_start(&theirs, -1, "follow");
     CU_ASSERT(ours.told.result == MU_OK && theirs.told.result == MU_OK);
     CU_ASSERT_NOT_EQUAL(ours.told.domain, theirs.told.domain);
     holder_kill(&ours);
     holder_kill(&theirs);
-    snprintf(path, sizeof path, "%s/muster/domain-%d", other, theirs.told.domain);
-    CU_ASSERT_EQUAL(unlink(path), 0);
-    for (int d = RUNS_DOMAIN_FIRST; d < theirs.told.domain; d++) {
-        snprintf(path, sizeof path, "%s/muster/domain-%d", other, d);
-        CU_ASSERT_EQUAL(unlink(path), 0); /* it was looked at, and is nobody's */
+    other_end(other);
+}
+
+/* @return a socket that has a port of DDS; < 0: somebody else has it */
+static int port_have(int domain, int index)
+{
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    struct sockaddr_in address = {.sin_family = AF_INET,
+                                  .sin_port = htons((uint16_t)bus_port(domain, index)),
+                                  .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    if (bind(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        close(fd);
+        return -1;
     }
-    snprintf(path, sizeof path, "%s/muster", other);
-    CU_ASSERT(rmdir(path) == 0 && rmdir(other) == 0);
+    return fd;
+}
+
+/* A process that looks for a domain a hundred times. */
+static pid_t looker_start(void)
+{
+    pid_t pid = fork();
+    if (pid == 0) {
+        for (int i = 0; i < 100; i++) {
+            if (fork() == 0) {
+                int domain;
+                _exit(runs_take(-1, "look", &domain) == MU_OK ? 0 : 1);
+            }
+            wait(NULL);
+        }
+        _exit(0);
+    }
+    return pid;
+}
+
+/* Whose run has just begun has no broker yet; it starts while others look for a domain. */
+static void test_a_look_takes_no_port_from_who_is_there(void)
+{
+    struct holder theirs;
+    char other[64];
+    int missed = 0;
+    int tries = 0;
+    holder_start(&theirs, -1, "follow");
+    other_begin(other, sizeof other);
+    pid_t looker = looker_start();
+    for (; waitpid(looker, NULL, WNOHANG) == 0; tries++) {
+        int fd = port_have(theirs.told.domain, tries % 5);
+        missed += fd < 0;
+        if (fd >= 0) {
+            close(fd);
+        }
+    }
+    CU_ASSERT(tries > 0);
+    CU_ASSERT_EQUAL(missed, 0);
+    holder_kill(&theirs);
+    other_end(other);
 }
 
 static void test_a_stale_file_is_no_run(void)
@@ -171,11 +234,8 @@ static void test_ports_in_use(void)
     holder_start(&h, -1, "probe"); /* finds a domain that is free */
     int taken = h.told.domain;
     holder_kill(&h);
-    int fd = socket(AF_INET, SOCK_DGRAM, 0);
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)bus_port(taken, 1)),
-                                  .sin_addr = {htonl(INADDR_LOOPBACK)}};
-    CU_ASSERT_EQUAL_FATAL(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    int fd = port_have(taken, 1);
+    CU_ASSERT_FATAL(fd >= 0);
     holder_start(&h, taken, "follow");
     CU_ASSERT_EQUAL(h.told.result, MU_BUSY);
     holder_kill(&h);
@@ -187,7 +247,7 @@ static void test_ports_in_use(void)
     close(fd);
 }
 
-/* One process can hold them all, as each lock is a file of its own. */
+/* One process can hold them all, as each lock is a file of its own; others may have some. */
 static void test_limit_domains(void)
 {
     pid_t pid = fork();
@@ -197,7 +257,7 @@ static void test_limit_domains(void)
         while (taken < 1000 && runs_take(-1, "all", &domain) == MU_OK) {
             taken++;
         }
-        bool all = taken > RUNS_DOMAIN_LAST / 2 && taken <= RUNS_DOMAIN_LAST;
+        bool all = taken > 0 && taken <= RUNS_DOMAIN_LAST;
         _exit(all && runs_take(-1, "more", &domain) == MU_BUSY ? 0 : 1);
     }
     int status = -1;
@@ -261,6 +321,7 @@ int main(void)
         {"one lives", test_one_lives},
         {"several live", test_several_live},
         {"somebody else's run has another domain", test_somebody_elses_run_has_another_domain},
+        {"a look takes no port from who is there", test_a_look_takes_no_port_from_who_is_there},
         {"a stale file is no run", test_a_stale_file_is_no_run},
         {"ports in use", test_ports_in_use},
         {"limit: domains", test_limit_domains},
