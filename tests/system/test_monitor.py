@@ -10,8 +10,8 @@ import subprocess
 import termios
 
 from support import (BUILD, FOLLOW, MUSTER, PAIR, ROOT, Processes, check, check_equal, children_of,
-                     experiment_run, folder, members, muster, new_domain, pair_run,
-                     places_taken, wait_for)
+                     experiment_run, folder, members, muster, new_domain, pair_run, places_taken,
+                     wait_for)
 from terminal import Terminal
 
 WATCHER = str(BUILD / "examples" / "watcher")
