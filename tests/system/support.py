@@ -21,7 +21,7 @@ FOLLOW = str(ROOT / "experiments" / "follow.yaml")
 # Domains of the tests: away from those that `muster run` picks first, and below the range of
 # ephemeral ports.  Each process that runs tests has ten of its own, by the ports by which a run has
 # its domain: no run picks one of them.
-FIRST_DOMAIN, DOMAINS, SHARES = 50, 10, 5
+FIRST_DOMAIN, DOMAINS, SHARES = 10, 10, 4
 
 # Rules of one that counts what came out of order, and of one that sends numbers to red.
 COUNTS = """
@@ -123,13 +123,13 @@ def folder():
         shutil.rmtree(path, ignore_errors=True)
 
 
-def muster(*words, timeout=60, **kwargs):
+def muster(*words, timeout=180, **kwargs):
     """Runs one command to its end."""
     return subprocess.run([MUSTER, *map(str, words)], capture_output=True, text=True,
                           timeout=timeout, stdin=subprocess.DEVNULL, **kwargs)
 
 
-def experiment_run(out, *words, file=FOLLOW, timeout=120):
+def experiment_run(out, *words, file=FOLLOW, timeout=300):
     """Runs an experiment quietly; gives the process and, when there is one, its summary."""
     done = muster("run", file, "--quiet", "--out", out, *words, timeout=timeout)
     path = pathlib.Path(out) / "summary.json"
@@ -216,6 +216,14 @@ def members(domain):
     check_equal(done.returncode, 0, f"muster ps: {done.stderr}")
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     return {m["name"]: m for m in lines}
+
+
+def places_taken(domain):
+    """How many processes beside brokers and simulator are in a domain: by the ports of DDS that they have."""
+    first = 7400 + 250 * domain + 10
+    ports = {int(line.split()[1].split(":")[1], 16)
+             for line in pathlib.Path("/proc/net/udp").read_text().splitlines()[1:]}
+    return sum(first + 2 * index in ports for index in range(10, 120))
 
 
 def observer_environment():

@@ -73,7 +73,7 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
     with folder() as out:
         done, summary = experiment_run(out / "calm", *words)
         check_equal(done.returncode, 0, done.stderr)
-    with run("--rate", "15", *RESTART, *EACH_STEP, *words) as r:
+    with run("--rate", "5", *RESTART, *EACH_STEP, *words) as r:
         r.reach("red", 30)
         r.kill("red")
         r.reach("red", 100)
@@ -116,7 +116,7 @@ def crew_file(out, more=""):
 
 def test_the_robots_of_a_process_come_back_together():
     with folder() as out:
-        with run("--rate", "10", *RESTART, "--set", "checkpoint=1", file=crew_file(out, "resolvers: [near]")) as r:
+        with run("--rate", "5", *RESTART, "--set", "checkpoint=1", file=crew_file(out, "resolvers: [near]")) as r:
             r.reach("w_0", 20)
             r.kill("w")
             r.kill("near")
@@ -133,7 +133,7 @@ def test_the_robots_of_a_process_come_back_together():
 
 
 def test_in_free_running_a_broker_comes_back_too():
-    with run("--free", *RESTART, *EACH_STEP, "--set", "duration=6") as r:
+    with run("--free", *RESTART, *EACH_STEP, "--set", "duration=15") as r:
         r.reach("red", 10)
         r.kill("main")
         r.kill("red")
@@ -163,7 +163,7 @@ def test_one_robot_may_not_die():
 
 
 def test_without_checkpoints_a_robot_begins_anew():
-    with run("--rate", "10", *RESTART, "--set", "checkpoint=0", "--set", "duration=15") as r:
+    with run("--rate", "2", *RESTART, "--set", "checkpoint=0", "--set", "duration=15") as r:
         wait_for(lambda: members(r.domain).get("red", {}).get("state") == "running", 10, "red")
         r.kill("red")
         wait_for(lambda: members(r.domain)["red"]["state"] == "running"
@@ -241,6 +241,17 @@ def test_a_robot_comes_back_as_it_was():
         r.start("--restore")
         check("checkpoint-refused" in (r.out / "said").read_text(), "a damaged file is not named")
         check_equal((r.page()["state"], r.ask("?*n*")), ("standby", "0"), "it began anew")
+        for text, word in (("garbage\n", "checkpoint-refused"), (None, "checkpoint-missing")):
+            r.die()
+            (r.out / "red.capsule").unlink()
+            if text:
+                (r.out / "red.capsule").write_text(text)
+            (r.out / "said").write_text("")
+            r.start("--restore")
+            check(word in (r.out / "said").read_text(), f"{word}: {(r.out / 'said').read_text()}")
+        r.die()
+        done = muster("do", "red", "(now)", "--wait", 1, "--domain", r.domain)
+        check_equal((done.returncode, "red is absent" in done.stderr), (124, True), done.stderr)
 
 
 def test_what_was_acknowledged_is_on_disk():

@@ -52,6 +52,31 @@ class Team:
         pids = {pages[host]["pid"]: host for host in self.hosts if host in pages}
         return pids.get(pages[name]["pid"], "elsewhere")
 
+    def set_out(self, name, host, *words):
+        """Sends an agent to a host that takes nothing in.  When this is back the agent is on its way, the broker
+        has its capsule, and the host is stopped and not missed yet.  It would be within a second: on a busy
+        machine that takes several tries.  @return the command that waits for the end of the move"""
+        for _ in range(20):
+            self.hosts[host].send_signal(signal.SIGSTOP)
+            move = self.begin("move", name, host, *words)
+            if self.is_on_its_way(name, host, move):
+                return move
+            move.communicate(timeout=60)
+            self.hosts[host].send_signal(signal.SIGCONT)
+            wait_for(lambda: members(self.domain)[host]["state"] == "running", 10, f"{host} again")
+            wait_for(lambda: members(self.domain)[name]["state"] != "moving", 10, f"{name} again")
+        raise AssertionError(f"{name} never was on its way before {host} was missed")
+
+    def is_on_its_way(self, name, host, move):
+        """Waits until it is, and a moment longer: the pieces of the capsule are at the broker then."""
+        def look():
+            pages = members(self.domain)
+            return pages[name]["state"] == "moving" and any(n.startswith("envoy.") for n in pages)
+
+        wait_for(lambda: look() or move.poll() is not None, 20, f"{name} on its way")
+        time.sleep(0.1)
+        return look() and members(self.domain)[host]["state"] == "running"
+
     def begin(self, *words):
         """The same, without waiting for its end."""
         return self.processes.start(MUSTER, *words, "--domain", self.domain, stdout=subprocess.PIPE,
@@ -251,7 +276,7 @@ def test_moves_in_lock_step():
         t.robot_start("red", STEPS + """
 (defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo north))""")
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--hosts", "2", "--rate", "4", "--duration", "8", "--domain", t.domain)
+                                "--hosts", "2", "--rate", "2", "--duration", "12", "--domain", t.domain)
         t.done("start", "red")
         wait_for(lambda: t.place_of("red") == "north", 15, "red at north")
         check_equal(t.done("move", "red", "south"), "red at south\n", "the answer")
@@ -313,7 +338,7 @@ def test_the_target_dies_in_lock_step():
     with team(bodies=()) as t:
         t.robot_start("red", STEPS)
         sim = t.processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red",
-                                "--hosts", "2", "--rate", "4", "--duration", "12", "--domain", t.domain)
+                                "--hosts", "2", "--rate", "2", "--duration", "16", "--domain", t.domain)
         t.done("start", "red")
         wait_for(lambda: int(t.ask("red", "?*steps*")) > 3, 15, "a run")
         t.hosts["north"].send_signal(signal.SIGSTOP)
@@ -335,10 +360,7 @@ def test_who_lost_both_comes_back_from_the_broker():
     with team(bodies=()) as t:
         robot = t.robot_start("red", '(defglobal ?*n* = 0)(deffacts f (kept "a b"))')
         t.ask("red", "(bind ?*n* 17)")
-        t.hosts["north"].send_signal(signal.SIGSTOP)
-        move = t.begin("move", "red", "north")
-        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
-        time.sleep(0.3)
+        move = t.set_out("red", "north")
         robot.kill()
         t.hosts["north"].kill()
         move.kill()
@@ -476,9 +498,7 @@ def living(t, name):
 def test_the_target_dies_before_its_word():
     with team(bodies=()) as t:
         t.robot_start("red")
-        t.hosts["north"].send_signal(signal.SIGSTOP)
-        move = t.begin("move", "red", "north")
-        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        move = t.set_out("red", "north")
         t.hosts["north"].kill()
         out, err = move.communicate(timeout=60)
         check_equal((move.returncode, "host-absent" in err), (8, True), f"{out} {err}")
@@ -491,13 +511,9 @@ def test_the_source_dies_before_its_name_is_free():
     """The host has the capsule whole: it is the agent, when the broker has lost the other."""
     with team(bodies=()) as t:
         robot = t.robot_start("red", '(deffacts f (x 1))')
-        t.hosts["north"].send_signal(signal.SIGSTOP)
-        move = t.begin("move", "red", "north")
-        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
-        move.kill()
-        wait_for(lambda: any(n.startswith("envoy.") for n in members(t.domain)), 10, "its envoy")
-        time.sleep(0.3)  # the pieces are at the broker, and the host is not missed yet
+        move = t.set_out("red", "north")
         robot.kill()
+        move.kill()
         t.hosts["north"].send_signal(signal.SIGCONT)
         check_equal(living(t, "red"), "north", "where it lives")
         check("(x 1)" in t.ask("red", "(facts)"), "its facts")
@@ -506,9 +522,7 @@ def test_the_source_dies_before_its_name_is_free():
 def test_the_broker_dies_on_the_way():
     with team(bodies=()) as t:
         t.robot_start("red")
-        t.hosts["north"].send_signal(signal.SIGSTOP)
-        move = t.begin("move", "red", "north", "--wait", 5)
-        wait_for(lambda: members(t.domain)["red"]["state"] == "moving", 10, "red on its way")
+        move = t.set_out("red", "north", "--wait", 5)
         t.broker.kill()
         t.broker.wait()
         t.broker = broker_start(t.processes, t.domain)

@@ -6,7 +6,7 @@ import pathlib
 import signal
 
 from support import (FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder, members,
-                     muster, new_domain, program, wait_for)
+                     muster, new_domain, places_taken, program, wait_for)
 
 ROBOTS = ["red", "blue", "green", "yellow"]
 RUNNING = "1"
@@ -88,6 +88,7 @@ def test_frames_say_what_the_report_says():
     with folder() as out, Processes() as processes:
         _, plain = experiment_run(out / "plain", "--duration", "60", "--domain", domain)
         watchers = [watch(processes, domain, p, out / p) for p in ("every", "latest")]
+        wait_for(lambda: places_taken(domain) == 2, 20, "two who watch")
         _, watched = experiment_run(out / "watched", "--duration", "60", "--rate", "40",
                                     "--domain", domain)
         for w in watchers:

@@ -205,14 +205,16 @@ def test_what_has_gone_is_recorded_and_replayed():
         seeker = processes.start(program("pages_agent"), domain, "seeker", out / "seeker")
         wait_for(lambda: muster("lookup", "seeker", "--domain", domain).returncode == 0, 20,
                  "the seeker in the white pages")
-        muster("send", "seeker", "word", "--domain", domain)  # the operator comes, and goes
-        time.sleep(1)  # the recorder finds the seeker by itself
+        # The operator comes, and goes; the recorder finds the seeker, which tells its group the word.
+        wait_for(lambda: muster("send", "seeker", "word", "--domain", domain).returncode == 0 and
+                 b"group:scouts" in (out / "a.mcap").read_bytes(), 20, "the recorder to hear the seeker")
         seeker.kill()
         wait_for(lambda: "absent" in muster("lookup", "seeker", "--domain", domain).stdout, 20,
                  "the seeker to be missed")
         broker.terminate()
         broker.wait(30)
-        time.sleep(0.5)
+        wait_for(lambda: b"BrokerStatus/gone" in (out / "a.mcap").read_bytes(), 20, "the broker to be missed")
+        time.sleep(0.5)  # the seeker was missed before, most likely
         record_end(record)
         got = decode(out / "a.mcap", "Registration/gone", "BrokerStatus/gone")
         check_equal(got["topics"], got["raw"], "messages that were decoded")

@@ -63,7 +63,7 @@ def test_orders_change_the_world_of_a_run():
 def test_orders_for_later_come_at_their_time_or_with_their_condition():
     domain = new_domain()
     with folder() as out, Processes() as processes:
-        run = run_start(processes, domain, out / "report", "--rate", "4", "--duration", "30")
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "30")
         waits = world(domain, "place", "red", "0", "-3", "--at", "20", "--wait", "0")
         check_equal((waits.returncode, waits.stdout), (0, "waits for its time\n"), "nobody waits")
         with open(out / "when", "w") as answer:
@@ -71,8 +71,8 @@ def test_orders_for_later_come_at_their_time_or_with_their_condition():
                                    "red at 0 -3 0.5", "--json", "--domain", domain, stdout=answer)
         check_equal(done_at(domain, "push", "green", "1", "0", "--at", "0.1") < 200, True,
                     "what is past is done at once")
-        at = done_at(domain, "sensor", "yellow", "sonar", "off", "--at", "12.0")
-        check_equal(at, 120, "the step of a time")
+        at = done_at(domain, "sensor", "yellow", "sonar", "off", "--at", "9.0")
+        check_equal(at, 90, "the step of a time")
         wrong = world(domain, "push", "red", "1", "0", "--when", "red likes blue")
         check_equal(wrong.returncode, 2, "no condition")
         check("--when: " in wrong.stderr, wrong.stderr)
@@ -95,7 +95,7 @@ def test_orders_for_later_come_at_their_time_or_with_their_condition():
 def test_what_waits_when_a_run_ends_says_so():
     domain = new_domain()
     with folder() as out, Processes() as processes:
-        run = run_start(processes, domain, out / "report", "--rate", "10", "--duration", "10")
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "8")
         late = world(domain, "push", "red", "1", "0", "--at", "100")
         check_equal((late.returncode, run.wait(30)), (124, 0), "its time has not come")
         check("the run has ended" in late.stderr, late.stderr)
@@ -207,7 +207,7 @@ def test_the_slowest_and_the_fastest_pace():
     """The run ends at once behind the second order, and has answered it all the same."""
     domain = new_domain()
     with folder() as out, Processes() as processes:
-        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "5")
+        run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "20")
         slow = done_at(domain, "pace", "1e-300")
         check(slow <= done_at(domain, "pace", "1e300") <= slow + 1, "it stands meanwhile")
         check_equal(run.wait(60), 0, "the run ends well")
