@@ -126,7 +126,8 @@ static void pages_read(struct watch *w)
     enum bus_life life;
     const muster_Page *page;
     while ((page = bus_next(&w->whites, &life))) {
-        pages_take(w->pages, page); /* of a broker that is gone there is the key alone */
+        const muster_Page gone = {.broker = page->broker, .part = page->part};
+        pages_take(w->pages, life == BUS_DATA ? page : &gone);
     }
 }
 
