@@ -109,10 +109,13 @@ HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/progr
 TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
 BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/*.c))
 SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/null)
+# Who is not asked for by name, and was built once, is kept up to date: a helper or a bench of before
+# a change of idl/wire.idl talks another wire than the programs that it meets.
+KEPT     := $(wildcard $(HELPERS) $(BENCHES) $(O)/test/gohome)
 
 .DEFAULT_GOAL := all
 .PHONY: all
-all: deps $(PROGRAMS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) ## build the programs, the library and the examples
+all: deps $(PROGRAMS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
 .PHONY: deps
 deps: ## install what is missing (DEPS=skip: never touch the system)

@@ -22,6 +22,9 @@
 #include <stdint.h>
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct mu_process mu_process;
 typedef struct mu_agent mu_agent;
@@ -208,7 +211,12 @@ struct mu_process_options {
                            first one of this host, else of another */
 };
 
-/** Connects to the bus.  @return MU_OK; MU_FAULT_USAGE: an option is wrong; MU_FAULT_DDS */
+/**
+ * Connects to the bus; a program can be in a domain once at a time.
+ *
+ * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or the program is in that domain already;
+ *         MU_FAULT_DDS
+ */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
 /** Lets every agent leave and disconnects; NULL: nothing to do. */
@@ -385,6 +393,9 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 /** @return the index-th line in order of name, valid until the next spin; NULL past the last */
 const struct mu_member *mu_process_member(const mu_process *p, size_t index);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

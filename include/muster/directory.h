@@ -17,6 +17,9 @@
 #include "muster/agent.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Results of all changes: as mu_agent_send; MU_MALFORMED also for what is not a name. */
 
@@ -80,6 +83,9 @@ MU_MUST_USE mu_result mu_agent_watch_service(mu_agent *a, const char *query);
 const struct mu_service *mu_process_find_service(const mu_process *p, const char *query,
                                                  size_t index);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

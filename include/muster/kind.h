@@ -18,6 +18,9 @@
 #include "muster/agent.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* What a handler did with a mail. */
 enum mu_take {
@@ -100,6 +103,9 @@ MU_MUST_USE mu_result mu_agent_reply(mu_agent *a, const struct mu_mail *mail,
 /** @return whether KQML or FIPA know that performative; others are sent all the same */
 bool mu_performative_known(const char *performative);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

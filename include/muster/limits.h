@@ -15,11 +15,12 @@
 /** Longest name of a process, which is also its DDS partition, in bytes. */
 #define MU_PROCESS_MAX 63
 
-/** Longest mail content, in bytes, without the terminating zero. */
-/* Bytes that a recording keeps of what an agent notes in a step. */
+/** Bytes that a recording keeps of what an agent notes in a step. */
 #ifndef MU_NOTE_MAX
 #define MU_NOTE_MAX 16384
 #endif
+
+/** Longest mail content, in bytes, without the terminating zero. */
 #ifndef MU_CONTENT_MAX
 #define MU_CONTENT_MAX 16384
 #endif

@@ -10,6 +10,9 @@
 #include <stddef.h>
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** Takes zeroed memory for the life of the process.  Aborts after the seal, or when there is none.
  */
@@ -27,6 +30,9 @@ void mu_memory_seal(void);
 /** @return whether the start-up phase is over */
 bool mu_memory_sealed(void);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -16,6 +16,9 @@
 #include "muster/agent.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* A convex piece, seen from above. */
 struct mu_outline {
@@ -129,7 +132,8 @@ typedef struct mu_watch mu_watch;
  * Begins to watch the domain; the run may be there already, or come later.
  *
  * @param p  a process whose agents live beside the watch, and which mu_watch_spin spins; NULL: none
- * @return MU_OK; MU_FAULT_USAGE: an option is wrong; MU_FAULT_DDS
+ * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or there is no process and the program is in
+ *         that domain already; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result mu_watch_open(mu_watch **out, mu_process *p,
                                     const struct mu_watch_options *options);
@@ -164,6 +168,9 @@ int mu_watch_wake_fd(mu_watch *w);
 /** Ends the watch; its process stays.  NULL: nothing to do. */
 void mu_watch_close(mu_watch *w);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -16,6 +16,9 @@
 #include "muster/agent.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct mu_resolution mu_resolution;
 
@@ -44,6 +47,9 @@ MU_MUST_USE mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resol
  */
 mu_result mu_resolution_add(mu_resolution *r, const char *name);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

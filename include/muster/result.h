@@ -16,6 +16,9 @@
 #define MUSTER_RESULT_H
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* The one list: enumerators, and the words that people and rules see. */
 #define MU_RESULTS(X)                       \
@@ -63,9 +66,12 @@ mu_result mu_fault_trace(mu_result r, const char *function, const char *file, in
     ((condition) ? (void)0 : mu_assert_failed(#condition, __func__, __FILE__, __LINE__))
 
 /** Prints the expression and where it stands, and aborts. */
-_Noreturn void mu_assert_failed(const char *expression, const char *function, const char *file,
-                                int line);
+void mu_assert_failed(const char *expression, const char *function, const char *file, int line)
+    __attribute__((noreturn));
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -14,6 +14,9 @@
 #include "muster/monitor.h"
 
 #pragma GCC visibility push(default)
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* One robot; shares are 0 to 1. */
 struct mu_stats_robot {
@@ -107,6 +110,9 @@ bool mu_stats_pair(const mu_stats *s, size_t index, struct mu_stats_pair *pair);
  *          by; step_s: how long one step is, the least that counts */
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s);
 
+#ifdef __cplusplus
+}
+#endif
 #pragma GCC visibility pop
 
 #endif

@@ -202,21 +202,34 @@ void checkpoint_round(struct crew *c)
     }
 }
 
+void checkpoint_leave(struct robot *r)
+{
+    const struct checkpoints *k = &r->crew->checkpoints;
+    if (!k->set->folder || !r->out) {
+        return;
+    }
+    struct saved *s = &k->saved[r - r->crew->robots];
+    if (r->native) {
+        mark_write(k, r->name);
+        r->native = false;
+    }
+    if (s->name[0]) {
+        file_forget(k, s->name);
+        s->name[0] = '\0';
+    }
+}
+
 void checkpoint_forget(struct crew *c)
 {
-    const struct checkpoints *k = &c->checkpoints;
-    for (uint32_t i = 0; i < c->count && k->set->folder; i++) {
-        struct robot *r = &c->robots[i];
-        struct saved *s = &k->saved[i];
-        if (r->out && r->native) {
-            mark_write(k, r->name);
-            r->native = false;
-        }
-        if (r->out && s->name[0]) {
-            file_forget(k, s->name);
-            s->name[0] = '\0';
-        }
+    for (uint32_t i = 0; i < c->count; i++) {
+        checkpoint_leave(&c->robots[i]);
     }
+}
+
+void checkpoint_own(struct robot *r)
+{
+    struct saved *s = &r->crew->checkpoints.saved[r - r->crew->robots];
+    (void)mu_text_copy(s->name, sizeof s->name, r->name);
 }
 
 /* --- coming back ------------------------------------------------------------------------------ */

@@ -82,6 +82,12 @@ void checkpoint_round(struct crew *c);
  */
 void checkpoint_forget(struct crew *c);
 
+/** The same at once for one of them: its place is another's now. */
+void checkpoint_leave(struct robot *r);
+
+/** It came back from its file, which goes if it is not here any more. */
+void checkpoint_own(struct robot *r);
+
 /** @return whether such a mark is there */
 bool checkpoint_is_gone(const struct crew *c, const char *name);
 

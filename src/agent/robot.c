@@ -13,7 +13,7 @@ void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t cou
     mu_text_init(&c->listing, c->listing_bytes, sizeof c->listing_bytes);
     mu_text_init(&c->trace, c->trace_bytes, sizeof c->trace_bytes);
     mu_text_init(&c->diary, c->diary_bytes, sizeof c->diary_bytes);
-    trip_reserve(&c->trip);
+    trip_reserve(c);
     c->robots = mu_startup_array(count, sizeof *c->robots);
     for (uint32_t i = 0; i < count; i++) {
         c->robots[i].crew = c;

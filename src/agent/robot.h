@@ -47,7 +47,9 @@ struct crew {
                               to the log, with the robot's name */
     const char *rules_folder; /* of the shared rules */
     const char *host;         /* the platform's name; "": the process takes nobody in */
-    struct trip trip;
+    struct trip *trips;       /* trips_max of them, in no order */
+    uint32_t trips_max;
+    uint64_t trips_begun;
     struct checkpoints checkpoints;
     mu_agent *envoy; /* speaks for who is on its way; NULL: nobody was yet */
     /** One that has come has its name, or will not get it; NULL: nobody comes. */
@@ -69,6 +71,7 @@ struct robot {
     char name[MU_NAME_MAX + 1];
     struct mind *mind;
     mu_agent *agent;
+    struct trip *trip;         /* that it is on, or its copy is; NULL: none */
     struct mu_percept percept; /* of this step, */
     bool percept_waits;        /* which the mind has not taken yet */
     bool bodiless;             /* in this step; the percept says what time it is */
@@ -115,6 +118,13 @@ MU_MUST_USE mu_result robot_arrive(struct robot *r, const struct mu_passage *fro
 void robot_drop(struct robot *r);
 
 /* robot_mind.c */
+
+/**
+ * What its mind is to be made with: by the settings of its crew, and what it may ask of the robot.
+ *
+ * @param folder  of the shared rules; NULL: a capsule has them
+ */
+struct mind_options robot_options(struct robot *r, const char *folder);
 
 /**
  * Makes its mind: what its checkpoint says, if it is to come back and has one; else the shared

@@ -71,7 +71,7 @@ static void return_refused(struct robot *r, const char *reason)
 void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
-    r->native = r->native && accepted;
+    r->native = r->native && (accepted || r->arrives);
     if (r->arrives) {
         if (!accepted && r->returns && !r->crew->host[0]) {
             return_refused(r, reason);
@@ -85,7 +85,10 @@ void robot_on_registered(void *self, mu_agent *a, bool accepted, const char *rea
         pages_enter(r, a);
         return;
     }
-    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    fprintf(
+        stderr,
+        "muster robot: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
+        mu_agent_name(a), reason, mu_agent_name(a));
     r->crew->refused = true;
     robot_leave(r);
 }

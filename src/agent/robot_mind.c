@@ -35,8 +35,7 @@ static mu_result globals_set(struct mind *mind, const struct mu_option_list *glo
     return MU_OK;
 }
 
-/* @param folder  of the shared rules; NULL: a capsule has them */
-static struct mind_options options_of(struct robot *r, const char *folder)
+struct mind_options robot_options(struct robot *r, const char *folder)
 {
     const struct settings *set = r->crew->set;
     return (struct mind_options){.name = r->name,
@@ -55,7 +54,7 @@ static struct mind_options options_of(struct robot *r, const char *folder)
 static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct passport *p)
 {
     struct mu_fault fault;
-    struct mind_options options = options_of(r, NULL);
+    struct mind_options options = robot_options(r, NULL);
     const char *capsule = checkpoint_read(r->crew, r->name, head, p);
     if (!capsule) {
         return false;
@@ -99,7 +98,7 @@ static bool mind_return(struct robot *r)
 static mu_result mind_make(struct robot *r, const char *folder)
 {
     const struct settings *set = r->crew->set;
-    struct mind_options options = options_of(r, folder);
+    struct mind_options options = robot_options(r, folder);
     struct mu_fault fault;
     mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;

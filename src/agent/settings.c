@@ -66,10 +66,11 @@ static mu_result settings_check(const struct settings *set)
         return MU_FAULT_USAGE;
     }
     if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
+        char shown[MU_TEXT_SHOWN];
         fprintf(stderr,
                 "muster robot: '%s' cannot be a robot's name: it must match "
                 "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
-                set->name);
+                mu_text_show(shown, set->name));
         return MU_FAULT_USAGE;
     }
     if (!names_fit(set)) {

@@ -18,15 +18,39 @@ static const uint64_t SETTLE_NS = 5000000000;
 static const uint64_t ANSWER_NS = 10000000000;
 static const uint64_t NAME_NS = 5000000000;
 
-void trip_reserve(struct trip *t)
+void trip_reserve(struct crew *c)
 {
-    mu_text_init(&t->text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
+    c->trips_max = c->count < MU_CAPSULES_MAX ? c->count : MU_CAPSULES_MAX;
+    c->trips = mu_startup_array(c->trips_max, sizeof *c->trips);
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        mu_text_init(&c->trips[i].text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
+    }
 }
 
 bool trip_holds(const struct robot *r)
 {
-    const struct trip *t = &r->crew->trip;
-    return t->robot == r && t->phase > TRIP_DEPARTS && t->purpose == TRIP_MOVE;
+    return r->trip && r->trip->phase > TRIP_DEPARTS && r->trip->purpose == TRIP_MOVE;
+}
+
+/* @return a trip that nobody is on, or NULL */
+static struct trip *trip_find_free(struct crew *c)
+{
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        if (!c->trips[i].robot) {
+            return &c->trips[i];
+        }
+    }
+    return NULL;
+}
+
+/* While one of them waits for its host's word, the process waits for no step. */
+static void under_way_tell(struct crew *c)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        any = any || c->trips[i].phase >= TRIP_KEPT;
+    }
+    trips_set_under_way(c->process, any);
 }
 
 /* --- who speaks ------------------------------------------------------------------------------- */
@@ -59,20 +83,20 @@ static mu_agent *envoy(struct crew *c)
 /* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
  * comes, and an agent without a host speaks for itself when nothing comes of it; else the host does
  * to which it, or its copy, has come. */
-static void trip_tell(struct crew *c, const char *to, const char *reply_with, bool done,
-                      const char *text)
+static void trip_tell(const struct trip *t, struct robot *r, bool done, const char *text)
 {
+    struct crew *c = r->crew;
     bool lockstep = mu_process_in_lockstep(c->process);
-    if (!reply_with[0] || (lockstep && done)) {
+    if (!t->reply_with[0] || (lockstep && done)) {
         return;
     }
-    mu_agent *speaker = lockstep && !c->envoy ? c->trip.robot->agent : envoy(c);
-    struct mu_mail mail = {.dst = to,
+    mu_agent *speaker = lockstep && !c->envoy ? r->agent : envoy(c);
+    struct mu_mail mail = {.dst = t->asker,
                            .performative = done ? "inform" : "failure",
-                           .in_reply_to = reply_with,
+                           .in_reply_to = t->reply_with,
                            .content = text};
     if (speaker && mu_agent_send(speaker, &mail, NULL) != MU_OK) {
-        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", to);
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", t->asker);
     }
 }
 
@@ -83,20 +107,21 @@ static const char *verb_of(const struct trip *t)
     return t->purpose == TRIP_MOVE ? "moveTo" : "clone";
 }
 
-static void trip_end(struct crew *c, bool done, const char *text)
+static void trip_end(struct trip *t, bool done, const char *text)
 {
-    struct trip *t = &c->trip;
+    struct robot *r = t->robot;
     t->phase = TRIP_NONE;
-    trips_set_under_way(c->process, false);
+    t->robot = NULL;
+    r->trip = NULL;
+    under_way_tell(r->crew);
     mu_log(done ? MU_LOG_INFO : MU_LOG_WARNING, done ? "trip-done" : "trip-refused",
-           "name=%s to=%s %s", t->robot->name, t->host, text);
-    trip_tell(c, t->asker, t->reply_with, done, text);
+           "name=%s to=%s %s", r->name, t->host, text);
+    trip_tell(t, r, done, text);
 }
 
 /* Nothing has happened: the agent goes on here, and its rules hear why. */
-static void trip_fail(struct crew *c, const char *reason)
+static void trip_fail(struct trip *t, const char *reason)
 {
-    struct trip *t = &c->trip;
     struct robot *r = t->robot;
     char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
     snprintf(change, sizeof change, "%s %s", verb_of(t),
@@ -104,7 +129,7 @@ static void trip_fail(struct crew *c, const char *reason)
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
     bool deposited = t->phase == TRIP_DEPOSITED && t->purpose == TRIP_MOVE;
-    trip_end(c, false, said);
+    trip_end(t, false, said);
     if (deposited) { /* the broker's copy is one journey ahead */
         mu_agent_set_out(r->agent);
         mu_agent_set_out(r->agent);
@@ -120,7 +145,7 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
     struct crew *c = r->crew;
     const struct mu_member *m = mu_process_lookup(c->process, host);
     const struct mu_member *taken = mu_process_lookup(c->process, w->name);
-    if (c->trip.phase != TRIP_NONE) {
+    if (r->trip || !trip_find_free(c)) {
         return "busy";
     }
     if (!host[0] || !m || m->kind != MU_KIND_HOST) {
@@ -138,15 +163,18 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
 static void trip_fill(struct robot *r, const struct mind_travel *w, const char *host,
                       const struct mu_mail *asked)
 {
-    struct trip *t = &r->crew->trip;
+    struct trip *t = trip_find_free(r->crew);
     t->robot = r;
+    r->trip = t;
     t->purpose = w->kind == MIND_CLONES ? TRIP_CLONE : TRIP_MOVE;
     t->was = mu_agent_state(r->agent);
+    t->passage = (struct mu_passage){.epoch = 0};
     t->sent = t->piece = 0;
     t->left = false;
     t->until_ns = mu_clock_ns() + SETTLE_NS;
     snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
-             (unsigned long long)(mu_clock_wall_ns() / 1000u), (unsigned long long)++t->count);
+             (unsigned long long)(mu_clock_wall_ns() / 1000u),
+             (unsigned long long)++r->crew->trips_begun);
     (void)mu_text_copy(t->host, sizeof t->host, host);
     (void)mu_text_copy(t->name, sizeof t->name, w->name);
     (void)mu_text_copy(t->asker, sizeof t->asker, asked ? asked->src : "");
@@ -221,19 +249,22 @@ static const char *copy_write(struct trip *t, struct mu_fault *fault)
     return trip_write(t->robot, &p, &t->text, fault);
 }
 
-static void deposit(struct crew *c, const char *objection)
+/* One answer to a step takes a few large capsules along; the others set out with the next. */
+static void deposit(struct trip *t, const char *objection)
 {
-    struct trip *t = &c->trip;
+    size_t waiting = trips_bytes(t->robot->crew->process);
+    if (!objection && waiting > 0 && waiting + t->text.len > TRIP_ANSWER_MAX) {
+        return;
+    }
     if (objection || capsule_deposit(t) != MU_OK) {
-        trip_fail(c, objection ? objection : "busy");
+        trip_fail(t, objection ? objection : "busy");
         return;
     }
     t->phase = TRIP_DEPOSITED;
 }
 
-static void depart(struct crew *c)
+static void depart(struct trip *t)
 {
-    struct trip *t = &c->trip;
     struct mu_fault fault;
     if (!t->left) {
         t->left = true;
@@ -242,77 +273,88 @@ static void depart(struct crew *c)
     if (!trips_fits_answer(t->robot->agent)) {
         return; /* its last words need a step more */
     }
-    deposit(c, departure_write(t, &fault));
+    deposit(t, departure_write(t, &fault));
+}
+
+/* It goes now, if it can. */
+static void set_out(struct trip *t)
+{
+    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
+        trip_end(t, false, "gone");
+    } else if (t->purpose == TRIP_CLONE) {
+        struct mu_fault fault;
+        deposit(t, copy_write(t, &fault));
+    } else if (t->left || trips_fits_answer(t->robot->agent)) {
+        depart(t);
+    }
 }
 
 void trip_step_end(struct crew *c)
 {
-    struct trip *t = &c->trip;
-    if (t->phase != TRIP_DEPARTS) {
-        return;
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        if (c->trips[i].phase == TRIP_DEPARTS) {
+            set_out(&c->trips[i]);
+        }
     }
-    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
-        trip_end(c, false, "gone");
-    } else if (t->purpose == TRIP_CLONE) {
-        struct mu_fault fault;
-        deposit(c, copy_write(t, &fault));
-    } else if (t->left || trips_fits_answer(t->robot->agent)) {
-        depart(c);
-    }
+}
+
+/* Its capsule is on its way to the broker: it stands still. */
+static void stand_still(struct trip *t)
+{
+    mu_agent_set_out(t->robot->agent);
+    mu_agent_set_state(t->robot->agent, MU_MOVING);
+    t->phase = TRIP_KEPT;
+    t->until_ns = mu_clock_ns() + ANSWER_NS;
+    under_way_tell(t->robot->crew);
 }
 
 void trip_step_answered(struct crew *c)
 {
-    struct trip *t = &c->trip;
-    if (t->phase != TRIP_DEPOSITED || t->purpose != TRIP_MOVE ||
-        mu_process_in_lockstep(c->process)) {
-        return;
+    for (uint32_t i = 0; i < c->trips_max && !mu_process_in_lockstep(c->process); i++) {
+        struct trip *t = &c->trips[i];
+        if (t->phase == TRIP_DEPOSITED && t->purpose == TRIP_MOVE) {
+            stand_still(t);
+        }
     }
-    mu_agent_set_out(t->robot->agent);
-    mu_agent_set_state(t->robot->agent, MU_MOVING);
-    trips_set_under_way(c->process, true);
-    t->phase = TRIP_KEPT;
-    t->until_ns = mu_clock_ns() + ANSWER_NS;
 }
 
 /* Where no steps come, at once; what it has said goes out before. */
-static void depart_now(struct crew *c)
+static void depart_now(struct trip *t)
 {
-    struct trip *t = &c->trip;
+    struct crew *c = t->robot->crew;
     if (trips_awaits_step(c->process)) {
         return;
     }
     if (mu_clock_ns() > t->until_ns) {
-        trip_fail(c, "broker-silent");
+        trip_fail(t, "broker-silent");
     } else if (trips_all_sent(t->robot->agent)) {
-        trip_step_end(c);
+        set_out(t);
         trip_step_answered(c);
     }
 }
 
 /* In lock step the host has it, or its copy, and answers for that from the next step on. */
-static void departed(struct crew *c)
+static void departed(struct trip *t)
 {
-    struct trip *t = &c->trip;
+    struct robot *r = t->robot;
     if (t->purpose == TRIP_CLONE) {
-        trip_end(c, true, t->name);
+        trip_end(t, true, t->name);
         return;
     }
-    mu_agent_leave(t->robot->agent);
-    trip_end(c, true, "");
-    robot_drop(t->robot);
+    mu_agent_leave(r->agent);
+    trip_end(t, true, "");
+    robot_drop(r);
 }
 
-static void clone_begin(struct crew *c)
+static void clone_begin(struct trip *t)
 {
-    struct trip *t = &c->trip;
     struct mu_fault fault;
     const char *why = copy_write(t, &fault);
-    trips_set_under_way(c->process, true);
     t->phase = TRIP_SENDS;
     t->until_ns = mu_clock_ns() + ANSWER_NS;
+    under_way_tell(t->robot->crew);
     if (why) {
-        trip_fail(c, why);
+        trip_fail(t, why);
     }
 }
 
@@ -341,12 +383,12 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
         return MU_REFUSED;
     }
     trip_fill(r, w, host, asked);
-    if (c->trip.purpose == TRIP_CLONE && !mu_process_in_lockstep(c->process)) {
-        clone_begin(c);
+    if (r->trip->purpose == TRIP_CLONE && !mu_process_in_lockstep(c->process)) {
+        clone_begin(r->trip);
         return MU_OK;
     }
-    c->trip.phase = TRIP_DEPARTS;
-    if (!mu_process_in_lockstep(c->process) && c->trip.reply_with[0]) {
+    r->trip->phase = TRIP_DEPARTS;
+    if (!mu_process_in_lockstep(c->process) && r->trip->reply_with[0]) {
         (void)envoy(c); /* who leaves its process empty has no time for that */
     }
     return MU_OK;
@@ -355,11 +397,10 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
 /* --- the way ---------------------------------------------------------------------------------- */
 
 /* As many pieces as the outbox takes. */
-static void pieces_send(struct crew *c)
+static void pieces_send(struct trip *t)
 {
     static char content[MU_CONTENT_MAX + 1];
-    struct trip *t = &c->trip;
-    mu_agent *speaker = envoy(c);
+    mu_agent *speaker = envoy(t->robot->crew);
     while (speaker && t->sent < t->text.len) {
         size_t bytes = mu_pieces_numbered(content, t->piece, t->text.at, t->text.len, t->sent);
         struct mu_mail mail = {.dst = t->host,
@@ -391,105 +432,127 @@ static bool is_there(const struct trip *t)
 }
 
 /* The host has it; the copy here goes. */
-static void hand_over_end(struct crew *c)
+static void hand_over_end(struct trip *t)
 {
-    struct trip *t = &c->trip;
+    struct robot *r = t->robot;
     char said[2 * MU_NAME_MAX + 16];
-    snprintf(said, sizeof said, "%s at %s", t->robot->name, t->host);
-    trip_end(c, true, said);
-    robot_drop(t->robot);
+    snprintf(said, sizeof said, "%s at %s", r->name, t->host);
+    trip_end(t, true, said);
+    robot_drop(r);
 }
 
 /* Nobody has it: whoever the broker gives the name now is the agent. */
-static void hand_over_undo(struct crew *c)
+static void hand_over_undo(struct trip *t)
 {
-    struct trip *t = &c->trip;
     t->robot->returns_as = t->was;
     t->passage.epoch++; /* the host's copy is out of date, if it comes back */
     if (robot_arrive(t->robot, &t->passage, MU_ON_ARRIVE) != MU_OK) {
         robot_drop(t->robot);
     }
-    trip_end(c, false, "the host has gone");
+    trip_end(t, false, "the host has gone");
 }
 
-static void hand_over(struct crew *c)
+static void hand_over(struct trip *t)
 {
-    if (is_there(&c->trip)) {
-        hand_over_end(c);
-    } else if (mu_clock_ns() > c->trip.until_ns) {
-        hand_over_undo(c);
+    if (is_there(t)) {
+        hand_over_end(t);
+    } else if (mu_clock_ns() > t->until_ns) {
+        hand_over_undo(t);
     }
 }
 
-static void answer_await(struct crew *c)
+static void answer_await(struct trip *t)
 {
-    const struct mu_member *m = mu_process_lookup(c->process, c->trip.host);
+    const struct mu_member *m = mu_process_lookup(t->robot->crew->process, t->host);
     if (!m || m->state == MU_GONE) {
-        trip_fail(c, "host-absent");
-    } else if (mu_clock_ns() > c->trip.until_ns) {
-        trip_fail(c, "host-silent");
+        trip_fail(t, "host-absent");
+    } else if (mu_clock_ns() > t->until_ns) {
+        trip_fail(t, "host-silent");
     }
 }
 
 /* Lets the name go, when nobody has anything more to say to the agent here. */
-static void yield(struct crew *c)
+static void yield(struct trip *t)
 {
-    struct trip *t = &c->trip;
     if (mu_agent_is_settled(t->robot->agent)) {
         t->phase = TRIP_HANDS_OVER;
         t->until_ns = mu_clock_ns() + NAME_NS;
         mu_agent_leave(t->robot->agent);
     } else if (mu_clock_ns() > t->until_ns) {
-        trip_fail(c, "broker-silent");
+        trip_fail(t, "broker-silent");
     }
 }
 
 /* The host has made its copy and asked for the name: it is let go. */
-static void answer_yes(struct crew *c)
+static void answer_yes(struct trip *t)
 {
-    struct trip *t = &c->trip;
     char said[2 * MU_NAME_MAX + 16];
     if (t->purpose == TRIP_CLONE) {
         snprintf(said, sizeof said, "%s at %s", t->name, t->host);
-        trip_end(c, true, said);
+        trip_end(t, true, said);
         return;
     }
     t->phase = TRIP_YIELDS;
     t->until_ns = mu_clock_ns() + SETTLE_NS;
-    yield(c);
+    yield(t);
+}
+
+/* Pieces for one host go out one agent after the other, and the time for its word counts from
+ * then.  @return whether those of another one do */
+static bool waits_for_another(const struct trip *t)
+{
+    const struct crew *c = t->robot->crew;
+    bool waits = false;
+    for (uint32_t i = 0; i < c->trips_max && t->sent == 0; i++) {
+        const struct trip *other = &c->trips[i];
+        bool sends = other->phase == TRIP_WAITS || (other->phase == TRIP_SENDS && other->sent > 0);
+        waits = waits || (other != t && sends && strcmp(other->host, t->host) == 0);
+    }
+    return waits;
+}
+
+static void trip_go_on(struct trip *t)
+{
+    switch (t->phase) {
+    case TRIP_NONE:
+    case TRIP_DEPOSITED: return;
+    case TRIP_DEPARTS: depart_now(t); return;
+    case TRIP_SENDS:
+        if (waits_for_another(t)) {
+            t->until_ns = mu_clock_ns() + ANSWER_NS;
+        } else {
+            pieces_send(t);
+        }
+        answer_await(t);
+        return;
+    case TRIP_KEPT:
+    case TRIP_WAITS: answer_await(t); return;
+    case TRIP_YIELDS: yield(t); return;
+    case TRIP_HANDS_OVER: hand_over(t); return;
+    }
 }
 
 void trip_round(struct crew *c)
 {
-    switch (c->trip.phase) {
-    case TRIP_NONE:
-    case TRIP_DEPOSITED: return;
-    case TRIP_DEPARTS: depart_now(c); return;
-    case TRIP_SENDS:
-        pieces_send(c);
-        answer_await(c);
-        return;
-    case TRIP_KEPT:
-    case TRIP_WAITS: answer_await(c); return;
-    case TRIP_YIELDS: yield(c); return;
-    case TRIP_HANDS_OVER: hand_over(c); return;
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        trip_go_on(&c->trips[i]);
     }
 }
 
 /* The host refuses, or is no more.  Who has let go takes the agent back. */
-static void refused(struct crew *c, const char *reason)
+static void refused(struct trip *t, const char *reason)
 {
-    struct trip *t = &c->trip;
     if (t->phase == TRIP_HANDS_OVER) {
-        hand_over_undo(c);
+        hand_over_undo(t);
     } else if (t->phase == TRIP_DEPOSITED || t->phase == TRIP_KEPT || t->phase == TRIP_YIELDS) {
-        trip_fail(c, reason);
+        trip_fail(t, reason);
     }
 }
 
+/* What is said of an earlier journey of the same agent is not. */
 static bool trip_is_meant(const struct trip *t, const muster_Trip *word)
 {
-    if (t->phase == TRIP_NONE) {
+    if (t->phase == TRIP_NONE || t->passage.epoch != word->epoch) {
         return false;
     }
     bool moves = t->purpose == TRIP_MOVE;
@@ -497,37 +560,44 @@ static bool trip_is_meant(const struct trip *t, const muster_Trip *word)
            strcmp(word->asker, moves ? "" : t->robot->name) == 0;
 }
 
-void trip_hear(struct crew *c, const muster_Trip *word)
+static void word_take(struct trip *t, const muster_Trip *word)
 {
-    struct trip *t = &c->trip;
-    if (!trip_is_meant(t, word)) {
-        return;
-    }
     if (word->word == muster_TRIP_REFUSED) {
-        refused(c, word->reason);
+        refused(t, word->reason);
     } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_DEPOSITED) {
-        departed(c);
+        departed(t);
     } else if (word->word == muster_TRIP_TAKEN && t->phase == TRIP_HANDS_OVER) {
-        hand_over_end(c);
+        hand_over_end(t);
     } else if (word->word == muster_TRIP_READY && t->phase == TRIP_KEPT) {
-        answer_yes(c);
+        answer_yes(t);
     } else if (word->word == muster_TRIP_STORED && t->phase == TRIP_KEPT) {
         t->phase = TRIP_SENDS;
     }
 }
 
+void trip_hear(struct crew *c, const muster_Trip *word)
+{
+    for (uint32_t i = 0; i < c->trips_max; i++) {
+        if (trip_is_meant(&c->trips[i], word)) {
+            word_take(&c->trips[i], word);
+            return;
+        }
+    }
+}
+
 bool trip_take_answer(struct crew *c, const struct mu_mail *mail)
 {
-    struct trip *t = &c->trip;
-    bool ours = t->phase == TRIP_WAITS && strcmp(mail->in_reply_to, t->id) == 0 &&
-                strcmp(mail->src, t->host) == 0;
-    if (!ours) {
-        return false;
+    struct trip *t = NULL;
+    for (uint32_t i = 0; i < c->trips_max && !t; i++) {
+        struct trip *at = &c->trips[i];
+        bool ours = at->phase == TRIP_WAITS && strcmp(mail->in_reply_to, at->id) == 0 &&
+                    strcmp(mail->src, at->host) == 0;
+        t = ours ? at : NULL;
     }
-    if (strcmp(mail->performative, "agree") == 0) {
-        answer_yes(c);
-    } else {
-        trip_fail(c, mail->content);
+    if (t && strcmp(mail->performative, "agree") == 0) {
+        answer_yes(t);
+    } else if (t) {
+        trip_fail(t, mail->content);
     }
-    return true;
+    return t != NULL;
 }

@@ -3,8 +3,8 @@
  * @file trip.h
  * The way of an agent out of its process: docs/mobility.md has the order of events.
  *
- * A crew has one trip at a time.  What crosses is a passport, one line, and a capsule behind it, in
- * pieces that fit a mail.
+ * Each robot of a crew can be on one trip at a time, MU_CAPSULES_MAX of them together.  What
+ * crosses is a passport, one line, and a capsule behind it, in pieces that fit a mail.
  */
 #ifndef MUSTER_AGENT_TRIP_H
 #define MUSTER_AGENT_TRIP_H
@@ -17,6 +17,7 @@
 enum {
     TRIP_CAPSULE_MAX = MU_CAPSULE_MAX, /* bytes of passport and capsule */
     TRIP_FIELDS = 11,                  /* of a passport, without who asked */
+    TRIP_ANSWER_MAX = 4 << 20,         /* of all in one answer to a step, if they are several */
 };
 
 enum trip_purpose { TRIP_MOVE, TRIP_CLONE, TRIP_LAUNCH, TRIP_PURPOSES };
@@ -51,21 +52,21 @@ struct robot;
 struct trip {
     enum trip_phase phase;
     enum trip_purpose purpose;
-    struct robot *robot;
+    struct robot *robot; /* NULL: nobody is on it */
     char host[MU_NAME_MAX + 1], name[MU_NAME_MAX + 1];
     char id[MU_FIELD_MAX + 1]; /* that the host's answer refers to */
     char asker[MU_NAME_MAX + 1], reply_with[MU_FIELD_MAX + 1]; /* "": nobody asked */
     enum mu_state was;
     bool left; /* its rules have had their last word */
     struct mu_passage passage;
-    uint64_t until_ns, count;
+    uint64_t until_ns;
     struct mu_text text; /* passport and capsule */
     size_t sent;
     uint32_t piece;
 };
 
-/** Takes the memory for trips. */
-void trip_reserve(struct trip *t);
+/** Takes the memory for a crew's trips. */
+void trip_reserve(struct crew *c);
 
 /**
  * Begins one.
@@ -83,7 +84,7 @@ mu_result trip_begin(struct robot *r, const struct mind_travel *w, const struct 
 const char *trip_write(struct robot *r, const struct passport *p, struct mu_text *out,
                        struct mu_fault *fault);
 
-/** Goes on as far as that is possible now. */
+/** All go on as far as that is possible now. */
 void trip_round(struct crew *c);
 
 /** Takes what the broker says of one that is on its way. */

@@ -523,6 +523,11 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     return true;
 }
 
+void broker_page_untold(struct broker *b, const muster_Page *page)
+{
+    registry_mark_page(&b->registry, page->part);
+}
+
 bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 {
     struct event event;

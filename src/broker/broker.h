@@ -146,9 +146,11 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
  * Gives the next page of the white pages in which a line has changed since it was last given.
  *
  * @param out  filled with pointers into the broker, valid until the next call into it
- * @return false when there is none
+ * @return false when there is none; after a write that the network refused, call
+ *         broker_page_untold and try again later
  */
 bool broker_page_news(struct broker *b, muster_Page *out);
+void broker_page_untold(struct broker *b, const muster_Page *page);
 
 /**
  * Gives what has gone wrong with mail; events_next in events.h says how often.

@@ -73,6 +73,8 @@ static const struct counter counters[] = {
      AT(resolve.refused)},
     {PART_POSTMASTER, "duplicates-dropped", "mails that came twice from their sender",
      AT(counters.duplicates_dropped)},
+    {PART_POSTMASTER, "receipts-lost", "words on mails that were not told, for want of room",
+     AT(receipts.lost)},
     {PART_POSTMASTER, "gaps",
      "mails not taken yet, for an earlier one of their sender or box is missing",
      AT(counters.gaps)},

@@ -47,6 +47,33 @@ static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
 
 /* --- words ------------------------------------------------------------------------------------ */
 
+/* To a process that is no more, or an arrival whose capsule has gone since. */
+static bool word_is_void(const struct broker *b, const struct depot_word *w)
+{
+    const struct place *at = &b->places.at[w->place];
+    const struct depot_capsule *c = &b->depot.capsules[w->capsule];
+    if (!at->used || strcmp(at->name, w->process) != 0) {
+        return true;
+    }
+    return w->word == muster_TRIP_ARRIVE &&
+           (c->phase != DEPOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
+}
+
+static void word_remove(struct depot *d, uint32_t i)
+{
+    d->words_count--;
+    memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
+}
+
+static void words_tidy(struct broker *b)
+{
+    for (uint32_t i = b->depot.words_count; i > 0; i--) {
+        if (word_is_void(b, &b->depot.words[i - 1])) {
+            word_remove(&b->depot, i - 1);
+        }
+    }
+}
+
 /* A word to nobody, or one too many, is lost; whoever waits for it has a time limit. */
 static void word_say(struct broker *b, const struct depot_word *word)
 {
@@ -55,10 +82,15 @@ static void word_say(struct broker *b, const struct depot_word *word)
         return;
     }
     if (d->words_count == DEPOT_WORDS) {
+        words_tidy(b);
+    }
+    if (d->words_count == DEPOT_WORDS) {
         d->lost++;
         return;
     }
-    d->words[d->words_count++] = *word;
+    struct depot_word *said = &d->words[d->words_count++];
+    *said = *word;
+    (void)mu_text_copy(said->process, sizeof said->process, b->places.at[word->place].name);
     places_wake(&b->places, word->place);
 }
 
@@ -90,20 +122,6 @@ static void copy_refuse(struct broker *b, uint32_t place, const char *name, uint
     (void)mu_text_copy(word.name, sizeof word.name, name);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     word_say(b, &word);
-}
-
-/* An arrival whose capsule has gone since is none. */
-static bool word_is_void(const struct broker *b, const struct depot_word *w)
-{
-    const struct depot_capsule *c = &b->depot.capsules[w->capsule];
-    return w->word == muster_TRIP_ARRIVE &&
-           (c->phase != DEPOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
-}
-
-static void word_remove(struct depot *d, uint32_t i)
-{
-    d->words_count--;
-    memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
 }
 
 bool depot_next(struct broker *b, uint32_t place, muster_Trip *out)
@@ -283,8 +301,11 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
         deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
         return;
     }
+    (void)mu_text_copy(c->home, sizeof c->home, b->places.at[place].name);
+    c->state = trip->state;
     c->source = place;
     c->host = host;
+    c->in_step = in_step;
     if (in_step) {
         c->phase = DEPOT_STEP;
     } else if (b->places.at[b->registry.agents[host].process].is_broker) {
@@ -316,6 +337,13 @@ static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, 
     c->phase = DEPOT_STEP;
 }
 
+/* @return whether an agent that moves has its name where it set out from */
+static bool is_at_home(const struct broker *b, const struct depot_capsule *c)
+{
+    const struct agent *a = &b->registry.agents[c->agent];
+    return a->process != MU_NONE && strcmp(b->places.at[a->process].name, c->home) == 0;
+}
+
 static void seat_tell(struct broker *b, struct depot_capsule *c)
 {
     b->depot.taken++;
@@ -326,16 +354,32 @@ static void seat_tell(struct broker *b, struct depot_capsule *c)
     word_of(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
 }
 
-/* The name goes from one process of a lock step to another, at once. */
+static void seat_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
+{
+    copy_refuse(b, c->target, c->name, c->epoch, reason);
+    capsule_refuse(b, c, reason);
+    if (c->phase != DEPOT_FREE) {
+        capsule_drop(b, c); /* the agent goes on as another process has it */
+    }
+}
+
+/* The name goes from one process of a lock step to another, at once.  The one that it set out from
+ * may have died meanwhile, and have a successor. */
 static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
 {
-    struct agent *a = &b->registry.agents[c->agent];
+    const struct agent *a = &b->registry.agents[c->agent];
+    bool free = a->process == MU_NONE;
+    if (!free && !is_at_home(b, c)) {
+        seat_refuse(b, c, "gone");
+        return;
+    }
     struct presence is = a->is;
     const struct presence *host = &b->registry.agents[c->host].is;
     is.epoch = c->epoch;
     is.pid = host->pid;
+    is.state = free ? c->state : is.state;
     (void)mu_text_copy(is.host, sizeof is.host, host->host);
-    presence_move(b, c->agent, c->target, slot, &is);
+    (free ? presence_seat : presence_move)(b, c->agent, c->target, slot, &is);
     seat_tell(b, c);
     c->phase = DEPOT_KEPT;
 }
@@ -354,8 +398,7 @@ static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
     agent = agent != MU_NONE ? agent : registry_add(&b->registry, c->name);
     wrong = agent == MU_NONE ? "pages-full" : wrong;
     if (wrong) {
-        copy_refuse(b, c->target, c->name, c->epoch, wrong);
-        capsule_refuse(b, c, wrong);
+        seat_refuse(b, c, wrong);
         return;
     }
     const struct presence *host = &b->registry.agents[c->host].is;
@@ -426,6 +469,12 @@ static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
+/* Whom a lock step needs goes to a host of the run, when that has been started again. */
+static bool is_for(const struct broker *b, const struct depot_capsule *c, uint32_t host)
+{
+    return !b->lockstep.on || !c->in_step || b->registry.agents[host].let_go;
+}
+
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
     uint32_t host = registry_find(&b->registry, trip->host);
@@ -435,7 +484,7 @@ static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *tri
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
         struct depot_capsule *c = &b->depot.capsules[i];
-        if (is_orphan(b, c)) {
+        if (is_orphan(b, c) && is_for(b, c, host)) {
             c->source = MU_NONE;
             c->host = host;
             b->depot.restored++;
@@ -472,19 +521,16 @@ static bool name_is_awaited(const struct broker *b, const char *name)
     return false;
 }
 
-/* @return why it cannot have its name at the end of this step, or NULL */
-static const char *name_objection(const struct broker *b, const struct depot_capsule *c)
-{
-    if (c->agent != MU_NONE) {
-        return b->registry.agents[c->agent].process != c->source ? "gone" : NULL;
-    }
-    return name_is_taken(b, c->name) || name_is_awaited(b, c->name) ? "name-taken" : NULL;
-}
-
 static void capsule_set_out(struct broker *b, struct depot_capsule *c)
 {
+    bool is_new = c->agent == MU_NONE;
+    if (!is_new && !is_at_home(b, c)) { /* its process was let go of: this was never said */
+        capsule_drop(b, c);
+        return;
+    }
     const char *wrong = objection(b, c->host, true);
-    wrong = wrong ? wrong : name_objection(b, c);
+    bool taken = is_new && (name_is_taken(b, c->name) || name_is_awaited(b, c->name));
+    wrong = !wrong && taken ? "name-taken" : wrong;
     if (wrong) {
         capsule_refuse(b, c, wrong);
         return;

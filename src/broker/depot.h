@@ -32,14 +32,16 @@ struct depot_capsule {
     char name[MU_NAME_MAX + 1];
     uint32_t agent;     /* of that name; MU_NONE: it is new */
     uint32_t asker;     /* who wants the journey: the agent itself, or who asks for a new one */
-    muster_State state; /* that a new one begins in */
+    muster_State state; /* that it has there */
     uint64_t epoch;
-    uint32_t source, target; /* places; MU_NONE: not known, or no more */
-    uint32_t host;           /* the agent that it wants to go to */
-    bool seated;             /* a lock step has given its name to the target, and said so */
-    bool holds;              /* the step waits for it */
-    uint64_t until_ns;       /* the host's word on it is awaited for so long */
-    bool unsaved;            /* the disk is to be told that it is there, or that it is free */
+    char home[MU_PROCESS_MAX + 1]; /* the process that it set out from, dead or alive */
+    uint32_t source, target;       /* places; MU_NONE: not known, or no more */
+    uint32_t host;                 /* the agent that it wants to go to */
+    bool in_step;                  /* it came with the answer to a step */
+    bool seated;                   /* a lock step has given its name to the target, and said so */
+    bool holds;                    /* the step waits for it */
+    uint64_t until_ns;             /* the host's word on it is awaited for so long */
+    bool unsaved;                  /* the disk is to be told that it is there, or that it is free */
     size_t len;
     char *text; /* MU_CAPSULE_MAX; passport and capsule */
 };
@@ -47,6 +49,7 @@ struct depot_capsule {
 /* What a process is to be told. */
 struct depot_word {
     uint32_t place;
+    char process[MU_PROCESS_MAX + 1]; /* whose place that is */
     muster_TripWord word;
     char name[MU_NAME_MAX + 1]; /* of the agent */
     uint32_t asker;             /* of a new one; MU_NONE: of another, or to its host */
@@ -76,7 +79,7 @@ bool depot_step_ended(struct broker *b);
 /** The lock step is over: who is on its way stays. */
 void depot_lockstep_over(struct broker *b);
 
-/** A process is no more. */
+/** A process is no more; what it was to be told waits, for it may have been slow only. */
 void depot_gone(struct broker *b, uint32_t place);
 
 /** An agent was seated, or said something of itself: its capsule may be of no use any more.  That

@@ -99,10 +99,28 @@ static bool value_read(struct disk *d, const char *sql, int64_t *out)
     return sqlite3_finalize(s) == SQLITE_OK && got;
 }
 
+/* Those that the next life goes on from.  Receivers take no number from its upper half. */
+static mu_result numbers_check(struct disk *d)
+{
+    static const char *const numbers[] = {
+        "SELECT value FROM meta WHERE key = 'incarnation'",
+        "SELECT coalesce((SELECT value FROM meta WHERE key = 'number_base'), 0)"};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        int64_t number;
+        if (!value_read(d, numbers[i], &number)) {
+            return complain_of(d);
+        }
+        if (number < 0 || (uint64_t)number > JOURNAL_NUMBER_MAX) {
+            return complain_damaged(d, "the store is damaged");
+        }
+    }
+    return MU_OK;
+}
+
 /* Is this file ours, and whole?  Nothing in it is changed.  version: 0 for a new one */
 static mu_result file_check(struct disk *d, int64_t *version)
 {
-    int64_t application, tables, incarnation;
+    int64_t application, tables;
     if (!value_read(d, "PRAGMA application_id", &application) ||
         !value_read(d, "SELECT count(*) FROM sqlite_schema", &tables)) {
         return complain_of(d);
@@ -126,13 +144,7 @@ static mu_result file_check(struct disk *d, int64_t *version)
                         "it was left as it is: use the broker that wrote it, or give another"
                         " --store FILE");
     }
-    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &incarnation)) {
-        return complain_of(d);
-    }
-    if (incarnation < 0 || (uint64_t)incarnation > JOURNAL_NUMBER_MAX) {
-        return complain_damaged(d, "the store is damaged");
-    }
-    return MU_OK;
+    return numbers_check(d);
 }
 
 static mu_result pages_check(struct disk *d)

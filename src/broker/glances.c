@@ -17,39 +17,44 @@ void glances_init(struct glances *g)
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* Of one word too many nobody hears: its asker waits for as long as it wants to. */
-static void word_say(struct broker *b, const struct glances_word *word)
+/* Of one word too many nobody hears: its asker waits for as long as it wants to.
+ * @return whether it will be heard */
+static bool word_say(struct broker *b, const struct glances_word *word)
 {
     struct glances *g = &b->glances;
     if (g->words_count == GLANCES_WORDS) {
         g->lost++;
-        return;
+        return false;
     }
     g->words[g->words_count++] = *word;
     places_wake(&b->places, word->place);
-}
-
-static void word_of(struct broker *b, const struct glance *glance, uint32_t place,
-                    muster_GlanceWord word)
-{
-    word_say(b, &(struct glances_word){.place = place,
-                                       .word = word,
-                                       .glance = (uint32_t)(glance - b->glances.at),
-                                       .asker = glance->asker,
-                                       .agent = glance->agent,
-                                       .number = glance->number});
-}
-
-static void word_remove(struct glances *g, uint32_t i)
-{
-    g->words_count--;
-    memmove(&g->words[i], &g->words[i + 1], (g->words_count - i) * sizeof g->words[0]);
+    return true;
 }
 
 static void glance_free(struct glances *g, struct glance *glance)
 {
     glance->used = false;
     g->count--;
+}
+
+/* A glance whose word is lost would be kept for nobody. */
+static void word_of(struct broker *b, struct glance *glance, uint32_t place, muster_GlanceWord word)
+{
+    bool said = word_say(b, &(struct glances_word){.place = place,
+                                                   .word = word,
+                                                   .glance = (uint32_t)(glance - b->glances.at),
+                                                   .asker = glance->asker,
+                                                   .agent = glance->agent,
+                                                   .number = glance->number});
+    if (!said) {
+        glance_free(&b->glances, glance);
+    }
+}
+
+static void word_remove(struct glances *g, uint32_t i)
+{
+    g->words_count--;
+    memmove(&g->words[i], &g->words[i + 1], (g->words_count - i) * sizeof g->words[0]);
 }
 
 bool glances_next(struct broker *b, uint32_t place, muster_Glance *out)
@@ -112,12 +117,12 @@ static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const must
     struct glance *glance = to != MU_NONE ? glance_take(g, from) : NULL;
     if (!glance || !guard_glances(b, asker, agent, asked->text)) {
         g->declined++;
-        word_say(b, &(struct glances_word){.place = from,
-                                           .word = muster_GLANCE_DECLINED,
-                                           .glance = MU_NONE,
-                                           .asker = asker,
-                                           .agent = agent != MU_NONE ? agent : asker,
-                                           .number = asked->number});
+        (void)word_say(b, &(struct glances_word){.place = from,
+                                                 .word = muster_GLANCE_DECLINED,
+                                                 .glance = MU_NONE,
+                                                 .asker = asker,
+                                                 .agent = agent != MU_NONE ? agent : asker,
+                                                 .number = asked->number});
         return;
     }
     *glance = (struct glance){.used = true,

@@ -10,10 +10,17 @@
 
 #include <string.h>
 
+/* @return whether a number of mails is one that processes take: the upper half is none */
+static bool is_count(uint64_t number)
+{
+    return number <= INT64_MAX;
+}
+
 static bool restore_agent(struct broker *b, const struct journal_entry *e)
 {
     bool good = border_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
-                registry_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0;
+                registry_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0 &&
+                is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
     if (good && agent == MU_NONE) {
         agent = registry_add(&b->registry, e->name);
@@ -63,6 +70,7 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
     if (sender == MU_NONE || e->letter.level == muster_LEVEL_RAM || !border_mail(&e->letter) ||
+        e->letter.seq == 0 || !is_count(e->letter.seq) ||
         !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;

@@ -79,7 +79,7 @@ struct liaison {
     uint64_t beat_ns; /* the next heartbeat */
     bool due[MU_PARTS_MAX];
     uint32_t due_count;
-    uint32_t part_open, next_part;
+    uint32_t part_open;
     muster_Entry entries[MU_PART_AGENTS];
     /* relay.c */
     uint32_t peer_open;

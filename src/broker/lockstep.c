@@ -392,6 +392,14 @@ static bool roster_names(const muster_Roster *roster, const struct place *at)
     return false;
 }
 
+static void tenants_let_go(struct broker *b, uint32_t place)
+{
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        b->registry.agents[agent].let_go = true;
+    }
+}
+
 /* Lets go of the processes that a new roster does not name. */
 static void roster_shrink(struct broker *b, const muster_Roster *roster)
 {
@@ -404,6 +412,9 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
             continue;
         }
         l->answered -= b->places.at[place].answered;
+        if (roster->held) {
+            tenants_let_go(b, place);
+        }
         turns_drop(b, place);
         place_leave(b, place);
     }
@@ -467,6 +478,9 @@ static void lockstep_end(struct broker *b)
 static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
 {
     struct lockstep *l = &b->lockstep;
+    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
+        b->registry.agents[agent].let_go = false;
+    }
     resolve_give_up(b);
     l->on = true;
     l->held = roster->held;

@@ -153,9 +153,7 @@ static void registrations_take(struct post *p)
         ups_take(p);
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
-            life = bus_fate(&p->registrations);
-        }
-        if (life != BUS_DATA) {
+        } else {
             broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
@@ -193,8 +191,10 @@ static void pages_tell(struct post *p)
 {
     muster_Page page;
     while (broker_page_news(p->broker, &page)) {
-        mu_result written = bus_write(&p->pages, &page);
-        (void)written; /* reliable, and the last state of a page is what counts */
+        if (bus_write(&p->pages, &page) != MU_OK) {
+            broker_page_untold(p->broker, &page);
+            return;
+        }
     }
 }
 

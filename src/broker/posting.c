@@ -82,9 +82,34 @@ void posting_schedule(struct broker *b, struct mail *m, bool held, uint64_t left
     }
 }
 
+/* What its sender is told at once.  fits: into each box that he may know of; stored: some of them
+ * are for those who do not take mail now */
+static void sender_answer(struct broker *b, struct mail *m, const struct audience *to, bool fits,
+                          bool stored)
+{
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (to->refused > 0) {
+        outcome_end(b, m, muster_OUTCOME_REFUSED);
+    } else if (to->unknown > 0) {
+        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
+    } else if (!fits) {
+        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (to->veiled > 0) {
+        m->stored_ends_it = m->tell_stored = true;
+    } else if (m->unsettled == 0) {
+        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+    } else if (stored && !is_ram) {
+        m->tell_stored = true; /* when it is */
+    } else if (stored) {
+        outcome_stored(b, m);
+    }
+}
+
 void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
 {
-    bool held = posting_is_held(b, m), all_fit = true, stored = held, veiled = to->veiled > 0;
+    bool held = posting_is_held(b, m), fits = true, stored = held;
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
@@ -92,29 +117,13 @@ void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
             b->counters.delivered++;
             desk_take(b, agent, m);
         } else if (!post_put(b, m, agent, held)) {
-            all_fit = all_fit && audience_veils(b, m, agent);
+            fits = fits && audience_veils(b, m, agent);
         } else {
             stored = stored || router_gate(b, agent) < needs;
         }
     }
     booking_give_back(b, m);
-    if (to->refused > 0) {
-        outcome_end(b, m, muster_OUTCOME_REFUSED);
-    } else if (to->unknown > 0) {
-        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
-    } else if (!all_fit) {
-        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
-    } else if (veiled && (m->unsettled == 0 || m->letter.level == muster_LEVEL_RAM)) {
-        outcome_end(b, m, muster_OUTCOME_STORED);
-    } else if (veiled) {
-        m->stored_ends_it = m->tell_stored = true;
-    } else if (m->unsettled == 0) {
-        outcome_end(b, m, muster_OUTCOME_DELIVERED);
-    } else if (stored && m->letter.level != muster_LEVEL_RAM) {
-        m->tell_stored = true; /* when it is */
-    } else if (stored) {
-        outcome_stored(b, m);
-    }
+    sender_answer(b, m, to, fits, stored);
     if (m->unsettled == 0) {
         store_release(&b->store, m);
     } else {

@@ -49,9 +49,11 @@ void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64
     }
     if (q->count == RECEIPTS_EACH_MAX) { /* the oldest: the newer ones say more */
         receipts_drop(r, agent, 1);
+        r->lost++;
     }
     uint32_t index = receipt_take(r);
     if (index == MU_NONE) {
+        r->lost++;
         return;
     }
     r->pool[index] = (struct receipt){

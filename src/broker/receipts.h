@@ -32,11 +32,17 @@ struct receipts {
     uint32_t used;        /* high-water mark */
     uint32_t free;
     struct receipt_queue *queues; /* one for each agent of the registry */
+    uint64_t lost;                /* receipts that were not told, for want of room */
 };
 
 void receipts_init(struct receipts *r, uint32_t agents);
 
-/** Adds an outcome; it joins the sender's last one if that is its neighbour and the same. */
+/**
+ * Adds an outcome; it joins the sender's last one if that is its neighbour and the same.
+ *
+ * Where there is no room a receipt is lost, and counted: the sender's oldest, or this one.  Who
+ * waits for it sends its mail again, and is told then.
+ */
 void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
                   muster_Outcome result);
 

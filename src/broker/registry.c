@@ -73,14 +73,18 @@ uint32_t registry_add(struct registry *r, const char *name)
     return index;
 }
 
-void registry_touch(struct registry *r, uint32_t agent)
+void registry_mark_page(struct registry *r, uint32_t page)
 {
-    uint32_t page = agent / REGISTRY_PAGE;
-    changes_touch(&r->changes, agent);
     if (!r->pages_due[page]) {
         r->pages_due[page] = true;
         r->news[(r->news_head + r->news_count++) % REGISTRY_PAGES] = page;
     }
+}
+
+void registry_touch(struct registry *r, uint32_t agent)
+{
+    changes_touch(&r->changes, agent);
+    registry_mark_page(r, agent / REGISTRY_PAGE);
 }
 
 uint64_t registry_last_seq(const struct agent *a)

@@ -77,6 +77,7 @@ struct agent {
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
     bool verdict_due;
+    bool let_go;  /* a lock step waits for it to come back in another process */
     bool gone;    /* its process went in lock step: counts when that ends */
     bool ended;   /* it was disposed of in lock step, whose members are to know */
     bool unsaved; /* the journal has to write its line */
@@ -135,6 +136,9 @@ uint64_t registry_last_seq(const struct agent *a);
 
 /** @return the next page in which a line has changed since it was last given here, or MU_NONE */
 uint32_t registry_next_page(struct registry *r);
+
+/** A page is to be given again. */
+void registry_mark_page(struct registry *r, uint32_t page);
 
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,

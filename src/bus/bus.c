@@ -11,6 +11,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <netdb.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,6 +60,12 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     return domain;
 }
 
+static bool is_address(const char *text)
+{
+    struct in_addr address;
+    return inet_pton(AF_INET, text, &address) == 1;
+}
+
 /* Tries to bind a socket.  @return 0, or errno; 0 too when the text is no IPv4 address */
 static int bind_try(const char *text, int port)
 {
@@ -75,10 +82,10 @@ static int bind_try(const char *text, int port)
     return result;
 }
 
-/* @return whether the text is an IPv4 address that no interface of this machine has */
+/* @return whether no interface of this machine has that address */
 static bool is_elsewhere(const char *text)
 {
-    return bind_try(text, 0) == EADDRNOTAVAIL;
+    return text && (!is_address(text) || bind_try(text, 0) == EADDRNOTAVAIL);
 }
 
 /* A domain that fails for its index costs a hundred times as much as this: where many processes
@@ -93,22 +100,40 @@ static bool is_taken(const struct bus_options *options, int index)
 static mu_result domain_open(struct bus *bus, const struct bus_options *options)
 {
     if (is_elsewhere(options->interface)) {
-        fprintf(stderr, "%s is not an address of this machine\n", options->interface);
+        fprintf(stderr,
+                "--interface %s: this machine has no such IPv4 address; `ip -4 -brief address` "
+                "lists those that it has\n",
+                options->interface);
         return MU_FAULT_DDS;
     }
     dds_return_t code = DDS_RETCODE_ERROR;
     dds_set_log_sink(log_nothing, NULL);
     int index = 0;
-    for (int i = 0; code < 0 && (index = config_index(options->place, i)) >= 0; i++) {
+    for (int i = 0; code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
+                    (index = config_index(options->place, i)) >= 0;
+         i++) {
         code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }
     dds_set_log_sink(NULL, NULL);
     if (code >= 0) {
+        bus->domain = code;
         bus->index = index;
         return MU_OK;
     }
+    if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
+        fprintf(stderr, "this program is in domain %d already\n", options->domain);
+        return MU_FAULT_USAGE;
+    }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
     return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 119", code);
+}
+
+static void domain_close(struct bus *bus)
+{
+    if (bus->domain > 0) {
+        dds_delete(bus->domain);
+    }
+    bus->domain = 0;
 }
 
 /* @return whether an address can go into the configuration as it stands */
@@ -117,20 +142,43 @@ static bool is_host(const char *text)
     return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
+/* A peer without an address would be nobody's peer, without a word. */
+static mu_result peers_find(const char *hosts)
+{
+    size_t len;
+    const char *host;
+    for (const char *at = hosts; at && (host = config_host(&at, &len));) {
+        char name[256];
+        struct addrinfo *found = NULL;
+        const struct addrinfo wanted = {.ai_family = AF_INET, .ai_socktype = SOCK_DGRAM};
+        snprintf(name, sizeof name, "%.*s", (int)len, host);
+        int failed = is_address(name) ? 0 : getaddrinfo(name, NULL, &wanted, &found);
+        if (failed) {
+            fprintf(stderr, "--peer %s: no IPv4 address: %s\n", name, gai_strerror(failed));
+            return MU_FAULT_DDS;
+        }
+        if (found) {
+            freeaddrinfo(found);
+        }
+    }
+    return MU_OK;
+}
+
 mu_result bus_open(struct bus *bus, const struct bus_options *options)
 {
     *bus = (struct bus){.place = options->place, .index = -1};
     if (!is_host(options->interface) || (options->hub && !config_hosts_valid(options->hub))) {
         fprintf(stderr,
-                "expected the address of an interface, and names or addresses of at most %d "
-                "hosts\n",
+                "expected --interface with one address, and --peer with names or addresses of at "
+                "most %d hosts\n",
                 MU_PEERS_MAX);
         return MU_FAULT_USAGE;
     }
     traffic_join();
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
-        mu_result opened = domain_open(bus, options);
+        mu_result opened = peers_find(options->hub);
+        opened = opened == MU_OK ? domain_open(bus, options) : opened;
         if (opened != MU_OK) {
             return opened;
         }
@@ -140,6 +188,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
     bus->participant = dds_create_participant((dds_domainid_t)options->domain, qos, NULL);
     dds_delete_qos(qos);
     if (bus->participant < 0) {
+        domain_close(bus);
         return dds_fault("participant", bus->participant);
     }
     pthread_condattr_t clock;
@@ -155,6 +204,7 @@ void bus_close(struct bus *bus)
 {
     dds_delete(bus->participant);
     bus->participant = 0;
+    domain_close(bus);
     if (bus->wakes) {
         close(bus->wake_fd);
         bus->wakes = false;
@@ -256,7 +306,11 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
     reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, listener);
     dds_delete_listener(listener);
     dds_delete_qos(qos);
-    return reader->reader < 0 ? dds_fault("reader", reader->reader) : MU_OK;
+    if (reader->reader < 0) {
+        dds_delete(subscriber);
+        return dds_fault("reader", reader->reader);
+    }
+    return MU_OK;
 }
 
 mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
@@ -275,7 +329,12 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
     writer->writer = dds_create_writer(writer->publisher, bus->topics[topic], qos, NULL);
     dds_delete_qos(qos);
-    return writer->writer < 0 ? dds_fault("writer", writer->writer) : MU_OK;
+    if (writer->writer < 0) {
+        dds_return_t why = writer->writer;
+        bus_writer_close(writer); /* who opens one tries again, each round if need be */
+        return dds_fault("writer", why);
+    }
+    return MU_OK;
 }
 
 void bus_writer_close(struct bus_writer *writer)
@@ -303,6 +362,10 @@ void bus_dispose(const struct bus_writer *writer, const void *sample)
     }
 }
 
+/* The other sides of one endpoint that are looked at: all processes that a domain can have, and who
+ * watches them. */
+enum { ENDPOINTS_MAX = 1024 };
+
 /* @return whether one of the partitions that an endpoint names is this one */
 static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
 {
@@ -322,10 +385,10 @@ static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const ch
 /* Finds the process that reads a partition by its name.  @return whether there is one */
 static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
 {
-    dds_instance_handle_t readers[64];
-    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, 64);
+    dds_instance_handle_t readers[ENDPOINTS_MAX];
+    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, ENDPOINTS_MAX);
     bool found = false;
-    for (dds_return_t i = 0; i < count && i < 64 && !found; i++) {
+    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
         dds_builtintopic_endpoint_t *endpoint =
             dds_get_matched_subscription_data(writer->writer, readers[i]);
         if (endpoint) {
@@ -346,15 +409,14 @@ bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
 bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *writer,
                       const char *partition)
 {
-    enum { WRITERS_MAX = 1024 };
     dds_guid_t process;
     if (!reader_find(writer, partition, &process)) {
         return false;
     }
-    dds_instance_handle_t writers[WRITERS_MAX];
-    dds_return_t count = dds_get_matched_publications(reader->reader, writers, WRITERS_MAX);
+    dds_instance_handle_t writers[ENDPOINTS_MAX];
+    dds_return_t count = dds_get_matched_publications(reader->reader, writers, ENDPOINTS_MAX);
     bool found = false;
-    for (dds_return_t i = 0; i < count && i < WRITERS_MAX && !found; i++) {
+    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
         dds_builtintopic_endpoint_t *endpoint =
             dds_get_matched_publication_data(reader->reader, writers[i]);
         if (endpoint) {
@@ -420,6 +482,17 @@ static void samples_empty(struct bus_reader *r)
     }
 }
 
+/* What one sample of a batch says.  When its writer went while it lay unread, DDS has no other
+ * sample to say so: then the last one of its instance is handed out once more, as its end. */
+static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_t *info)
+{
+    enum bus_life fate = info->instance_state == DDS_IST_ALIVE                ? BUS_DATA
+                         : info->instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
+                                                                              : BUS_LOST;
+    r->states[i] = info->valid_data ? BUS_DATA : fate;
+    r->fates[i] = info->valid_data && info->sample_rank == 0 ? fate : BUS_DATA;
+}
+
 /* Takes the next batch.  @return whether there is anything in it */
 static bool batch_take(struct bus_reader *r)
 {
@@ -438,17 +511,25 @@ static bool batch_take(struct bus_reader *r)
         reader_drained(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
-        r->fates[i] = infos[i].instance_state == DDS_IST_ALIVE                ? BUS_DATA
-                      : infos[i].instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? BUS_DISPOSED
-                                                                              : BUS_LOST;
-        r->states[i] = infos[i].valid_data ? BUS_DATA : r->fates[i];
+        sample_judge(r, i, &infos[i]);
     }
     return r->count > 0;
+}
+
+/* @return whether the sample that was handed out last is to be said to have ended */
+static bool end_is_due(const struct bus_reader *r)
+{
+    return r->next > 0 && r->states[r->next - 1] == BUS_DATA && r->fates[r->next - 1] != BUS_DATA;
 }
 
 const void *bus_next(struct bus_reader *r, enum bus_life *life)
 {
     for (;;) {
+        if (end_is_due(r)) {
+            int32_t last = r->next - 1;
+            *life = (enum bus_life)(r->states[last] = r->fates[last]);
+            return r->samples[last];
+        }
         if (r->next == r->count && !batch_take(r)) {
             return NULL;
         }
@@ -471,6 +552,7 @@ void *bus_keep(struct bus_reader *r, void *spare)
 {
     void *kept = r->samples[r->next - 1];
     r->samples[r->next - 1] = spare;
+    r->fates[r->next - 1] = BUS_DATA; /* there is nothing left to say it of */
     return kept;
 }
 
@@ -484,11 +566,6 @@ int bus_wake_fd(struct bus *bus)
     int fd = bus->wake_fd;
     pthread_mutex_unlock(&bus->lock);
     return fd;
-}
-
-enum bus_life bus_fate(const struct bus_reader *reader)
-{
-    return (enum bus_life)reader->fates[reader->next - 1];
 }
 
 static const uint64_t AWAKE_NS = 100000;

@@ -57,6 +57,7 @@ struct bus_options {
 enum { BUS_BATCH = 32 };
 
 struct bus {
+    int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
     int32_t participant;
     enum bus_place place;
     int index;                  /* of the participant; -1: CYCLONEDDS_URI says */
@@ -90,14 +91,14 @@ struct bus_reader {
     uint32_t batches;        /* since the samples were emptied */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
-    uint32_t fates[BUS_BATCH]; /* what has become of each sample's instance since */
+    uint32_t fates[BUS_BATCH]; /* not BUS_DATA: that is to be said behind the sample */
 };
 
 /* What a sample says beside its data. */
 enum bus_life {
     BUS_DATA,     /* the sample is whole */
-    BUS_DISPOSED, /* its writer took the instance back: only the key is set */
-    BUS_LOST,     /* its writer is gone or silent: only the key is set */
+    BUS_DISPOSED, /* its writer took the instance back: only the key means anything */
+    BUS_LOST,     /* its writer is gone or silent: likewise */
 };
 
 /**
@@ -107,11 +108,13 @@ enum bus_life {
  * loopback address, the sockets are bound to that address and to no other.
  *
  * @return MU_OK; MU_BUSY when the place is taken (another simulator, or four brokers, are there);
- *         MU_FAULT_USAGE: no such address, or more than MU_PEERS_MAX hosts; MU_FAULT_DDS
+ *         MU_FAULT_USAGE: no such address, more than MU_PEERS_MAX hosts, or this program is in
+ *         that domain already; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *options);
 
-/** Leaves the network; what was written and not yet sent is sent first. */
+/** Leaves the network; what was written and not yet sent is sent first.  The domain may be opened
+ * again. */
 void bus_close(struct bus *bus);
 
 /** Opens a reader, which must stay where it is.  partition NULL: the default one. */
@@ -200,6 +203,8 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  * Hands out the next sample that is there.
  *
  * Samples that break a rule of the wire (check.h) are dropped here and counted in bus->malformed.
+ * Every end of an instance is handed out, also of one that came and went while nobody looked: then
+ * behind its last sample.
  *
  * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
  */
@@ -209,18 +214,13 @@ const void *bus_next(struct bus_reader *reader, enum bus_life *life);
 void *bus_sample(enum bus_topic topic);
 
 /**
- * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller.
+ * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller,
+ * who does not hear of the end of its instance if that has come already.
  *
  * @param spare  memory of bus_sample, or of a sample kept earlier, that the reader gets for it
  * @return the sample
  */
 void *bus_keep(struct bus_reader *reader, void *spare);
-
-/**
- * What became of the instance of the sample that bus_next gave last: when its writer goes while a
- * sample of it lies unread, DDS gives that sample and no other to say so.
- */
-enum bus_life bus_fate(const struct bus_reader *reader);
 
 /**
  * Waits until samples lie in the readers, or the time is over.

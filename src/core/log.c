@@ -6,6 +6,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 static const char *log_component = "muster";
@@ -15,6 +16,19 @@ void mu_log_open(const char *component, enum mu_log_level most)
 {
     log_component = component;
     log_most = most;
+}
+
+/* What is logged may be a stranger's words: they stay on one line, and move no cursor. */
+static void details_add(struct mu_text *line, char *details)
+{
+    size_t len = strlen(details);
+    while (len > 0 && strchr(" \r\n", details[len - 1])) {
+        len--;
+    }
+    for (char *c = details; c < details + len; c++) {
+        *c = *c == '\n' ? ' ' : *c;
+    }
+    mu_text_add_plain(line, details, len);
 }
 
 void mu_log(enum mu_log_level level, const char *event, const char *format, ...)
@@ -33,9 +47,9 @@ void mu_log(enum mu_log_level level, const char *event, const char *format, ...)
     struct mu_text line;
     mu_text_init(&line, buffer, sizeof buffer);
     uint64_t now_ms = mu_clock_wall_ns() / 1000000u;
-    mu_text_format(&line, "%llu.%03llu %s %s %s %s", (unsigned long long)(now_ms / 1000u),
-                   (unsigned long long)(now_ms % 1000u), words[level], log_component, event,
-                   details);
+    mu_text_format(&line, "%llu.%03llu %s %s %s ", (unsigned long long)(now_ms / 1000u),
+                   (unsigned long long)(now_ms % 1000u), words[level], log_component, event);
+    details_add(&line, details);
     line.len = line.len < sizeof buffer - 2 ? line.len : sizeof buffer - 2;
     buffer[line.len] = '\0';
     mu_text_add(&line, "\n");

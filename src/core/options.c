@@ -205,9 +205,22 @@ static bool options_is_word(const char *argument)
            argument[1] == '.';
 }
 
+static mu_result options_read_word(struct mu_options *o, const char *word)
+{
+    if (o->no_words) {
+        fprintf(stderr, "%s: expected options alone, not '%s'; ", o->program, word);
+        return options_wrong(o);
+    }
+    if (o->words_count == MU_OPTION_WORDS_MAX) {
+        fprintf(stderr, "%s: more than %d words; ", o->program, MU_OPTION_WORDS_MAX);
+        return options_wrong(o);
+    }
+    o->words[o->words_count++] = word;
+    return MU_OK;
+}
+
 static mu_result options_read_line(struct options_reader *r)
 {
-    struct mu_options *o = r->options;
     bool ended = false;
     while (r->at < r->argc) {
         const char *argument = r->argv[r->at++];
@@ -215,11 +228,7 @@ static mu_result options_read_line(struct options_reader *r)
         if (!ended && strcmp(argument, "--") == 0) {
             ended = true;
         } else if (ended || options_is_word(argument)) {
-            if (o->words_count == MU_OPTION_WORDS_MAX) {
-                fprintf(stderr, "%s: more than %d words; ", o->program, MU_OPTION_WORDS_MAX);
-                return options_wrong(o);
-            }
-            o->words[o->words_count++] = argument;
+            read = options_read_word(r->options, argument);
         } else if (argument[1] == '-') {
             read = options_read_long(r, argument);
         } else {

@@ -63,6 +63,7 @@ struct mu_options {
     const char *about;   /* one sentence or more, for --help */
     struct mu_option *table;
     size_t count;
+    bool no_words; /* it takes nothing but options */
 
     const char *words[MU_OPTION_WORDS_MAX]; /* set by mu_options_parse: what is no option */
     size_t words_count;
@@ -76,8 +77,8 @@ struct mu_options {
  * Call it before mu_memory_seal(): values from the configuration file are start-up memory.
  *
  * @return MU_OK; MU_DONE when --help or --version was asked for and printed; MU_FAULT_USAGE for an
- *         unknown option or a bad value, MU_FAULT_FILE for a bad configuration file, both already
- *         explained on standard error
+ *         unknown option, a bad value or a word too many, MU_FAULT_FILE for a bad configuration
+ *         file, both already explained on standard error
  */
 MU_MUST_USE mu_result mu_options_parse(struct mu_options *options, int argc, char **argv);
 

@@ -35,6 +35,26 @@ bool mu_path_join(char *path, size_t size, const char *folder, const char *file)
     return !t.cut;
 }
 
+void mu_path_plain(char *path)
+{
+    char *end = path; /* of what is kept */
+    for (const char *at = path; *path == '/' && *at;) {
+        size_t len = 1 + strcspn(at + 1, "/"); /* with the slash before it */
+        if (len == 3 && strncmp(at, "/..", 3) == 0) {
+            while (end > path && *--end != '/') {
+            }
+        } else if (len > 1 && !(len == 2 && at[1] == '.')) {
+            memmove(end, at, len);
+            end += len;
+        }
+        at += len;
+    }
+    if (*path == '/') {
+        end += end == path; /* the root itself */
+        *end = '\0';
+    }
+}
+
 bool mu_path_program(char *path, size_t size, const char *program)
 {
     char folder[PATH_MAX];

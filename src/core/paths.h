@@ -22,4 +22,10 @@ bool mu_path_rules(char *path, size_t size);
 /** Makes a path that starts at a folder unless it is absolute.  @return whether it fitted */
 bool mu_path_join(char *path, size_t size, const char *folder, const char *file);
 
+/**
+ * Takes "." and "NAME/.." out of an absolute path, in place, as it reads: no link is followed, no
+ * file is looked at.  Other paths stay as they are.
+ */
+void mu_path_plain(char *path);
+
 #endif

@@ -6,7 +6,11 @@
 #include "core/options.h"
 #include "ctl/verbs.h"
 
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static struct {
     const char *by, *page;
@@ -38,18 +42,56 @@ static struct mu_option option_table[] = {
      .target = &chosen.json},
 };
 
-static mu_result folders_read(struct compare *c, const struct mu_options *o)
+/* A pattern such as out/follow-* also finds the page of a series, and runs that broke off.
+ * @return why a path is left out, or NULL */
+static const char *path_objection(const char *path)
+{
+    struct stat what;
+    char summary[PATH_MAX + 32], recording[PATH_MAX + 32];
+    if (stat(path, &what) != 0) {
+        return NULL;
+    }
+    if (!S_ISDIR(what.st_mode)) {
+        return "is no folder: left out";
+    }
+    snprintf(summary, sizeof summary, "%s/summary.json", path);
+    snprintf(recording, sizeof recording, "%s/run.mcap", path);
+    bool broke_off = access(summary, F_OK) != 0 && access(recording, F_OK) == 0;
+    return broke_off ? "broke off: left out; `muster report` with that folder makes its report"
+                     : NULL;
+}
+
+static mu_result folder_read(struct compare *c, const char *path)
 {
     struct mu_fault fault;
+    const char *objection = path_objection(path);
+    mu_result added = objection ? MU_OK : compare_add(c, path, &fault);
+    if (added == MU_DUPLICATE) {
+        objection = "has a run that is there already: left out";
+    } else if (added != MU_OK) {
+        mu_fault_print(&fault);
+        return added;
+    }
+    if (!objection && c->runs[c->runs_count - 1].broke_off) {
+        objection = "has a run that broke off: it counts as far as it went";
+    }
+    if (objection) {
+        fprintf(stderr, "muster compare: %s %s\n", path, objection);
+    }
+    return MU_OK;
+}
+
+static mu_result folders_read(struct compare *c, const struct mu_options *o)
+{
     for (size_t i = 0; i < o->words_count; i++) {
-        mu_result added = compare_add(c, o->words[i], &fault);
-        if (added == MU_DUPLICATE) {
-            fprintf(stderr, "muster compare: %s has a run that is there already: left out\n",
-                    o->words[i]);
-        } else if (added != MU_OK) {
-            mu_fault_print(&fault);
-            return added;
+        mu_result read = folder_read(c, o->words[i]);
+        if (read != MU_OK) {
+            return read;
         }
+    }
+    if (c->runs_count == 0) {
+        fputs("muster compare: there is no report to compare\n", stderr);
+        return MU_FAULT_FILE;
     }
     if (compare_close(c) != MU_OK) {
         fprintf(stderr, "muster compare: expected at most %d groups\n", COMPARE_GROUPS_MAX);
@@ -75,6 +117,7 @@ static mu_result result_tell(const struct compare *c)
     mu_result written = chosen.json ? MU_OK : compare_page(c, chosen.page, &fault);
     if (written != MU_OK) {
         mu_fault_print(&fault);
+        fprintf(stderr, "muster compare: --out FILE puts the page elsewhere\n");
         return written;
     }
     if (!chosen.json) {

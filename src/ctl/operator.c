@@ -264,7 +264,7 @@ static int outcome_tell(const struct operator* o, const char *to)
     int code = answer_outcome_exit(o->outcome);
     if (code != MU_EXIT_DONE) {
         fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
-                o->outcome == MU_MAIL_UNKNOWN_NAME ? "; muster ps lists who is there" : "");
+                answer_outcome_advice(o->outcome, to));
     }
     return code;
 }

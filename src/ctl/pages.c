@@ -154,7 +154,8 @@ int pages_verb_ps(int argc, char **argv)
     static struct operator_options options;
     static struct mu_options o = {.program = "muster ps",
                                   .usage = "[OPTION...]",
-                                  .about = "Lists the white pages: every agent and its state."};
+                                  .about = "Lists the white pages: every agent and its state.",
+                                  .no_words = true};
     mu_result parsed = pages_parse(&o, &options, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);

@@ -225,8 +225,15 @@ static void answer_show(void *self, const struct mu_mail *mail)
 {
     (void)self;
     bool done = strcmp(mail->performative, "inform") == 0;
-    fputs(done ? "" : "muster: ", stderr);
-    answer_content_print(done ? stdout : stderr, mail->content);
+    const char *advice = done ? NULL : answer_travel_advice(mail->content);
+    if (strcmp(mail->performative, "not-understood") == 0) {
+        answer_print(mail, false);
+    } else if (advice) {
+        fprintf(stderr, "muster: %s: %s\n", mail->content, advice);
+    } else {
+        fputs(done ? "" : "muster: ", stderr);
+        answer_content_print(done ? stdout : stderr, mail->content);
+    }
 }
 
 static int verb_send(const struct verb *v, const struct mu_options *o,

@@ -52,12 +52,6 @@ static bool is_controlled(const struct recording *recording, uint32_t robot)
     return scene && robot < scene->robots._length && scene->robots._buffer[robot].controlled;
 }
 
-bool remake_is_done(const struct recording *recording)
-{
-    const char *state = mcap_reader_value(recording->reader, "end", "state");
-    return state && strcmp(state, "done") == 0;
-}
-
 /* Six decimals, as the simulator writes them: zero has no sign. */
 static void number_write(FILE *file, double value)
 {
@@ -96,11 +90,14 @@ mu_result remake_csv(struct recording *recording, const char *folder, struct mu_
 
 /* --- events.csv ------------------------------------------------------------------------------- */
 
-/* The last Frame of a run that is done is how the world was left: nobody looked any more. */
+/* The last Frame of a run that has an end is how the world was left: nobody looked any more. */
 static bool is_step(const struct recording *recording, const muster_Frame *f)
 {
-    bool last = f->step == recording->steps[recording->steps_count - 1].step;
-    return !last || !remake_is_done(recording);
+    if (f->step != recording->steps[recording->steps_count - 1].step) {
+        return true;
+    }
+    enum recording_end end = recording_end(recording);
+    return end != RECORDING_DONE && end != RECORDING_STOPPED;
 }
 
 /* A Frame as conditions look at it; the bodies are those of the Scene. */
@@ -249,7 +246,8 @@ void remake_end(struct recording *recording, struct run *r)
 {
     const muster_Frame *f =
         recording_frame(recording, recording->steps[recording->steps_count - 1].step);
-    const char *hash = mcap_reader_value(recording->reader, "end", "hash");
+    bool done = recording_end(recording) == RECORDING_DONE;
+    const char *hash = done ? mcap_reader_value(recording->reader, "end", "hash") : NULL;
     const char *wall = mcap_reader_value(recording->reader, "end", "wall_ns");
     mu_text_copy(r->hash, sizeof r->hash, hash ? hash : "none");
     r->time_ns = f->time_ns;

@@ -10,9 +10,6 @@
 #include "ctl/run.h"
 #include "story/recording.h"
 
-/** @return whether the recorded run came to its end */
-bool remake_is_done(const struct recording *recording);
-
 /** Writes folder/run.csv anew.  @return MU_OK, or MU_FAULT_OS with the path */
 MU_MUST_USE mu_result remake_csv(struct recording *recording, const char *folder,
                                  struct mu_fault *fault);

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,24 +44,10 @@ struct remaking {
 
 static const char *note(const struct remaking *m, const char *key)
 {
-    const char *value = mcap_reader_value(m->recording.reader, "run", key);
-    return value ? value : "";
+    return recording_note(&m->recording, key);
 }
 
 /* --- the experiment and its world ------------------------------------------------------------- */
-
-static size_t sets_read(struct remaking *m)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < EXPERIMENT_OVERRIDES_MAX; i++) {
-        char key[16];
-        snprintf(key, sizeof key, "set.%zu", i + 1);
-        if (note(m, key)[0]) {
-            m->sets[count++] = note(m, key);
-        }
-    }
-    return count;
-}
 
 /* The file as it was named on the command line; path: it is not known */
 static const char *file_named(const struct remaking *m, const char *path)
@@ -93,9 +80,10 @@ static mu_result recorded_take(struct remaking *m, struct mu_fault *fault)
     struct run *r = m->run;
     snprintf(root, sizeof root, "%s/files", m->files.folder);
     experiment_root(root);
-    MU_TRY(experiment_load(&r->experiment, m->files.experiment, m->sets, sets_read(m), fault));
     r->options.set = m->sets;
-    r->options.set_count = sets_read(m);
+    r->options.set_count = recording_sets(&m->recording, m->sets, EXPERIMENT_OVERRIDES_MAX);
+    MU_TRY(
+        experiment_load(&r->experiment, m->files.experiment, m->sets, r->options.set_count, fault));
     r->options.free = strcmp(note(m, "lockstep"), "no") == 0;
     r->experiment->seed = strtoull(note(m, "seed"), NULL, 10);
     r->experiment->duration = strtod(note(m, "duration_s"), NULL);
@@ -217,7 +205,8 @@ static void orders_note(struct remaking *m)
 
 static bool broke_off(const struct remaking *m)
 {
-    return m->summary->there ? m->summary->broke_off : !remake_is_done(&m->recording);
+    return m->summary->there ? m->summary->broke_off
+                             : recording_end(&m->recording) != RECORDING_DONE;
 }
 
 /* What run.csv and events.csv lack when a run breaks off stands in the recording. */
@@ -232,12 +221,13 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
     if (broke_off(m)) { /* what was to come later is not judged */
         r->experiment->duration = fmin(r->experiment->duration, (double)r->time_ns * 1e-9);
     }
-    if (!m->recorded) {
-        return MU_OK;
-    }
     snprintf(csv, sizeof csv, "%s/run.csv", r->folder);
     if (m->summary->there && access(csv, F_OK) == 0) {
         return MU_OK;
+    }
+    if (!m->recorded) {
+        return mu_fault_at(fault, csv, 0, 0, "%s, and there is no run.mcap that it can be made of",
+                           strerror(errno));
     }
     if (!m->summary->there) {
         orders_note(m);

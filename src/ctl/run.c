@@ -12,7 +12,6 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
-#include "core/options.h"
 #include "core/text.h"
 #include "ctl/series.h"
 #include "ctl/verbs.h"
@@ -47,164 +46,8 @@ static void signal_note(int number)
     run_signal = number;
 }
 
-/* --- options and files ------------------------------------------------------------------------ */
-
-/* What the command line says; a negative number: nothing. */
-static struct run_options chosen = {.seed = -1, .domain = -1, .duration_s = -1.0};
-static struct mu_option_list chosen_set;
-static const char *chosen_seeds;
-
-static struct mu_option option_table[] = {
-    {.name = "seed",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .environment = "MUSTER_SEED",
-     .help = "seed of the run (default: the file's, else 1)",
-     .target = &chosen.seed,
-     .max = 1e15},
-    {.name = "seeds",
-     .kind = MU_OPTION_STRING,
-     .unit = "N..M",
-     .help = "a run for each of these seeds, such as 1..30 or 1,3,7..9, with a report each; at the "
-             "end a table of means with 95 % intervals",
-     .target = &chosen_seeds},
-    {.name = "jobs",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "0",
-     .help = "with --seeds: so many runs at once; 0: one for each processor",
-     .target = &chosen.jobs,
-     .max = 64},
-    {.name = "duration",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .help = "simulated seconds (default: the file's)",
-     .target = &chosen.duration_s,
-     .min = 0.02,
-     .max = 1e6},
-    {.name = "rate",
-     .kind = MU_OPTION_REAL,
-     .unit = "R",
-     .fallback = "0",
-     .environment = "MUSTER_RATE",
-     .help = "times real time; 0: as fast as it goes",
-     .target = &chosen.rate,
-     .max = 1e6},
-    {.name = "free",
-     .kind = MU_OPTION_FLAG,
-     .help = "real time without lock step",
-     .target = &chosen.free},
-    {.name = "set",
-     .kind = MU_OPTION_LIST,
-     .unit = "KEY=VALUE",
-     .help = "override a value of the file, for example robots.red.rules=x.clp",
-     .target = &chosen_set},
-    {.name = "out",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "folder of the report (default: out/EXPERIMENT-SEED); with --seeds, where the folders "
-             "go (default: out)",
-     .target = &chosen.out},
-    {.name = "record",
-     .kind = MU_OPTION_STRING,
-     .unit = "none|run|full",
-     .environment = "MUSTER_RECORD",
-     .help = "what run.mcap has: nothing; poses, commands and mails; what robots sensed and "
-             "thought, too (default: full to 64 "
-             "robots, run beyond)",
-     .target = &chosen.record},
-    {.name = "no-diary",
-     .kind = MU_OPTION_FLAG,
-     .help = "leave what goes on in minds out of the recording",
-     .target = &chosen.no_diary},
-    {.name = "inputs",
-     .kind = MU_OPTION_STRING,
-     .unit = "FILE",
-     .help = "put in again what came into a recorded run from outside, each at its step",
-     .target = &chosen.inputs},
-    {.name = "root",
-     .kind = MU_OPTION_STRING,
-     .unit = "DIR",
-     .help = "let absolute paths in the experiment start here",
-     .target = &chosen.root},
-    {.name = "programs",
-     .kind = MU_OPTION_FLAG,
-     .help = "start the programs, too, that the experiment names as monitors",
-     .target = &chosen.programs},
-    {.name = "domain",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "D",
-     .environment = "MUSTER_DOMAIN",
-     .help = "DDS domain (default: a free one)",
-     .target = &chosen.domain,
-     .max = 230},
-    {.name = "limit",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "0",
-     .help = "end the run after this much wall time, with exit code 124; 0: never",
-     .target = &chosen.limit_s,
-     .max = 1e9},
-    {.name = "no-spread",
-     .kind = MU_OPTION_FLAG,
-     .help = "let the system move processes between processors; as fast as possible, each "
-             "stays on one",
-     .target = &chosen.no_spread},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = MU_OPTION_FLAG,
-     .help = "say only what came out",
-     .target = &chosen.quiet},
-    {.name = "json",
-     .kind = MU_OPTION_FLAG,
-     .help = "say it as one line of JSON",
-     .target = &chosen.json},
-};
-
-static mu_result seeds_parse(void)
-{
-    static uint64_t seeds[SERIES_RUNS_MAX];
-    chosen.seeds = seeds;
-    chosen.seeds_count = series_seeds(chosen_seeds, seeds);
-    if (chosen.seeds_count == 0) {
-        fprintf(stderr,
-                "muster run: --seeds %s: expected 1 to %d different seeds, such as 1..30 or "
-                "1,3,7..9\n",
-                chosen_seeds, SERIES_RUNS_MAX);
-        return MU_FAULT_USAGE;
-    }
-    return MU_OK;
-}
-
-static mu_result options_parse(struct run *r, int argc, char **argv)
-{
-    static struct mu_options options = {
-        .program = "muster run",
-        .usage = "FILE [OPTION...]",
-        .about = "Runs an experiment with all its processes and leaves a report.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
-    mu_result parsed = mu_options_parse(&options, argc, argv);
-    if (parsed != MU_OK) {
-        return parsed;
-    }
-    if (options.words_count != 1) {
-        fprintf(stderr, "muster run: name one experiment file, for example: "
-                        "muster run experiments/follow.yaml\n");
-        return MU_FAULT_USAGE;
-    }
-    if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
-        strcmp(chosen.record, "full") != 0) {
-        fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
-        return MU_FAULT_USAGE;
-    }
-    chosen.file = options.words[0];
-    chosen.set = chosen_set.items;
-    chosen.set_count = chosen_set.count;
-    parsed = chosen_seeds ? seeds_parse() : MU_OK;
-    r->options = chosen;
-    return parsed;
-}
+/* --- files ---------------------------------------------------------------------------------------
+ */
 
 /* An experiment of somebody else's does nothing here but with muster's own programs. */
 static mu_result programs_check(const struct run *r, struct mu_fault *fault)
@@ -297,8 +140,9 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
-        fprintf(stderr, "muster run: a command of the observer is not delivered: %s\n",
-                mu_outcome_text(outcome));
+        fprintf(stderr, "muster run: a command of the observer is not delivered: %s%s\n",
+                mu_outcome_text(outcome),
+                outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all" : "");
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
         r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }
@@ -490,24 +334,6 @@ static void statuses_take(struct run *r)
     }
 }
 
-/* One line that is written over, for people; nothing for files and pipes. */
-static void progress_show(struct run *r)
-{
-    uint64_t now_ns = mu_clock_ns();
-    if (r->options.quiet || !isatty(STDERR_FILENO) || now_ns - r->progress_wall_ns < 200000000u) {
-        return;
-    }
-    r->progress_wall_ns = now_ns;
-    double time_s = (double)r->time_ns * 1e-9;
-    double wall_s = (double)r->wall_ns * 1e-9;
-    if (r->state != muster_RUN_RUNNING || wall_s <= 0.0) {
-        return;
-    }
-    double factor = time_s / wall_s;
-    fprintf(stderr, "\r%.1f of %.0f s simulated, %.1f x real time, %.0f s to go   ", time_s,
-            r->experiment->duration, factor, (r->experiment->duration - time_s) / factor);
-}
-
 /* --- the course of a run ---------------------------------------------------------------------- */
 
 static int crash_explain(const struct child *child, bool running)
@@ -575,7 +401,7 @@ static int round_live(struct run *r)
     supervise_look(&r->children);
     hosts_excuse(r);
     run_monitors_look(r);
-    progress_show(r);
+    run_progress_show(r);
     if (run_signal) {
         return MU_EXIT_INTERRUPTED;
     }
@@ -714,9 +540,7 @@ static int watch(struct run *r)
     while (code < 0 && !run_is_over(r)) {
         code = round_live(r);
     }
-    if (!r->options.quiet && isatty(STDERR_FILENO)) {
-        fputs("\r\033[K", stderr);
-    }
+    run_progress_clear(r);
     if (code < 0 && r->state == muster_RUN_FAULT) {
         fprintf(stderr, "muster run: %s\n", r->waits_for);
         return MU_EXIT_CRASH;
@@ -766,10 +590,23 @@ static int live(struct run *r)
     return code;
 }
 
+static int domain_explain(int wanted)
+{
+    if (wanted >= 0) {
+        fprintf(stderr,
+                "muster run: another run has domain %d; without --domain and MUSTER_DOMAIN a free "
+                "one is found\n",
+                wanted);
+    } else {
+        fputs("muster run: no DDS domain is free: too many runs live\n", stderr);
+    }
+    return MU_EXIT_DDS;
+}
+
 int run_verb(int argc, char **argv)
 {
     struct run *r = mu_startup_alloc(sizeof *r);
-    mu_result ready = options_parse(r, argc, argv);
+    mu_result ready = run_options_parse(&r->options, argc, argv);
     ready = ready == MU_OK ? files_prepare(r) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);
@@ -782,8 +619,7 @@ int run_verb(int argc, char **argv)
         return series_run(&r->options, r->experiment);
     }
     if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        fprintf(stderr, "muster run: the DDS domain is taken, or none is free; see --domain\n");
-        return MU_EXIT_DDS;
+        return domain_explain((int)r->options.domain);
     }
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
@@ -796,5 +632,8 @@ int run_verb(int argc, char **argv)
     /* A disk that is full ends the recording, not the report. */
     bool reports = code < 0 || (code == MU_EXIT_WRITE && r->state == muster_RUN_DONE);
     int reported = reports ? run_report(r) : code;
+    if (!reports) {
+        run_broken_tell(r);
+    }
     return code < 0 ? reported : code;
 }

@@ -32,6 +32,9 @@ struct run_options {
     int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
 
+/** Reads the command line of muster run, in run_options.c.  @return as mu_options_parse */
+MU_MUST_USE mu_result run_options_parse(struct run_options *out, int argc, char **argv);
+
 /* A child, by what it is. */
 enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
 
@@ -228,6 +231,15 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
 
 /** Looks whether lines have all their answers, or have waited too long. */
 void run_observer_look(struct run *r);
+
+/** Shows people how far the run is, at most five times a second; nothing for files and pipes. */
+void run_progress_show(struct run *r);
+
+/** Clears the line that run_progress_show writes over. */
+void run_progress_clear(const struct run *r);
+
+/** Says where a run without a report broke off, and how to get one of what there is. */
+void run_broken_tell(const struct run *r);
 
 /** Prints the summary of a folder on one line. */
 void run_summary_print(const char *folder);

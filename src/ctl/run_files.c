@@ -27,40 +27,63 @@ struct files {
 };
 
 /* Below the folder in which the run was started, a file is called as from there; else as from the
- * root, which is called _. */
-static void name_add(struct mu_text *name, const char *path)
+ * root, which is called _.  No name leads up: such a one could lead out of where it is unpacked. */
+static void name_add(struct mu_text *name, const char *spelled)
 {
-    char here[PATH_MAX];
+    char here[PATH_MAX], path[PATH_MAX];
+    mu_text_copy(path, sizeof path, spelled);
+    mu_path_plain(path);
     size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
     bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
     mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
     mu_text_add(name, below ? "" : path);
 }
 
+/* The simulator splits a name from its path at "=": one in the name is doubled. */
+static void equals_double(struct mu_text *name, const char *plain)
+{
+    for (; *plain; plain++) {
+        mu_text_add(name, *plain == '=' ? "=" : "");
+        mu_text_add_bytes(name, plain, 1);
+    }
+}
+
 static const char *name_make(const char *role, const char *path)
 {
-    char name[PATH_MAX + 32];
+    char plain_bytes[PATH_MAX + 32], bytes[2 * sizeof plain_bytes];
     const char *slash = strrchr(path, '/');
-    struct mu_text t;
-    mu_text_init(&t, name, sizeof name);
-    mu_text_add(&t, role);
+    struct mu_text plain, name;
+    mu_text_init(&plain, plain_bytes, sizeof plain_bytes);
+    mu_text_init(&name, bytes, sizeof bytes);
+    mu_text_add(&plain, role);
     if (strcmp(role, "library") == 0 && slash) {
-        mu_text_add(&t, slash);
+        mu_text_add(&plain, slash);
     } else {
-        name_add(&t, path);
+        name_add(&plain, path);
     }
-    for (char *c = name; *c; c++) {
-        *c = *c == '=' ? '_' : *c;
+    equals_double(&name, plain.at);
+    return mu_startup_string(name.at);
+}
+
+/* One file may be named in several ways. */
+static bool is_listed(const struct files *f, const char *spelled)
+{
+    char path[PATH_MAX], other[PATH_MAX];
+    bool listed = false;
+    mu_text_copy(path, sizeof path, spelled);
+    mu_path_plain(path);
+    for (size_t i = 0; i < f->count && !listed; i++) {
+        mu_text_copy(other, sizeof other, f->list[i].path);
+        mu_path_plain(other);
+        listed = strcmp(other, path) == 0;
     }
-    return mu_startup_string(name);
+    return listed;
 }
 
 static void file_add(struct files *f, const char *role, const char *path)
 {
-    for (size_t i = 0; i < f->count; i++) {
-        if (strcmp(f->list[i].path, path) == 0) {
-            return;
-        }
+    if (is_listed(f, path)) {
+        return;
     }
     if (f->count == RUN_FILES_MAX) {
         fprintf(stderr, "muster run: %s is not in the recording: it has %d files\n", path,

@@ -26,10 +26,9 @@ mu_result run_launch_tell(struct run *r, unsigned index)
     const struct experiment_command *c = &r->experiment->observer[index];
     char label[32], id[MU_NAME_MAX + 32];
     snprintf(label, sizeof label, "%u", index);
-    mu_result sent = MU_OK;
+    struct mu_text *text = launch_text_begin(c->launch, true, (int64_t)r->experiment->seed);
+    mu_result sent = launch_text_rules(text, c->rules);
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
-        struct mu_text *text = launch_text_begin(c->launch, true, (int64_t)r->experiment->seed);
-        MU_TRY(launch_text_rules(text, c->rules));
         snprintf(id, sizeof id, "launch-%u-%s", index, c->targets[t]);
         struct mu_mail piece = {.dst = c->targets[t],
                                 .performative = "launch",

@@ -5,11 +5,23 @@
 #include "muster/memory.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 enum { PLACE_TRIES = 10000 };
 
 /* Around a robot with a random place, so that it can begin to move. */
 static const double PLACE_CLEAR_M = 0.1;
+
+/* The world knows no place in a file of what an experiment has put there; the experiment does. */
+static mu_result place_fault(const struct run *r, const struct experiment_robot *robot,
+                             struct mu_fault *fault)
+{
+    struct mu_fault world = *fault;
+    return world.line > 0 ? MU_FAULT_FILE
+                          : mu_fault_at(fault, r->experiment->file, robot->mark.line,
+                                        robot->mark.column, "%s (%s)", world.text, world.file);
+}
 
 static mu_result place_add(struct run *r, const struct experiment_robot *robot,
                            struct mu_fault *fault)
@@ -19,8 +31,9 @@ static mu_result place_add(struct run *r, const struct experiment_robot *robot,
         pose = (struct world_pose){robot->pose->x_m, robot->pose->y_m,
                                    robot->pose->heading_deg * M_PI / 180.0};
     }
-    return world_add_robot(r->world, robot->name, robot->body, robot->pose ? &pose : NULL,
-                           robot->color, fault);
+    mu_result added = world_add_robot(r->world, robot->name, robot->body,
+                                      robot->pose ? &pose : NULL, robot->color, fault);
+    return added == MU_FAULT_FILE ? place_fault(r, robot, fault) : added;
 }
 
 static double place_between(struct mu_random *random, double from, double to)
@@ -47,8 +60,25 @@ static mu_result place_draw(struct run *r, struct experiment_robot *robot, struc
             return MU_OK;
         }
     }
-    return mu_fault_at(fault, w->file, 0, 0, "no free place for robot '%s' in %d tries",
-                       robot->name, PLACE_TRIES);
+    (void)mu_fault_at(fault, w->file, 0, 0, "no free place for robot '%s' in %d tries", robot->name,
+                      PLACE_TRIES);
+    return place_fault(r, robot, fault);
+}
+
+/* Looks at all of them together, when they are there. */
+static mu_result places_check(const struct run *r, struct mu_fault *fault)
+{
+    const struct experiment *e = r->experiment;
+    char begins[MU_NAME_MAX + sizeof "robot '' at "];
+    mu_result checked = world_check_places(r->world, fault);
+    for (unsigned i = 0; i < e->robots_count && checked == MU_FAULT_FILE; i++) {
+        snprintf(begins, sizeof begins, "robot '%s' at ", e->robots[i].name);
+        if (strncmp(fault->text, begins, strlen(begins)) == 0) {
+            fault->line = e->robots[i].pose ? 0 : fault->line; /* the experiment has put it there */
+            return place_fault(r, &e->robots[i], fault);
+        }
+    }
+    return checked;
 }
 
 mu_result run_place(struct run *r, struct mu_fault *fault)
@@ -70,5 +100,5 @@ mu_result run_place(struct run *r, struct mu_fault *fault)
             MU_TRY(place_draw(r, &e->robots[i], &random, fault));
         }
     }
-    return world_check_places(r->world, fault);
+    return places_check(r, fault);
 }

@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -166,7 +167,7 @@ static void run_take(struct summary *s, const char *path, const struct mu_json_v
     } else if (strcmp(path, "seed") == 0) {
         s->seed = count_of(value);
     } else if (strcmp(path, "sim_time_s") == 0) {
-        s->sim_time_s = value->number;
+        s->sim_time_s = fmax(0, fmin(value->number, SUMMARY_TIME_MAX_S));
     } else if (strcmp(path, "wall_time_s") == 0) {
         s->wall_time_s = value->number;
     } else if (strcmp(path, "broke_off") == 0) {

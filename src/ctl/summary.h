@@ -11,7 +11,8 @@
 enum {
     SUMMARY_LIST_MAX = 64, /* overrides, pieces of chaos, monitors */
     SUMMARY_TEXT_MAX = 2048,
-    SUMMARY_BYTES_MAX = 4 << 20
+    SUMMARY_BYTES_MAX = 4 << 20,
+    SUMMARY_TIME_MAX_S = 1000000000 /* no run is longer */
 };
 
 struct summary {

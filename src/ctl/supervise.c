@@ -266,6 +266,7 @@ static void output_read(const struct supervise *s, struct child *child)
         if (child->log >= 0) {
             log_write(child, said, (size_t)len);
         } else if (!s->quiet) {
+            fputs(isatty(STDERR_FILENO) ? "\r\033[K" : "", stderr); /* over the progress */
             fwrite(said, 1, (size_t)len, stderr);
         }
     }

@@ -364,7 +364,8 @@ int top_verb(int argc, char **argv)
         .about = "Shows what a run amounts to while it goes on, a line for each robot.  On a "
                  "terminal s sorts, arrows move, q ends.  It changes nothing in the run.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .no_words = true};
     set.network.domain = -1;
     mu_result parsed = mu_options_parse(&o, argc, argv);
     parsed = parsed == MU_OK ? settings_check() : parsed;

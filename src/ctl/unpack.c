@@ -43,7 +43,7 @@ static void folder_remove(const char *folder)
  * being made, unless it is old. */
 static bool is_left_behind(const char *folder)
 {
-    char path[PATH_MAX];
+    char path[PATH_MAX + 2 * NAME_MAX];
     struct stat is;
     if (lstat(folder, &is) != 0 || !S_ISDIR(is.st_mode) || is.st_uid != geteuid()) {
         return false;
@@ -58,12 +58,12 @@ static bool is_left_behind(const char *folder)
     return free;
 }
 
-static void left_behind_clear(void)
+static void left_behind_clear(const char *below)
 {
-    DIR *all = opendir("/tmp");
+    DIR *all = opendir(below);
     for (const struct dirent *entry; all && (entry = readdir(all));) {
-        char folder[sizeof "/tmp/" + sizeof entry->d_name];
-        snprintf(folder, sizeof folder, "/tmp/%s", entry->d_name);
+        char folder[PATH_MAX + sizeof entry->d_name];
+        snprintf(folder, sizeof folder, "%s/%s", below, entry->d_name);
         bool ours = strncmp(entry->d_name, UNPACK_OURS, strlen(UNPACK_OURS)) == 0;
         if (ours && is_left_behind(folder)) {
             folder_remove(folder);
@@ -85,17 +85,31 @@ static bool folder_lock(const char *folder)
     return lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && rename(draft, path) == 0;
 }
 
+static mu_result write_fault(const char *what, const char *path, int error)
+{
+    fprintf(stderr, "muster: cannot %s %s: %s; TMPDIR=DIR takes another folder\n", what, path,
+            strerror(error));
+    return MU_FAULT_OS;
+}
+
 static mu_result folder_make(struct unpacked *u)
 {
-    snprintf(u->folder, sizeof u->folder, "/tmp/%sXXXXXX", u->keeps ? UNPACK_KEPT : UNPACK_OURS);
-    if (!mkdtemp(u->folder)) {
-        fprintf(stderr, "muster: cannot make a folder in /tmp: %s\n", strerror(errno));
+    const char *wanted = getenv("TMPDIR");
+    char below[PATH_MAX];
+    wanted = wanted && wanted[0] ? wanted : "/tmp";
+    if (!realpath(wanted, below)) {
+        return write_fault("make a folder in", wanted, errno);
+    }
+    left_behind_clear(below);
+    int len = snprintf(u->folder, sizeof u->folder, "%s/%sXXXXXX", below,
+                       u->keeps ? UNPACK_KEPT : UNPACK_OURS);
+    bool fits = len < (int)sizeof u->folder;
+    if (!fits || !mkdtemp(u->folder)) {
         u->folder[0] = '\0';
-        return MU_FAULT_OS;
+        return write_fault("make a folder in", below, fits ? errno : ENAMETOOLONG);
     }
     if (!u->keeps && !folder_lock(u->folder)) {
-        fprintf(stderr, "muster: cannot lock %s: %s\n", u->folder, strerror(errno));
-        return MU_FAULT_OS;
+        return write_fault("lock", u->folder, errno);
     }
     return MU_OK;
 }
@@ -128,13 +142,35 @@ static mu_result folders_make(char *path)
     return MU_OK;
 }
 
+/* @return whether each part of a path is the name of a file or a folder there */
+static bool has_good_parts(const char *path)
+{
+    size_t len = strcspn(path, "/");
+    for (;; path += len + 1, len = strcspn(path, "/")) {
+        bool is_dots = (len == 1 && path[0] == '.') || (len == 2 && strncmp(path, "..", 2) == 0);
+        if (len == 0 || len > NAME_MAX || is_dots) {
+            return false;
+        }
+        if (!path[len]) {
+            return true;
+        }
+    }
+}
+
+/* @return whether the folder that a run was started in is one: a path from the root on, or none */
+static bool is_folder(const char *from)
+{
+    return strcmp(from, "") == 0 || strcmp(from, "/") == 0 ||
+           (from[0] == '/' && has_good_parts(from + 1));
+}
+
 /* Where a recorded file is to lie: "ROLE/PATH" below the folder that the run was started in,
- * "ROLE/_/PATH" anywhere; the library apart.  @return false: a name that leads out of the folder */
+ * "ROLE/_/PATH" anywhere; the library apart.  @return false: it is no name of a run's file */
 static bool place_find(const struct unpacked *u, const char *from, const char *name,
                        struct mu_text *path)
 {
     const char *rest = strchr(name, '/');
-    if (!rest || strstr(name, "..") || strncmp(name, "/", 1) == 0 || strstr(from, "..")) {
+    if (!rest || !has_good_parts(name) || !is_folder(from)) {
         return false;
     }
     mu_text_add(path, u->folder);
@@ -150,18 +186,24 @@ static bool place_find(const struct unpacked *u, const char *from, const char *n
     return !path->cut;
 }
 
-static mu_result file_write(char *path, const void *bytes, size_t size)
+/* @return MU_OK; MU_MALFORMED: the name is another file's, or has one for a folder; MU_FAULT_OS */
+static mu_result file_write(const struct unpacked *u, char *path, const void *bytes, size_t size)
 {
-    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wx") : NULL;
+    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wxe") : NULL;
+    if (!out && (errno == EEXIST || errno == ENOTDIR || errno == EISDIR || errno == ENAMETOOLONG)) {
+        return MU_MALFORMED;
+    }
     bool good = out && fwrite(bytes, 1, size, out) == size;
     good = out && fclose(out) == 0 && good;
-    if (!good) {
-        char shown[MU_TEXT_SHOWN];
-        fprintf(stderr, "muster: cannot write %s: %s\n", mu_text_show(shown, path),
-                strerror(errno));
-        return MU_FAULT_OS;
-    }
-    return MU_OK;
+    return good ? MU_OK : write_fault("write below", u->folder, errno);
+}
+
+static mu_result name_fault(const char *file, const char *name)
+{
+    char shown[MU_TEXT_SHOWN];
+    fprintf(stderr, "%s: expected files of a run, and got one named '%s'\n", file,
+            mu_text_show(shown, name));
+    return MU_FAULT_FILE;
 }
 
 static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uint32_t index,
@@ -173,9 +215,7 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
     struct mu_text path;
     mu_text_init(&path, bytes, sizeof bytes);
     if (!place_find(u, origin(reader), a->name, &path)) {
-        fprintf(stderr, "%s: expected files of a run, and got one named %s\n", file,
-                mu_text_show(shown, a->name));
-        return MU_FAULT_FILE;
+        return name_fault(file, a->name);
     }
     if (mcap_reader_attachment_read(reader, index, room, MU_RECORD_MESSAGE_MAX) != MU_OK) {
         fprintf(stderr, "%s: %s in it is not whole\n", file, mu_text_show(shown, a->name));
@@ -184,24 +224,24 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
     if (strncmp(a->name, "experiment/", 11) == 0) {
         mu_text_copy(u->experiment, sizeof u->experiment, bytes);
     }
-    return file_write(bytes, room, (size_t)a->size);
+    mu_result written = file_write(u, bytes, room, (size_t)a->size);
+    return written == MU_MALFORMED ? name_fault(file, a->name) : written;
 }
 
 mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char *file, bool keeps)
 {
     *u = (struct unpacked){.keeps = keeps};
     void *room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
-    left_behind_clear();
-    MU_TRY(folder_make(u));
-    for (uint32_t i = 0; mcap_reader_attachment(reader, i); i++) {
-        MU_TRY(file_unpack(u, reader, i, file, room));
+    mu_result done = folder_make(u);
+    for (uint32_t i = 0; done == MU_OK && mcap_reader_attachment(reader, i); i++) {
+        done = file_unpack(u, reader, i, file, room);
     }
-    if (!u->experiment[0]) {
+    if (done == MU_OK && !u->experiment[0]) {
         fprintf(stderr, "%s: expected the files of a run, and there is no experiment in it\n",
                 file);
         return MU_FAULT_FILE;
     }
-    return MU_OK;
+    return done;
 }
 
 const char *unpack_path(const struct unpacked *u, const char *path)

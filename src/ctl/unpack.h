@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file unpack.h
- * The files of a recording, unpacked into a folder of their own below /tmp, as they stood to one
- * another.
+ * The files of a recording, unpacked into a folder of their own below TMPDIR, or else /tmp, as they
+ * stood to one another.
  *
  * Whoever has such a folder holds a lock in it for its life.  The next one clears what others of
  * the same user have left behind because they were killed.
@@ -14,10 +14,13 @@
 
 #include <limits.h>
 
+enum { UNPACK_FOLDER_MAX = 1024 };
+
 struct unpacked {
-    char folder[64]; /* of all; experiment_root: folder/files; its rules: folder/library */
-    char experiment[PATH_MAX]; /* the file of it in there */
-    bool keeps;                /* it stays when it is closed */
+    char folder[UNPACK_FOLDER_MAX]; /* of all; experiment_root: folder/files; its rules:
+                                       folder/library */
+    char experiment[PATH_MAX];      /* the file of it in there */
+    bool keeps;                     /* it stays when it is closed */
 };
 
 /**
@@ -25,8 +28,8 @@ struct unpacked {
  *
  * @param file   the recording's path, for words
  * @param keeps  the folder is not removed at the end
- * @return MU_OK; MU_FAULT_FILE: it has no experiment, or names that lead elsewhere; MU_FAULT_OS;
- *         both explained.  Close it in any case
+ * @return MU_OK; MU_FAULT_FILE: it has no experiment, or names that are those of no files;
+ *         MU_FAULT_OS: there is no room; both explained.  Close it in any case
  */
 MU_MUST_USE mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char *file,
                                   bool keeps);

@@ -16,6 +16,7 @@
 #include "muster/memory.h"
 #include "story/differ.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { SETS_MAX = 64, STOP_PATIENCE_MS = 5000 };
+enum { WORDS_MAX = 16 + EXPERIMENT_OVERRIDES_MAX, STOP_PATIENCE_MS = 5000 };
 
 static const struct timespec ROUND = {.tv_nsec = 10000000};
 
@@ -50,18 +51,15 @@ struct verify {
     const char *file;
     char path[PATH_MAX]; /* of the recording, absolute */
     struct recording before, after;
-    struct unpacked files; /* of the recording; the second run lives there, too */
-    char record[PATH_MAX]; /* what it leaves */
-    char words[8][PATH_MAX + 16];
-    char sets[SETS_MAX][1024];
-    const char *argv[32 + 2 * SETS_MAX];
-    int argc;
+    struct unpacked files;           /* of the recording; the second run lives there, too */
+    char out[UNPACK_FOLDER_MAX + 8]; /* what that leaves */
+    const char *argv[WORDS_MAX];     /* its command; NULL behind the last */
+    size_t argc;
 };
 
 static const char *note(const struct verify *v, const char *key)
 {
-    const char *value = mcap_reader_value(v->before.reader, "run", key);
-    return value ? value : "";
+    return recording_note(&v->before, key);
 }
 
 /* What a recording says, fit for a terminal; good until the next call. */
@@ -76,52 +74,66 @@ static const char *plain(const char *text)
 
 /* --- the second run --------------------------------------------------------------------------- */
 
-static void word_add(struct verify *v, const char *word)
+static int64_t last_step(const struct verify *v)
 {
+    return v->before.steps[v->before.steps_count - 1].step;
+}
+
+static double seconds(const struct verify *v, int64_t step)
+{
+    return (double)step * (double)v->before.step_ns * 1e-9;
+}
+
+/* As long as the recording is.  Where it says that there was more, a step of that, too: it is what
+ * differs, or what ends a step in which somebody was silent. */
+static double duration_s(const struct verify *v)
+{
+    const char *said = mcap_reader_value(v->before.reader, "end", "steps");
+    int64_t last = last_step(v);
+    bool more = said && strtoll(said, NULL, 10) > last;
+    return seconds(v, last + more > 0 ? last + more : 1);
+}
+
+/* However long what a recording says is. */
+static void word_add(struct verify *v, const char *option, const char *value)
+{
+    size_t size = strlen(option) + strlen(value) + 1;
+    char *word = mu_startup_alloc(size);
+    snprintf(word, size, "%s%s", option, value);
+    MU_ASSERT(v->argc < WORDS_MAX - 1);
     v->argv[v->argc++] = word;
 }
 
-/* As long as the recording is: what was interrupted, or is cut, is compared as far as it goes. */
-static double duration_s(const struct verify *v)
-{
-    int64_t last = v->before.steps[v->before.steps_count - 1].step;
-    bool cut = !mcap_reader_whole(v->before.reader); /* its last Frame was no run's last one */
-    return (double)(last + cut) * (double)v->before.step_ns * 1e-9;
-}
-
+/* What the user's environment says of runs is not for this one. */
 static void words_make(struct verify *v)
 {
-    snprintf(v->words[0], sizeof v->words[0], "--seed=%s", note(v, "seed"));
-    snprintf(v->words[1], sizeof v->words[1], "--duration=%.17g", duration_s(v));
-    snprintf(v->words[2], sizeof v->words[2], "--out=%s/out", v->files.folder);
-    snprintf(v->words[3], sizeof v->words[3], "--inputs=%s", v->path);
-    snprintf(v->words[4], sizeof v->words[4], "--root=%s/files", v->files.folder);
-    snprintf(v->words[5], sizeof v->words[5], "--record=%s",
-             strcmp(note(v, "record"), "run") == 0 ? "run" : "full");
-    snprintf(v->record, sizeof v->record, "%s/out/run.mcap", v->files.folder);
-    word_add(v, "muster");
-    word_add(v, "run");
-    word_add(v, v->files.experiment);
-    word_add(v, "--quiet");
-    for (size_t i = 0; i < 6; i++) {
-        word_add(v, v->words[i]);
+    const char *sets[EXPERIMENT_OVERRIDES_MAX];
+    size_t sets_count = recording_sets(&v->before, sets, EXPERIMENT_OVERRIDES_MAX);
+    char duration[32], root[sizeof v->files.folder + 8];
+    snprintf(duration, sizeof duration, "%.17g", duration_s(v));
+    snprintf(root, sizeof root, "%s/files", v->files.folder);
+    snprintf(v->out, sizeof v->out, "%s/out", v->files.folder);
+    word_add(v, "muster", "");
+    word_add(v, "run", "");
+    word_add(v, v->files.experiment, "");
+    word_add(v, "--quiet", "");
+    word_add(v, "--rate=", "0");
+    word_add(v, "--seed=", note(v, "seed"));
+    word_add(v, "--duration=", duration);
+    word_add(v, "--out=", v->out);
+    word_add(v, "--inputs=", v->path);
+    word_add(v, "--root=", root);
+    word_add(v, "--record=", strcmp(note(v, "record"), "run") == 0 ? "run" : "full");
+    for (size_t i = 0; i < sets_count; i++) {
+        word_add(v, "--set=", sets[i]);
     }
-    for (size_t i = 0; i < SETS_MAX; i++) {
-        char key[16];
-        snprintf(key, sizeof key, "set.%zu", i + 1);
-        if (note(v, key)[0]) {
-            snprintf(v->sets[i], sizeof v->sets[i], "--set=%s", note(v, key));
-            word_add(v, v->sets[i]);
-        }
-    }
-    word_add(v, NULL);
 }
 
 /* @return the exit code of the second run */
 static int run_again(struct verify *v)
 {
     static struct supervise children;
-    char library[128];
+    char library[sizeof v->files.folder + sizeof "/library"];
     snprintf(library, sizeof library, "%s/library", v->files.folder);
     setenv("MUSTER_RULES", library, 1);
     words_make(v);
@@ -141,10 +153,12 @@ static int run_again(struct verify *v)
     int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
     bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION;
     if (!ran) {
-        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s\n", code,
-                run->words);
+        fprintf(stderr, "muster verify: the second run ended with exit code %d: %s%s\n", code,
+                run->words,
+                code == MU_EXIT_WRITE ? "muster verify: TMPDIR=DIR lets it write elsewhere" : "");
     }
-    return ran ? MU_EXIT_DONE : code;
+    /* The words of its command are the recording's. */
+    return ran ? MU_EXIT_DONE : code == MU_EXIT_USAGE ? MU_EXIT_FILE : code;
 }
 
 /* --- what came out ---------------------------------------------------------------------------- */
@@ -154,6 +168,14 @@ static const char *hash_of(struct recording *r)
     const char *hash = mcap_reader_value(r->reader, "end", "hash");
     return hash ? hash : "none";
 }
+
+/* How a recorded run ended, for scripts and for people. */
+static const struct {
+    const char *word, *sentence;
+} ends[] = {[RECORDING_DONE] = {"done", ""},
+            [RECORDING_STOPPED] = {"stopped", "the run was stopped there"},
+            [RECORDING_FAULT] = {"fault", "the run broke off there"},
+            [RECORDING_CUT] = {"cut", "the recording is cut off there"}};
 
 static bool is_changed(const struct verify *v)
 {
@@ -170,10 +192,11 @@ static void result_json(struct verify *v, const struct difference *d)
     mu_json_uint(&j, "steps", v->before.steps_count);
     mu_json_bool(&j, "changed", is_changed(v));
     mu_json_bool(&j, "whole", mcap_reader_whole(v->before.reader));
+    mu_json_string(&j, "ended", ends[recording_end(&v->before)].word);
     mu_json_string(&j, "hash", hash_of(&v->after));
     if (d) {
         mu_json_int(&j, "step", d->step);
-        mu_json_real(&j, "time_s", (double)d->step * (double)v->before.step_ns * 1e-9);
+        mu_json_real(&j, "time_s", seconds(v, d->step));
         mu_json_string(&j, "who", d->who);
         mu_json_string(&j, "what", d->what);
         mu_json_string(&j, "recorded", d->one);
@@ -182,24 +205,30 @@ static void result_json(struct verify *v, const struct difference *d)
     mu_json_end(&j);
 }
 
+static void equal_print(struct verify *v)
+{
+    enum recording_end end = recording_end(&v->before);
+    if (end == RECORDING_DONE) {
+        printf("equal  %zu steps\n", v->before.steps_count);
+        printf("hash   %s\n", hash_of(&v->after));
+    } else {
+        printf("equal  to step %lld (%.1f s); %s\n", (long long)last_step(v),
+               seconds(v, last_step(v)), ends[end].sentence);
+    }
+}
+
 static void result_print(struct verify *v, const struct difference *d)
 {
-    if (!mcap_reader_whole(v->before.reader)) {
-        printf("the recording ends at %.1f s without its end; compared as far as it goes\n",
-               duration_s(v));
-    }
     if (is_changed(v)) {
         printf("the recording has been changed: a checksum in it is wrong\n");
     }
     if (d) {
         printf("different at step %lld (%.1f s): %s%s%s is ", (long long)d->step,
-               (double)d->step * (double)v->before.step_ns * 1e-9, plain(d->who),
-               d->who[0] ? " " : "", d->what);
+               seconds(v, d->step), plain(d->who), d->who[0] ? " " : "", d->what);
         printf("%s in the recording, ", plain(d->one));
         printf("and %s now\n", plain(d->other));
     } else {
-        printf("equal  %zu steps\n", v->before.steps_count);
-        printf("hash   %s\n", hash_of(&v->after));
+        equal_print(v);
     }
 }
 
@@ -207,8 +236,10 @@ static int compare(struct verify *v)
 {
     struct mu_fault fault;
     struct difference d;
-    if (recording_create(&v->after, v->record, &fault) != MU_OK ||
-        recording_open(&v->after, v->record, &fault) != MU_OK) {
+    char record[sizeof v->out + 16];
+    snprintf(record, sizeof record, "%s/run.mcap", v->out);
+    if (recording_create(&v->after, record, &fault) != MU_OK ||
+        recording_open(&v->after, record, &fault) != MU_OK) {
         mu_fault_print(&fault);
         return MU_EXIT_FILE;
     }
@@ -219,11 +250,6 @@ static int compare(struct verify *v)
         result_print(v, differ ? &d : NULL);
     }
     return differ || is_changed(v) ? MU_EXIT_EXPECTATION : MU_EXIT_DONE;
-}
-
-static mu_result files_unpack(struct verify *v)
-{
-    return unpack_open(&v->files, v->before.reader, v->file, chosen.keep);
 }
 
 /* --- the verb --------------------------------------------------------------------------------- */
@@ -241,8 +267,15 @@ static int recording_check(const struct verify *v)
                 v->file);
         return MU_EXIT_USAGE;
     }
-    if (v->before.steps_count == 0 || !note(v, "seed")[0]) {
+    if (!note(v, "seed")[0]) {
         fprintf(stderr, "%s: expected a recording of `muster run`\n", v->file);
+        return MU_EXIT_FILE;
+    }
+    if (v->before.steps_count == 0) {
+        fprintf(stderr,
+                "%s: it has no step: the run was stopped, or the file is cut off, before the "
+                "first one; there is nothing to do again\n",
+                v->file);
         return MU_EXIT_FILE;
     }
     return MU_EXIT_DONE;
@@ -259,7 +292,11 @@ static int recording_read(struct verify *v)
         mu_fault_print(&fault);
         return MU_EXIT_FILE;
     }
-    return realpath(v->file, v->path) ? recording_check(v) : MU_EXIT_FILE;
+    if (!realpath(v->file, v->path)) {
+        fprintf(stderr, "%s: %s\n", v->file, strerror(errno));
+        return MU_EXIT_FILE;
+    }
+    return recording_check(v);
 }
 
 int verify_verb(int argc, char **argv)
@@ -285,7 +322,9 @@ int verify_verb(int argc, char **argv)
     struct verify *v = mu_startup_alloc(sizeof *v);
     v->file = o.words[0];
     int code = recording_read(v);
-    code = code == MU_EXIT_DONE ? mu_exit_for(files_unpack(v)) : code;
+    code = code == MU_EXIT_DONE
+               ? mu_exit_for(unpack_open(&v->files, v->before.reader, v->file, chosen.keep))
+               : code;
     code = code == MU_EXIT_DONE ? run_again(v) : code;
     code = code == MU_EXIT_DONE ? compare(v) : code;
     if (v->files.folder[0] && chosen.keep) {

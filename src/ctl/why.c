@@ -73,7 +73,7 @@ static bool moment_parse(const char *word, struct ask *a)
     } else if (at && strncmp(word, "f-", 2) == 0) {
         a->about = ASK_FACT;
         a->fact = strtoll(word + 2, &end, 10);
-        if (end == word + 2 || end != at) {
+        if (end == word + 2 || end != at || a->fact < 0) {
             return false;
         }
     } else if (at && strncmp(word, "speed@", 6) != 0) {
@@ -103,12 +103,12 @@ static mu_result words_take(const struct mu_options *o, struct ask *a)
         return MU_FAULT_USAGE;
     }
     a->robot = o->words[next];
-    a->file = a->file ? a->file : file_default();
     if (!a->file) {
-        fprintf(stderr, "muster why: there is no out/*/run.mcap here; name a recording\n");
-        return MU_FAULT_FILE;
+        a->file = file_default();
+        fprintf(stderr, "muster why: %s\n",
+                a->file ? a->file : "there is no out/*/run.mcap here; name a recording");
     }
-    return MU_OK;
+    return a->file ? MU_OK : MU_FAULT_FILE;
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -214,7 +214,8 @@ static void stalls_tell(struct teller *t)
         }
         return;
     }
-    printf("%s was stalled %zu times\n", ask.robot, t->stalls_count);
+    printf("%s was stalled %zu time%s\n", ask.robot, t->stalls_count,
+           t->stalls_count == 1 ? "" : "s");
     for (size_t i = 1; i < known; i++) {
         stall_print(t, &t->stalls[i]);
     }
@@ -228,7 +229,9 @@ static void chain_tell(struct teller *t, int64_t step, uint32_t ends)
 {
     struct mu_json j;
     if (!ask.json) {
-        printf("%s at %.1f s\n", ask.robot, seconds(t, step));
+        bool beyond = ask.time_s > seconds(t, step + 1);
+        printf("%s at %.1f s%s\n", ask.robot, seconds(t, step),
+               beyond ? ", where the recording ends" : "");
         chain_print(t);
         return;
     }
@@ -253,10 +256,46 @@ static void moment_tell(struct teller *t)
     chain_tell(t, step, ends);
 }
 
+static void name_add(struct mu_text *names, const char *name)
+{
+    mu_text_add(names, names->len > 0 ? ", " : "");
+    mu_text_add(names, name);
+}
+
+/* Bodies, and minds without one: clones, and who was launched. */
+static void robots_name(struct teller *t, struct mu_text *names)
+{
+    const struct minds *m = t->recording.minds;
+    recording_rewind(&t->recording);
+    const muster_Frame *f = recording_next(&t->recording);
+    for (uint32_t i = 0; f && i < f->robots._length; i++) {
+        name_add(names, f->robots._buffer[i].name);
+    }
+    for (int32_t i = 0; i < m->robots_count; i++) {
+        if (stalls_robot(&t->recording, m->robots[i].name) == MU_NONE) {
+            name_add(names, m->robots[i].name);
+        }
+    }
+}
+
+static void nobody_explain(struct teller *t)
+{
+    char shown[MU_TEXT_SHOWN], bytes[1024];
+    struct mu_text names;
+    mu_text_init(&names, bytes, sizeof bytes);
+    robots_name(t, &names);
+    fprintf(stderr, "muster why: %s has no robot named %s; it has %s%s\n", ask.file,
+            mu_text_show(shown, ask.robot), names.len > 0 ? names.at : "no step",
+            names.cut ? "..." : "");
+}
+
 static mu_result ask_answer(struct teller *t)
 {
     if (t->mind == MINDS_NONE && ask.about != ASK_STALLS) {
-        fprintf(stderr, "muster why: %s has no diary of %s's mind\n", ask.file, ask.robot);
+        fprintf(stderr,
+                "muster why: %s has no diary of %s's mind: it is there with --record full, "
+                "without --no-diary, and of robots with rules\n",
+                ask.file, ask.robot);
         return MU_FAULT_FILE;
     }
     if (ask.about == ASK_SPEED || ask.about == ASK_FACT) {
@@ -313,7 +352,7 @@ int why_verb(int argc, char **argv)
         return mu_exit_for(opened);
     }
     if (t->robot == MU_NONE && t->mind == MINDS_NONE) { /* a clone has a mind, and no body */
-        fprintf(stderr, "muster why: %s has no robot named %s\n", ask.file, ask.robot);
+        nobody_explain(t);
         return MU_EXIT_NO_AGENT;
     }
     mu_result answered = ask_answer(t);

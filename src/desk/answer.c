@@ -118,6 +118,44 @@ int answer_outcome_exit(enum mu_outcome outcome)
     return MU_EXIT_UNDELIVERED;
 }
 
+const char *answer_outcome_advice(enum mu_outcome outcome, const char *to)
+{
+    if (outcome == MU_MAIL_REFUSED) {
+        return " by the trust policy of its broker";
+    }
+    if (outcome != MU_MAIL_UNKNOWN_NAME) {
+        return "";
+    }
+    if (strncmp(to, "group:", strlen("group:")) == 0) {
+        return "; muster group list lists groups";
+    }
+    return strchr(to, ':') ? "; nobody is meant by that, or no resolver is there that knows it"
+                           : "; muster ps lists who is there";
+}
+
+const char *answer_travel_advice(const char *content)
+{
+    static const struct {
+        const char *word, *advice;
+    } words[] = {
+        {"unknown-host", "there is no host of that name; muster ps lists them"},
+        {"host-absent", "that host is there no more; muster ps lists them"},
+        {"here-already", "it is on that host"},
+        {"name-taken", "somebody has that name; muster ps lists all"},
+        {"busy", "its process sends another agent on its way; try again"},
+        {"too-large", "it has more facts and rules than fit into 1 MiB"},
+    };
+    size_t len = strlen(content);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        size_t word_len = strlen(words[i].word);
+        const char *end = len > word_len ? content + len - word_len : NULL;
+        if (end && end[-1] == ' ' && strcmp(end, words[i].word) == 0) {
+            return words[i].advice;
+        }
+    }
+    return NULL;
+}
+
 bool answer_is_busy(const struct mu_member *m)
 {
     static const char word[] = "busy ";

@@ -23,6 +23,14 @@ void answer_print(const struct mu_mail *mail, bool json);
 /** @return the exit code for what became of a mail */
 int answer_outcome_exit(enum mu_outcome outcome);
 
+/** @return what follows the outcome's word in a message to a person; "": nothing.  @param to  whom
+ * the mail was for */
+const char *answer_outcome_advice(enum mu_outcome outcome, const char *to);
+
+/** @return what is meant by the last word of why an agent stays, such as `red unknown-host`; NULL:
+ *          that says enough */
+const char *answer_travel_advice(const char *content);
+
 /** @return whether the white pages say that the agent is at work, and does not answer meanwhile */
 bool answer_is_busy(const struct mu_member *m);
 

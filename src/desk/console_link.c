@@ -158,7 +158,11 @@ static void answer_take(struct console_link *l, const struct mu_mail *mail, uint
     }
     p->piece = piece;
     l->heard_ns = mu_clock_ns();
-    show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, number, mail->content);
+    if (strcmp(mail->performative, "not-understood") == 0) {
+        show_note(l, number, "muster: %s has no mind of CLIPS: not understood", l->agent);
+    } else {
+        show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, number, mail->content);
+    }
     if (piece >= count) {
         l->failures += fails;
         pending_drop(l, 1, !fails);
@@ -320,7 +324,8 @@ void console_link_receipt(struct console_link *l, uint64_t first_seq, uint64_t l
             continue;
         }
         l->code = answer_outcome_exit(outcome);
-        show_note(l, p.number, "muster: to %s: %s", l->agent, mu_outcome_text(outcome));
+        show_note(l, p.number, "muster: to %s: %s%s", l->agent, mu_outcome_text(outcome),
+                  answer_outcome_advice(outcome, l->agent));
         tell_end(l, &p, false);
     }
     l->pending_count = is_good(outcome) ? l->pending_count : kept;

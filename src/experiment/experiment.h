@@ -47,6 +47,11 @@ struct experiment_global {
     char *value; /* a CLIPS field */
 };
 
+/* A place in the file. */
+struct experiment_mark {
+    int line, column;
+};
+
 struct experiment_robot {
     char *name;
     char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
@@ -66,6 +71,7 @@ struct experiment_robot {
     unsigned groups_count;
     char **services; /* that it offers from the start: "mapper role=scout" */
     unsigned services_count;
+    struct experiment_mark mark; /* where the file has it */
 };
 
 /* The robots of one process, which follow each other in the list. */
@@ -74,11 +80,6 @@ struct experiment_crew {
     unsigned robot, count; /* the first of them, and how many */
     unsigned first;        /* the number behind its name */
     bool numbered;         /* names are NAME_0, NAME_1, ...; else it is one robot, NAME */
-};
-
-/* A place in the file. */
-struct experiment_mark {
-    int line, column;
 };
 
 /* Who looks at the run while it lives, and is none of it. */

@@ -137,13 +137,22 @@ static void fill_absent(struct experiment_source *s)
     }
 }
 
+static mu_result fill_robot(struct experiment_source *s, size_t index)
+{
+    struct experiment_robot *robot = &s->experiment->robots[index];
+    struct mu_fault here;
+    (void)yaml_tree_fault(s->tree, experiment_item(s, "robots", index), &here, "%s", "");
+    robot->mark = (struct experiment_mark){here.line, here.column};
+    return fill_globals(s, robot, fill_section(s, "robots", index));
+}
+
 mu_result experiment_fill(struct experiment_source *source)
 {
     struct experiment *e = source->experiment;
     mu_result result = MU_OK;
     fill_absent(source);
     for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
-        result = fill_globals(source, &e->robots[i], fill_section(source, "robots", i));
+        result = fill_robot(source, i);
     }
     for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
         result = fill_targets(source, &e->observer[i], fill_section(source, "observer", i));

@@ -77,7 +77,7 @@ static struct robot *place_find(struct host *h)
 {
     for (uint32_t i = 0; i < h->crew.count; i++) {
         struct robot *r = &h->crew.robots[i];
-        if (r->out && !trip_holds(r)) {
+        if (r->out && !r->trip) {
             return r;
         }
     }
@@ -102,16 +102,8 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct passpor
                            const char *rest, struct mu_fault *fault)
 {
     bool launch = p->purpose == TRIP_LAUNCH;
-    struct mind_options options = {.name = r->name,
-                                   .seed = p->seed,
-                                   .rules_folder = launch ? h->folder : NULL,
-                                   .firings_max = (uint32_t)h->set->robots.firings_max,
-                                   .failures_max = (uint32_t)h->set->robots.failures_max,
-                                   .router = h->crew.router,
-                                   .half_m = robot_map_half_m(r),
-                                   .diary = h->set->robots.diary,
-                                   .ports = robot_ports(r)};
-    mind_close(r->mind); /* of who was here before */
+    struct mind_options options = robot_options(r, launch ? h->folder : NULL);
+    options.seed = p->seed; /* a capsule has the state of (random) itself */
     MU_TRY(mind_begin(r->mind, &options, fault));
     if (!launch) {
         return mind_restore(r->mind, rest, strlen(rest), fault);
@@ -131,20 +123,26 @@ static mu_result join(struct robot *r, const struct passport *p)
     return MU_MALFORMED;
 }
 
+/* Nobody is there, nor is who began to be. */
+static void place_clear(struct host *h, struct robot *r)
+{
+    struct mind *mind = r->mind;
+    mind_close(mind);
+    *r = (struct robot){.crew = &h->crew, .mind = mind, .out = true, .step = -1};
+    h->waiting[r - h->crew.robots].used = false;
+}
+
 /* The place is a new agent's. */
 static void place_take(struct host *h, struct robot *r, const struct passport *p,
                        const struct arrival *a)
 {
-    struct mind *mind = r->mind;
-    *r = (struct robot){.crew = &h->crew,
-                        .mind = mind,
-                        .out = true,
-                        .mails = p->mails,
-                        .native = natives_have(h, p->name),
-                        .returns_as = p->state,
-                        .step = -1};
-    (void)mu_text_copy(r->name, sizeof r->name, p->name);
+    checkpoint_leave(r);
+    place_clear(h, r);
+    r->mails = p->mails;
+    r->native = natives_have(h, p->name);
+    r->returns_as = p->state;
     r->rules_left = p->rules_left;
+    (void)mu_text_copy(r->name, sizeof r->name, p->name);
     struct arrival *waiting = &h->waiting[r - h->crew.robots];
     *waiting = *a;
     waiting->text = (struct mu_text){.at = NULL};
@@ -194,40 +192,69 @@ static struct robot *not_taken(char why[MU_FAULT_TEXT_MAX + 1], const char *reas
 static void host_save_first(const struct host *h, struct robot *r, const struct arrival *a,
                             enum mu_state state)
 {
-    if (!a->head && h->set->robots.checkpoints.every_s > 0) {
+    if (a->head) {
+        checkpoint_own(r);
+    } else if (h->set->robots.checkpoints.every_s > 0) {
         (void)checkpoint_write(r, state);
-    } else if (a->head && a->head->step >= 0) {
+    }
+    if (a->head && a->head->step >= 0) {
         robot_take_up(r, a->head);
     }
+}
+
+/* An older copy that waits for the name has been overtaken. */
+static void older_drop(struct host *h, const struct passport *p)
+{
+    for (uint32_t i = 0; i < h->crew.count && p->purpose == TRIP_MOVE; i++) {
+        struct robot *r = &h->crew.robots[i];
+        if (r->arrives && strcmp(r->name, p->name) == 0 &&
+            mu_agent_passage(r->agent).epoch < p->passage.epoch) {
+            robot_on_registered(r, r->agent, false, "out of date");
+        }
+    }
+}
+
+/* Lets who has come ask for the name.  @return whether that went well; else nobody is there */
+static bool agent_begin(struct host *h, struct robot *r, const struct passport *p, const char *rest,
+                        char why[MU_FAULT_TEXT_MAX + 1])
+{
+    struct mu_fault fault;
+    if (mind_make(h, r, p, rest, &fault) != MU_OK) {
+        snprintf(why, MU_FAULT_TEXT_MAX + 1, "%.63s:%d: %.400s", fault.file, fault.line,
+                 fault.text);
+        place_clear(h, r);
+        return false;
+    }
+    mu_result joined = join(r, p);
+    if (joined != MU_OK) {
+        place_clear(h, r);
+    } else if (p->purpose == TRIP_LAUNCH) {
+        joined = launch_join_groups(r, rest);
+        if (joined != MU_OK) {
+            robot_drop(r);
+        }
+    }
+    (void)mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, joined != MU_OK ? mu_result_text(joined) : "");
+    return joined == MU_OK;
 }
 
 struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1])
 {
     struct passport p;
-    struct mu_fault fault;
     const char *rest = a->text.at;
     bool read = passport_read(&rest, &p);
     const char *wrong = read ? objection(h, a, &p) : "expected a passport";
+    if (!wrong) {
+        older_drop(h, &p);
+    }
     struct robot *r = wrong ? NULL : place_find(h);
     wrong = wrong || r ? wrong : "full";
     if (wrong) {
         return not_taken(why, wrong);
     }
     place_take(h, r, &p, a);
-    if (mind_make(h, r, &p, rest, &fault) != MU_OK) {
-        snprintf(why, MU_FAULT_TEXT_MAX + 1, "%.63s:%d: %.400s", fault.file, fault.line,
-                 fault.text);
+    if (!agent_begin(h, r, &p, rest, why)) {
         return NULL;
-    }
-    mu_result joined = join(r, &p);
-    if (joined == MU_OK && p.purpose == TRIP_LAUNCH) {
-        joined = launch_join_groups(r, rest);
-        if (joined != MU_OK) {
-            robot_drop(r);
-        }
-    }
-    if (joined != MU_OK) {
-        return not_taken(why, mu_result_text(joined));
     }
     host_save_first(h, r, a, p.state);
     if (p.purpose == TRIP_MOVE) {
@@ -250,20 +277,30 @@ static void word_say(struct host *h, const muster_Trip *to, muster_TripWord word
     }
 }
 
+/* @return whether what is handed over is of whom the broker says */
+static bool passport_fits(const muster_Trip *word)
+{
+    struct passport p;
+    const char *text = word->text;
+    return passport_read(&text, &p) && strcmp(p.name, word->agent) == 0 &&
+           p.passage.epoch == word->epoch;
+}
+
 /* The broker has kept an agent, and hands it over. */
 static void arrival_hear(struct host *h, const muster_Trip *word)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "too-large";
     size_t len = strlen(word->text);
+    bool fits = len <= (size_t)h->set->bytes;
     struct arrival *launched =
         strcmp(word->asker, h->crew.host) == 0 ? deposited_find(h, word->agent) : NULL;
     struct arrival a = launched ? *launched : (struct arrival){.used = true};
     a.text = (struct mu_text){.at = word->text, .len = len, .size = len + 1};
-    struct robot *r = len <= (size_t)h->set->bytes ? host_take_in(h, &a, why) : NULL;
-    if (r &&
-        (strcmp(r->name, word->agent) != 0 || mu_agent_passage(r->agent).epoch != word->epoch)) {
-        robot_drop(r);
+    struct robot *r = NULL;
+    if (fits && !passport_fits(word)) {
         r = not_taken(why, "another agent's passport");
+    } else if (fits) {
+        r = host_take_in(h, &a, why);
     }
     if (!r) {
         mu_log(MU_LOG_WARNING, "arrival-refused", "name=%s: %s", word->agent, why);
@@ -353,7 +390,10 @@ static void on_registered(void *self, mu_agent *a, bool accepted, const char *re
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
         return;
     }
-    fprintf(stderr, "muster host: the broker refuses the name %s: %s\n", mu_agent_name(a), reason);
+    fprintf(
+        stderr,
+        "muster host: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
+        mu_agent_name(a), reason, mu_agent_name(a));
     h->crew.refused = true;
     mu_process_stop(h->crew.process);
 }

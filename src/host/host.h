@@ -13,7 +13,7 @@
 
 #include <limits.h>
 
-enum { HOST_ARRIVALS = 4 };
+enum { HOST_ARRIVALS = MU_CAPSULES_MAX };
 
 /* An agent that comes in pieces; or has come, and waits for its name. */
 struct arrival {

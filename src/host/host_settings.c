@@ -3,6 +3,7 @@
 
 #include "agent/trip.h"
 #include "core/name.h"
+#include "core/text.h"
 
 #include <stdio.h>
 
@@ -95,9 +96,17 @@ mu_result host_settings_parse(const struct host_settings **out, int argc, char *
     if (parsed != MU_OK) {
         return parsed;
     }
-    const char *name = options.words_count == 1 ? options.words[0] : "";
-    if (!mu_name_valid(name) || mu_name_reserved(name)) {
+    if (options.words_count != 1) {
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
+        return MU_FAULT_USAGE;
+    }
+    const char *name = options.words[0];
+    if (!mu_name_valid(name) || mu_name_reserved(name)) {
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr,
+                "muster host: '%s' cannot be a host's name: it must match "
+                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
+                mu_text_show(shown, name));
         return MU_FAULT_USAGE;
     }
     settings.robots.name = name;

@@ -42,16 +42,8 @@ static mu_result globals_set(const struct host *h, struct robot *r)
 static mu_result mind_make(struct host *h, struct robot *r, const char *file)
 {
     struct mu_fault fault;
-    struct mind_options options = {.name = r->name,
-                                   .seed = (uint64_t)h->set->robots.seed,
-                                   .rules_folder = h->folder,
-                                   .rules_file = file,
-                                   .firings_max = (uint32_t)h->set->robots.firings_max,
-                                   .failures_max = (uint32_t)h->set->robots.failures_max,
-                                   .router = h->crew.router,
-                                   .half_m = robot_map_half_m(r),
-                                   .diary = h->set->robots.diary,
-                                   .ports = robot_ports(r)};
+    struct mind_options options = robot_options(r, h->folder);
+    options.rules_file = file;
     mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, file, &fault) : made;
     if (made != MU_OK) {

@@ -332,6 +332,10 @@ static mu_result file_open(struct mcap_reader *r, const char *path)
     if (r->fd < 0 || fstat(r->fd, &is) != 0) {
         return MU_FAULT_OS;
     }
+    if (S_ISDIR(is.st_mode)) {
+        errno = EISDIR;
+        return MU_FAULT_OS;
+    }
     r->size = S_ISREG(is.st_mode) && is.st_size > 0 ? (uint64_t)is.st_size : 0;
     return MU_OK;
 }
@@ -356,7 +360,10 @@ mu_result mcap_reader_open(struct mcap_reader *r, const char *path, struct mu_fa
         return open_fault(r, fault, strerror(ENAMETOOLONG));
     }
     if (file_open(r, path) != MU_OK) {
-        return open_fault(r, fault, strerror(errno));
+        return open_fault(r, fault,
+                          errno == EISDIR ? "is a folder: expected a recording, such as "
+                                            "run.mcap in the folder of a run"
+                                          : strerror(errno));
     }
     if (!has_magic(r)) {
         return open_fault(r, fault, "this is no recording: expected an MCAP file");

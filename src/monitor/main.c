@@ -267,7 +267,8 @@ static mu_result options_parse(int argc, char **argv)
         .about = "Looks at a run by CLIPS rules: each step is facts, what rules print goes to "
                  "standard output.  It changes nothing in the run unless its rules send mail.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .no_words = true};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;

@@ -164,6 +164,11 @@ static void result_print(const struct recorder *r, const char *path)
                 "topics than there is room for\n",
                 r->tape->lost);
     }
+    for (size_t i = 0; i < set.topics_count && r->tape->messages == 0; i++) {
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr, "muster record: nothing of the topic %s in domain %d\n",
+                mu_text_show(shown, set.topics[i]), (int)set.network.domain);
+    }
     if (!set.quiet) {
         printf("%" PRIu64 " messages of %zu topics: %s\n", r->tape->messages, tape_topics(r->tape),
                path);

@@ -113,6 +113,11 @@ static mu_result settings_parse(int argc, char **argv, const char **path)
                         "muster replay out/follow-1/run.mcap\n");
         return MU_FAULT_USAGE;
     }
+    if (set.to_s > 0 && set.to_s <= set.from_s) {
+        fprintf(stderr, "muster replay: --to %g: expected more than --from, %g\n", set.to_s,
+                set.from_s);
+        return MU_FAULT_USAGE;
+    }
     *path = options.words[0];
     return MU_OK;
 }
@@ -204,10 +209,23 @@ static mu_result replay_live(struct replay *r)
     return MU_OK;
 }
 
+static mu_result span_choose(struct replay *r, const char *path)
+{
+    uint64_t first_ns, last_ns;
+    (void)mcap_reader_span(r->file, &first_ns, &last_ns);
+    r->from_ns = first_ns + (uint64_t)(set.from_s * 1e9);
+    r->to_ns = set.to_s > 0 ? first_ns + (uint64_t)(set.to_s * 1e9) : last_ns;
+    if (r->from_ns > last_ns) {
+        fprintf(stderr, "muster replay: --from %g: %s has %.1f s\n", set.from_s, path,
+                (double)(last_ns - first_ns) * 1e-9);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
 static mu_result file_open(struct replay *r, const char *path)
 {
     struct mu_fault fault;
-    uint64_t first_ns, last_ns;
     r->file = mcap_reader_create();
     if (mcap_reader_open(r->file, path, &fault) != MU_OK) {
         mu_fault_print(&fault);
@@ -216,10 +234,7 @@ static mu_result file_open(struct replay *r, const char *path)
     if (!mcap_reader_whole(r->file)) {
         fprintf(stderr, "muster replay: %s has no end; it is replayed as far as it goes\n", path);
     }
-    (void)mcap_reader_span(r->file, &first_ns, &last_ns);
-    r->from_ns = first_ns + (uint64_t)(set.from_s * 1e9);
-    r->to_ns = set.to_s > 0 ? first_ns + (uint64_t)(set.to_s * 1e9) : last_ns;
-    return MU_OK;
+    return span_choose(r, path);
 }
 
 static int network_open(struct replay *r)
@@ -267,8 +282,9 @@ int main(int argc, char **argv)
     }
     mu_log_open("replay", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct replay *r = mu_startup_alloc(sizeof *r);
-    if (file_open(r, path) != MU_OK) {
-        return MU_EXIT_FILE;
+    mu_result opened = file_open(r, path);
+    if (opened != MU_OK) {
+        return mu_exit_for(opened);
     }
     int code = network_open(r);
     if (code != MU_EXIT_DONE) {

@@ -29,6 +29,7 @@ struct compare_run {
     const char *folder;
     char experiment[COMPARE_NAME_MAX], group[COMPARE_NAME_MAX], hash[80];
     uint64_t seed;
+    bool broke_off;
     unsigned expected, met;                /* expectations */
     double values[COMPARE_STATISTICS_MAX]; /* NaN: this run has none of that name */
 };

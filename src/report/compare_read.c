@@ -81,6 +81,8 @@ static void value_take(void *self, const char *path, const struct mu_json_value 
         mu_text_copy(run->hash, sizeof run->hash, value->text);
     } else if (strcmp(path, "seed") == 0) {
         run->seed = value->number >= 0 && value->number < 1e19 ? (uint64_t)value->number : 0;
+    } else if (strcmp(path, "broke_off") == 0) {
+        run->broke_off = value->kind == MU_JSON_BOOL && value->number > 0;
     } else if (strncmp(path, "overrides.", 10) == 0) {
         override_take(r, value->text);
     } else if (strncmp(path, "expectations.", 13) == 0) {

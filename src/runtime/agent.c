@@ -213,8 +213,13 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
     }
 }
 
+/* Who is gone has nothing to do with the name any more; and a refusal before anybody was asked is
+ * that of an earlier one of that name. */
 void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
+    if (!v->accepted && !a->said) {
+        return;
+    }
     if (v->accepted) {
         agent_accepted(a, v);
     } else {
@@ -227,7 +232,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
         roll_mark(a); /* who comes later is not to hear of a name that was refused */
     }
     a->welcomed = v->accepted;
-    if (is_news && a->handlers.on_registered) {
+    if (is_news && !a->gone && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }
     kind_follow(a);

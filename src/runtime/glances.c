@@ -79,12 +79,21 @@ bool glances_fill(mu_process *p, muster_Up *up)
     return count > 0;
 }
 
+/* Of an Up that waited for the network a while: who asked may have left since, and others come.
+ * @return NULL: it is no question any more */
+static struct glances_asked *unsent_of(struct glances *g, const muster_Glance *asked)
+{
+    struct glances_asked *q = unsent_after(g, asked->number - 1);
+    return asked->word == muster_GLANCE_ASK && q && q->number == asked->number ? q : NULL;
+}
+
 void glances_sent(mu_process *p, const muster_Up *up)
 {
     struct glances *g = &p->glances;
-    for (uint32_t i = 0; i < up->glances._length && g->unsent > 0; i++) {
-        if (up->glances._buffer[i].word == muster_GLANCE_ASK) {
-            unsent_after(g, 0)->out = true;
+    for (uint32_t i = 0; i < up->glances._length; i++) {
+        struct glances_asked *q = unsent_of(g, &up->glances._buffer[i]);
+        if (q) {
+            q->out = true;
             g->unsent--;
             g->incarnation = p->link.incarnation;
         }

@@ -89,60 +89,77 @@ static uint32_t wire_layer(const struct mu_mail *mail)
     return mail->layer ? mail->layer : MU_LAYER_SPEECH;
 }
 
-mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail)
+/* The strings of a mail that is to be sent, and how many bytes each takes with its zero. */
+struct strings {
+    const char *from[OUTBOX_STRINGS];
+    size_t lens[OUTBOX_STRINGS], bytes;
+};
+
+/* @return whether each fits the wire, and there is a receiver */
+static bool strings_measure(struct strings *s)
 {
-    const char *from[OUTBOX_STRINGS] = {src,
-                                        or_empty(mail->dst),
-                                        or_empty(mail->performative),
-                                        or_empty(mail->language),
-                                        or_empty(mail->ontology),
-                                        or_empty(mail->reply_with),
-                                        or_empty(mail->in_reply_to),
-                                        or_empty(mail->conversation),
-                                        or_empty(mail->content)};
     static const size_t most[OUTBOX_STRINGS] = {MU_NAME_MAX,  MU_DST_MAX,   MU_FIELD_MAX,
                                                 MU_FIELD_MAX, MU_FIELD_MAX, MU_FIELD_MAX,
                                                 MU_FIELD_MAX, MU_FIELD_MAX, MU_CONTENT_MAX};
-    size_t bytes = 0;
-    size_t lens[OUTBOX_STRINGS];
+    s->bytes = 0;
     for (size_t i = 0; i < OUTBOX_STRINGS; i++) {
-        lens[i] = (from[i][0] ? strnlen(from[i], most[i] + 1) : 0) + 1;
-        bytes += lens[i];
-        if (lens[i] > most[i] + 1) {
-            return MU_MALFORMED;
+        s->lens[i] = (s->from[i][0] ? strnlen(s->from[i], most[i] + 1) : 0) + 1;
+        s->bytes += s->lens[i];
+        if (s->lens[i] > most[i] + 1) {
+            return false;
         }
     }
-    if (from[1][0] == '\0') {
+    return s->from[1][0] != '\0';
+}
+
+/* Copies them one behind the other.  @return the end */
+static char *strings_copy(const struct strings *s, char *at, char *copy[OUTBOX_STRINGS])
+{
+    for (size_t i = 0; i < OUTBOX_STRINGS; i++) {
+        copy[i] = memcpy(at, s->from[i], s->lens[i]);
+        at += s->lens[i];
+    }
+    return at;
+}
+
+static muster_Mail wire_mail(const struct mu_mail *mail, uint64_t seq,
+                             char *strings[OUTBOX_STRINGS])
+{
+    return (muster_Mail){.src = strings[0],
+                         .seq = seq,
+                         .dst = strings[1],
+                         .layer = wire_layer(mail),
+                         .performative = strings[2],
+                         .language = strings[3],
+                         .ontology = strings[4],
+                         .reply_with = strings[5],
+                         .in_reply_to = strings[6],
+                         .conversation = strings[7],
+                         .reply_by_ns = mail->reply_by_ns,
+                         .priority = mail->priority,
+                         .level = (muster_Level)mail->level,
+                         .due_ns = mail->timed ? (int64_t)mail->due_ns : -1,
+                         .ttl_ns = mail->ttl_ns,
+                         .content = strings[8]};
+}
+
+mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *mail)
+{
+    struct strings s = {.from = {src, or_empty(mail->dst), or_empty(mail->performative),
+                                 or_empty(mail->language), or_empty(mail->ontology),
+                                 or_empty(mail->reply_with), or_empty(mail->in_reply_to),
+                                 or_empty(mail->conversation), or_empty(mail->content)}};
+    char *copy[OUTBOX_STRINGS];
+    if (!strings_measure(&s)) {
         return MU_MALFORMED;
     }
-    char *at = box->next_seq - box->first_seq == box->mails ? NULL : text_take(box, bytes);
+    char *at = box->next_seq - box->first_seq == box->mails ? NULL : text_take(box, s.bytes);
     if (!at) {
         return MU_FULL;
     }
-    char *copy[OUTBOX_STRINGS];
-    for (size_t i = 0; i < OUTBOX_STRINGS; i++) {
-        copy[i] = memcpy(at, from[i], lens[i]);
-        at += lens[i];
-    }
+    char *end = strings_copy(&s, at, copy);
     *slot_of(box, box->next_seq) = (struct outbox_slot){
-        .mail = {.src = copy[0],
-                 .seq = box->next_seq,
-                 .dst = copy[1],
-                 .layer = wire_layer(mail),
-                 .performative = copy[2],
-                 .language = copy[3],
-                 .ontology = copy[4],
-                 .reply_with = copy[5],
-                 .in_reply_to = copy[6],
-                 .conversation = copy[7],
-                 .reply_by_ns = mail->reply_by_ns,
-                 .priority = mail->priority,
-                 .level = (muster_Level)mail->level,
-                 .due_ns = mail->timed ? (int64_t)mail->due_ns : -1,
-                 .ttl_ns = mail->ttl_ns,
-                 .content = copy[8]},
-        .text_end = (size_t)(at - box->text),
-    };
+        .mail = wire_mail(mail, box->next_seq, copy), .text_end = (size_t)(end - box->text)};
     box->next_seq++;
     return MU_OK;
 }

@@ -48,6 +48,7 @@ struct mu_agent {
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
+    bool said;     /* the broker has been asked for its name */
     bool welcomed; /* has been told that its name is accepted */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */

@@ -86,6 +86,14 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
     return r;
 }
 
+static void part_said(mu_process *p, uint32_t part)
+{
+    uint32_t first = part * MU_PART_AGENTS;
+    for (uint32_t i = first; i < p->agent_count && i < first + MU_PART_AGENTS; i++) {
+        p->agents[i].said = true;
+    }
+}
+
 void roll_write(mu_process *p)
 {
     if (p->link.broker[0] == '\0') {
@@ -99,6 +107,7 @@ void roll_write(mu_process *p)
         if (bus_write(&p->registration, &r) != MU_OK) {
             return;
         }
+        part_said(p, part);
         p->roll.due[part] = false;
         p->roll.due_count--;
     }

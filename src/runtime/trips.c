@@ -65,6 +65,15 @@ void trips_sent(mu_process *p, uint32_t count)
     memmove(t->out, t->out + count, t->count * sizeof t->out[0]);
 }
 
+size_t trips_bytes(const mu_process *p)
+{
+    size_t bytes = 0;
+    for (uint32_t i = 0; i < p->trips.count; i++) {
+        bytes += strlen(p->trips.out[i].text);
+    }
+    return bytes;
+}
+
 void trips_take(mu_process *p, const muster_Delivery *d)
 {
     for (uint32_t i = 0; i < d->trips._length && p->trips.on_trip; i++) {

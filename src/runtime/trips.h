@@ -12,7 +12,7 @@
 #include "muster/agent.h"
 #include "wire.h"
 
-enum { TRIPS_OUT_MAX = 16 };
+enum { TRIPS_OUT_MAX = 2 * MU_CAPSULES_MAX };
 
 struct trips_word {
     char agent[MU_NAME_MAX + 1], asker[MU_NAME_MAX + 1], host[MU_NAME_MAX + 1];
@@ -50,6 +50,9 @@ bool trips_fill(mu_process *p, muster_Up *up);
 
 /** So many of them, the first, are out. */
 void trips_sent(mu_process *p, uint32_t count);
+
+/** @return how many bytes of text wait with the words that are not out */
+size_t trips_bytes(const mu_process *p);
 
 /** Hands over those that have come. */
 void trips_take(mu_process *p, const muster_Delivery *d);

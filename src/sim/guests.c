@@ -38,6 +38,10 @@ struct guest *guests_find(const struct guests *g, const char *name)
 mu_result guests_seat(struct guests *g, const char *name, int32_t process)
 {
     struct guest *known = guests_find(g, name);
+    if (known && known->state != muster_STATE_ABSENT && known->process < 0) {
+        known->process = process; /* the one that it set out from has died */
+        return MU_OK;
+    }
     if (known && known->state != muster_STATE_ABSENT) {
         known->next_process = process;
         return MU_OK;

@@ -134,7 +134,7 @@ static struct mu_option option_table[] = {
     {.name = "attach",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=PATH",
-     .help = "put a file that the run was made of into the recording",
+     .help = "put a file that the run was made of into the recording; == is = in its name",
      .target = &set.files},
     {.name = "note",
      .kind = MU_OPTION_LIST,

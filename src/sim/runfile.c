@@ -45,29 +45,39 @@ static const char *media_type(const char *path)
 }
 
 /* The name of a file in the recording: no way out of a folder that somebody unpacks it into. */
-static void name_make(struct mu_text *name, const char *path, size_t path_len)
+static void name_make(struct mu_text *name, const char *said)
 {
-    for (const char *end = path + path_len; path < end;) {
-        size_t len = strcspn(path, "/=");
-        bool is_dots = (len == 1 && path[0] == '.') || (len == 2 && strncmp(path, "..", 2) == 0);
+    while (*said) {
+        size_t len = strcspn(said, "/");
+        bool is_dots = (len == 1 && said[0] == '.') || (len == 2 && strncmp(said, "..", 2) == 0);
         if (len > 0 && !is_dots) {
             mu_text_add(name, name->len > 0 ? "/" : "");
-            mu_text_add_bytes(name, path, len);
+            mu_text_add_bytes(name, said, len);
         }
-        path += len + 1;
+        said += len + (said[len] == '/');
     }
+}
+
+/* Splits "NAME=PATH"; "==" is an equals sign in the name.  @return the path */
+static const char *word_split(const char *word, struct mu_text *name)
+{
+    for (; *word && (*word != '=' || word[1] == '='); word++) {
+        word += *word == '=';
+        mu_text_add_bytes(name, word, 1);
+    }
+    return word + (*word == '=');
 }
 
 static void file_attach(struct runfile *f, const char *word)
 {
-    char bytes[NAME_SIZE];
-    struct mu_text name;
-    size_t len = strcspn(word, "=");
-    const char *path = word + len + (word[len] == '=');
+    char bytes[NAME_SIZE], said_bytes[NAME_SIZE];
+    struct mu_text name, said;
+    mu_text_init(&said, said_bytes, sizeof said_bytes);
     mu_text_init(&name, bytes, sizeof bytes);
-    name_make(&name, word, len);
+    const char *path = word_split(word, &said);
+    name_make(&name, said.at);
     mu_result taken =
-        name.cut ? MU_FULL : mcap_writer_attach_file(f->file, name.at, media_type(path), path);
+        said.cut ? MU_FULL : mcap_writer_attach_file(f->file, name.at, media_type(path), path);
     if (taken > 0) {
         fprintf(stderr, "muster sim: %s is not in the recording: %s\n", path,
                 taken == MU_FULL ? "it is too large" : "it cannot be read");

@@ -255,7 +255,6 @@ static void registrations_take(struct session *s)
             session_register(s, r, life);
             continue;
         }
-        life = life == BUS_DATA ? bus_fate(&s->registrations) : life;
         if (s->options.return_ns > 0) {
             session_return_hear(s, r, life);
         } else {
@@ -689,6 +688,8 @@ static void trip_take(struct session *s, const muster_Trip *t)
         session_guest_seat(s, t->agent, process);
     } else if (s->processes[process].let_go) { /* it has died since */
         r->process = r->next_process = -1;
+    } else if (r->process < 0) { /* the one that it set out from has died */
+        r->process = process;
     } else {
         r->next_process = process;
     }

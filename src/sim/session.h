@@ -126,6 +126,7 @@ struct session {
     unsigned char outside[2][RUNHASH_BYTES];
     uint32_t answers_missing;
     int64_t sent_step;       /* the last step that went out */
+    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
     bool held;               /* the lock step waits for a process that is being started again */
     unsigned char *snapshot; /* room for one */
     struct orders *orders;   /* that wait for the end of this step */

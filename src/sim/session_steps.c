@@ -171,9 +171,14 @@ static void body_hash(struct session *s, size_t body)
     runhash_fold(s->hash, state, sizeof state);
 }
 
-/* Hashes and records the world as this step found it; done while the controllers think. */
+/* Hashes and records the world as this step found it; done while the controllers think.  A step
+ * that is broken off has found it once. */
 static void world_record(struct session *s)
 {
+    if (s->step < s->recorded) {
+        return;
+    }
+    s->recorded = s->step + 1;
     runhash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
         body_hash(s, r);

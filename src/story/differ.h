@@ -22,7 +22,8 @@ struct difference {
  * Compares two recordings from their first steps on: poses and motion bit by bit, commands, mails,
  * rules fired, what came from outside, and minds' diaries where both have them.
  *
- * @param one  when it has no end, what the other has beyond it is no difference
+ * @param one  of a run that did not come to its end: then its last Frame is compared for how the
+ *     world was left, and what the other has beyond it is no difference
  * @param d  out: the first difference
  * @return false: there is none
  */

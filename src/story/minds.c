@@ -83,6 +83,24 @@ static int32_t robot_enter(struct minds *m, const char *name)
 
 /* --- facts that stand ------------------------------------------------------------------------- */
 
+/*
+ * A robot's facts that stand are a tree, in which each is below those whose indices begin with the
+ * same bits, from the lowest on.  In whatever order facts come and go, it is no deeper than an
+ * index has bits.
+ */
+
+/* @return the link to the fact of an index, or to where it is to be */
+static int32_t *fact_find(struct minds *m, struct minds_robot *r, long long index)
+{
+    unsigned long long bits = (unsigned long long)index;
+    int32_t *link = &r->stands;
+    while (*link != MINDS_NONE && m->lines[*link].fact != index) {
+        link = &m->lines[*link].below[bits & 1];
+        bits >>= 1;
+    }
+    return link;
+}
+
 static void fact_goes(struct minds *m, int32_t fact, int32_t line)
 {
     struct minds_block *block = &m->blocks[fact / MINDS_BLOCK];
@@ -91,30 +109,60 @@ static void fact_goes(struct minds *m, int32_t fact, int32_t line)
     block->end = line;
 }
 
+static void fact_put(struct minds *m, int32_t *link, int32_t fact, const int32_t below[2])
+{
+    m->lines[fact].below[0] = below[0];
+    m->lines[fact].below[1] = below[1];
+    *link = fact;
+}
+
+/* What stands under its index already has gone, and the diary had no room to say so. */
 static void fact_comes(struct minds *m, struct minds_robot *r, int32_t line)
 {
-    m->lines[line].older = r->stands;
-    r->stands = line;
+    static const int32_t none[2] = {MINDS_NONE, MINDS_NONE};
+    int32_t *link = fact_find(m, r, m->lines[line].fact);
+    int32_t former = *link;
+    fact_put(m, link, line, former == MINDS_NONE ? none : m->lines[former].below);
     m->blocks[line / MINDS_BLOCK].stands++;
-}
-
-static void facts_void(struct minds *m, struct minds_robot *r, int32_t line)
-{
-    for (int32_t f = r->stands; f != MINDS_NONE; f = m->lines[f].older) {
-        fact_goes(m, f, line);
+    if (former != MINDS_NONE) {
+        fact_goes(m, former, line);
     }
-    r->stands = MINDS_NONE;
 }
 
+/* @return the link to one that has none below it, from a link to a fact on */
+static int32_t *leaf_find(struct minds *m, int32_t *link)
+{
+    int32_t *below = m->lines[*link].below;
+    while (below[0] != MINDS_NONE || below[1] != MINDS_NONE) {
+        link = &below[below[0] == MINDS_NONE];
+        below = m->lines[*link].below;
+    }
+    return link;
+}
+
+/* A leaf below the fact takes its place: it has the same bits up to there. */
 static void fact_end(struct minds *m, struct minds_robot *r, int32_t line)
 {
-    int32_t *link = &r->stands;
-    while (*link != MINDS_NONE && m->lines[*link].fact != m->lines[line].fact) {
-        link = &m->lines[*link].older;
+    int32_t *link = fact_find(m, r, m->lines[line].fact);
+    int32_t gone = *link;
+    if (gone == MINDS_NONE) {
+        return;
     }
-    if (*link != MINDS_NONE) {
-        fact_goes(m, *link, line);
-        *link = m->lines[*link].older;
+    int32_t *leaf = leaf_find(m, link);
+    int32_t heir = *leaf;
+    *leaf = MINDS_NONE;
+    if (heir != gone) {
+        fact_put(m, link, heir, m->lines[gone].below);
+    }
+    fact_goes(m, gone, line);
+}
+
+static void facts_void(struct minds *m, int32_t fact, int32_t line)
+{
+    if (fact != MINDS_NONE) {
+        facts_void(m, m->lines[fact].below[0], line);
+        facts_void(m, m->lines[fact].below[1], line);
+        fact_goes(m, fact, line);
     }
 }
 
@@ -128,7 +176,10 @@ static void line_take(struct minds *m, struct minds_robot *r, int32_t index)
     }
     line->cause = r->cause;
     switch (line->letter) {
-    case '0': facts_void(m, r, index); break;
+    case '0':
+        facts_void(m, r->stands, index);
+        r->stands = MINDS_NONE;
+        break;
     case '-': fact_end(m, r, index); break;
     case '+': fact_comes(m, r, index); break;
     default: break;
@@ -166,7 +217,6 @@ static void line_add(struct minds *m, int32_t robot, uint32_t step, const char *
                                                    .step = step,
                                                    .robot = robot,
                                                    .end = MINDS_NONE,
-                                                   .older = MINDS_NONE,
                                                    .fact = number,
                                                    .letter = letter};
     line_take(m, r, m->lines_count++);

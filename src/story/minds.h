@@ -23,18 +23,18 @@ struct minds_line {
     uint32_t at, bytes; /* its text without the letter, and without the end of the line */
     uint32_t step;
     int32_t robot;
-    int32_t before; /* of the same robot */
-    int32_t cause;  /* the line with a capital letter above it; its own: it is one */
-    int32_t end;    /* of a fact: the line with which it went; MINDS_NONE: it stands */
-    int32_t older;  /* of a fact that stands: the next one that does */
-    long long fact; /* of + and -: its index */
+    int32_t before;   /* of the same robot */
+    int32_t cause;    /* the line with a capital letter above it; its own: it is one */
+    int32_t end;      /* of a fact: the line with which it went; MINDS_NONE: it stands */
+    int32_t below[2]; /* of a fact that stands: others that do, by the next bit of their indices */
     char letter;
+    long long fact; /* of + and -: its index */
 };
 
 struct minds_robot {
     char *name;
     int32_t first, last;
-    int32_t stands; /* the youngest fact that stands at the end */
+    int32_t stands; /* facts that stand at the end: the root of their tree */
     int32_t cause;  /* of what comes next */
     uint64_t lost;  /* lines that its diary had no room for */
 };

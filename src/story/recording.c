@@ -8,6 +8,8 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -126,7 +128,11 @@ mu_result recording_open(struct recording *r, const char *path, struct mu_fault 
     MU_TRY(types_check(r, path, fault));
     r->frames = mcap_reader_find(r->reader, "Frame");
     if (r->frames == MU_NONE) {
-        return mu_fault_at(fault, path, 0, 0, "expected a recording of a run: it has no Frame");
+        return mu_fault_at(fault, path, 0, 0,
+                           mcap_reader_whole(r->reader)
+                               ? "expected a recording of a run: it has no Frame"
+                               : "it has no Frame: it is cut off before the first one, or is no "
+                                 "recording of a run");
     }
     scene_read(r);
     frames_read(r);
@@ -161,6 +167,54 @@ const muster_Frame *recording_frame(struct recording *r, int64_t step)
         f = recording_next(r);
     }
     return f;
+}
+
+const char *recording_note(const struct recording *r, const char *key)
+{
+    const char *value = mcap_reader_value(r->reader, "run", key);
+    return value ? value : "";
+}
+
+size_t recording_sets(const struct recording *r, const char *sets[], size_t most)
+{
+    size_t count = 0;
+    while (count < most) {
+        char key[32];
+        snprintf(key, sizeof key, "set.%zu", count + 1);
+        sets[count] = recording_note(r, key);
+        if (!sets[count][0]) {
+            break;
+        }
+        count++;
+    }
+    return count;
+}
+
+/* @return how long the run was to be, ns; 0: it is not known */
+static double wanted_ns(const struct recording *r)
+{
+    return round(strtod(recording_note(r, "duration_s"), NULL) * 1e9);
+}
+
+/* A run that somebody stops says that it is done: how far it was to go tells. */
+enum recording_end recording_end(const struct recording *r)
+{
+    if (r->steps_count == 0) {
+        return RECORDING_CUT;
+    }
+    const struct recording_step *last = &r->steps[r->steps_count - 1];
+    const char *state = mcap_reader_value(r->reader, "end", "state");
+    const char *steps = mcap_reader_value(r->reader, "end", "steps");
+    bool known = wanted_ns(r) > 0;
+    bool over = known && (double)last->log_ns >= wanted_ns(r);
+    if (!state) {
+        return over ? RECORDING_DONE : RECORDING_CUT;
+    }
+    if (strcmp(state, "fault") == 0) {
+        return RECORDING_FAULT;
+    }
+    bool stopped = known && !over && steps && strtoll(steps, NULL, 10) == last->step;
+    return stopped ? RECORDING_STOPPED : RECORDING_DONE;
 }
 
 void recording_seek(struct recording *r, int64_t step)

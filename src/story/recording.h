@@ -19,6 +19,14 @@ struct recording_step {
     uint64_t log_ns;
 };
 
+/* How a recorded run ended. */
+enum recording_end {
+    RECORDING_DONE,    /* with its last step */
+    RECORDING_STOPPED, /* before: somebody ended it.  The last Frame is how the world was left */
+    RECORDING_FAULT,   /* before: somebody was silent, say.  The last Frame is a step like others */
+    RECORDING_CUT      /* nobody knows.  The last Frame is one or the other */
+};
+
 struct recording {
     struct mcap_reader *reader;
     uint32_t frames;     /* channel of them */
@@ -46,6 +54,16 @@ MU_MUST_USE mu_result recording_open(struct recording *r, const char *path, stru
 
 /** @return a step's Frame, good until the next call; NULL: the recording does not have it */
 const muster_Frame *recording_frame(struct recording *r, int64_t step);
+
+/** @return what the run's table says of it under a key (docs/recording.md); "": nothing */
+const char *recording_note(const struct recording *r, const char *key);
+
+/** Gives the values that its command line set, KEY=VALUE, in their order; they live until the next
+ * open.  @return how many there are, most at most */
+size_t recording_sets(const struct recording *r, const char *sets[], size_t most);
+
+/** @return how the recorded run ended; RECORDING_CUT when it has no step */
+enum recording_end recording_end(const struct recording *r);
 
 /** Goes to a step, or to the last one before it: recording_next gives it, and then the next. */
 void recording_seek(struct recording *r, int64_t step);

@@ -4,13 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WHY_DEEP_MAX = 24, WHY_TOLD_MAX = 256, WHY_TEXT_SHOWN = 160 };
+enum { WHY_DEEP_MAX = 24, WHY_TOLD_MAX = 256, WHY_TEXT_SHOWN = 160, WHY_LOOKED_MAX = 200000000 };
 
 /* One chain while it is told. */
 struct chain {
     const struct why *why;
     int32_t told[WHY_TOLD_MAX]; /* lines that need not be told again */
     size_t told_count;
+    int64_t looked; /* lines that facts were looked for in */
     uint32_t ends;
 };
 
@@ -66,6 +67,16 @@ static size_t match_bytes(const char *at, const char *end)
     return (size_t)((comma ? comma : end) - at);
 }
 
+/* Looks for what a rule has matched; a diary that sends us back and forth without end is given up.
+ */
+static int32_t match_find(struct chain *c, int32_t line, long long index)
+{
+    const struct minds *m = c->why->minds;
+    int32_t fact = c->looked < WHY_LOOKED_MAX ? minds_fact(m, line, index) : MINDS_NONE;
+    c->looked += line - (fact == MINDS_NONE ? 0 : fact);
+    return fact;
+}
+
 /* What a rule has matched: "NAME 12,[ball],*". */
 static void rule_tell(struct chain *c, int32_t line, int deep)
 {
@@ -78,7 +89,7 @@ static void rule_tell(struct chain *c, int32_t line, int deep)
     while (at && ++at < end) {
         long long index = strtoll(at, NULL, 10);
         bool is_fact = *at != '*' && *at != '[';
-        int32_t fact = is_fact ? minds_fact(c->why->minds, line, index) : MINDS_NONE;
+        int32_t fact = is_fact ? match_find(c, line, index) : MINDS_NONE;
         if (fact != MINDS_NONE) {
             fact_tell(c, fact, deep + 1);
         } else if (*at == '[') { /* diaries do not follow instances */
@@ -86,7 +97,9 @@ static void rule_tell(struct chain *c, int32_t line, int deep)
             mu_text_format(c->why->out, "%.*s\n", (int)match_bytes(at, end), at);
         } else if (*at != '*') {
             indent(c, deep + 1);
-            mu_text_format(c->why->out, "f-%lld: the diary does not have it\n", index);
+            mu_text_format(c->why->out, "f-%lld: %s\n", index,
+                           c->looked < WHY_LOOKED_MAX ? "the diary does not have it"
+                                                      : "there is too much to look through");
             c->ends |= WHY_UNKNOWN;
         }
         at = memchr(at, ',', (size_t)(end - at));

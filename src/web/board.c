@@ -5,11 +5,10 @@
 
 #include <string.h>
 
-static const char *const names[BOARD_ITEMS] = {[BOARD_RUN] = "run",
-                                               [BOARD_SCENE] = "scene",
-                                               [BOARD_FRAME] = "frame",
-                                               [BOARD_STATISTICS] = "statistics",
-                                               [BOARD_AGENTS] = "agents"};
+static const char *const names[BOARD_ITEMS] = {
+    [BOARD_RUN] = "run",       [BOARD_SCENE] = "scene",
+    [BOARD_FRAME] = "frame",   [BOARD_STATISTICS] = "statistics",
+    [BOARD_AGENTS] = "agents", [BOARD_LATER] = "later"};
 
 void board_init(struct board *b)
 {
@@ -57,4 +56,9 @@ enum board_ended board_end(struct board *b)
     b->draft = old;
     e->version++;
     return BOARD_NEW;
+}
+
+void board_drop(struct board *b, enum board_item item)
+{
+    mu_text_clear(&b->items[item].text);
 }

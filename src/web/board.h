@@ -18,6 +18,7 @@ enum board_item {
     BOARD_FRAME,      /* one step */
     BOARD_STATISTICS, /* totals since the run began */
     BOARD_AGENTS,     /* the white pages */
+    BOARD_LATER,      /* orders from pages that wait for their time */
     BOARD_ITEMS
 };
 
@@ -27,8 +28,8 @@ enum {
 };
 
 struct board_event {
-    struct mu_text text; /* "event: frame\ndata: {...}\n\n" */
-    uint64_t version;    /* 0: there is none yet */
+    struct mu_text text; /* "event: frame\ndata: {...}\n\n"; "": there is none now */
+    uint64_t version;    /* 0: there was none yet */
 };
 
 struct board {
@@ -55,6 +56,9 @@ enum board_ended {
 
 /** Ends it. */
 enum board_ended board_end(struct board *b);
+
+/** Takes an event away: who has not seen it does not see it any more. */
+void board_drop(struct board *b, enum board_item item);
 
 /** Starts an event of any name, for one viewer: the head, and JSON behind it. */
 void board_event_begin(struct mu_text *text, struct mu_json *json, const char *name);

@@ -218,7 +218,7 @@ static struct console *place_find(struct consoles *c)
         if (!k->used) {
             return k;
         }
-        bool idle = k->link.pending_count == 0 && !is_watched(k);
+        bool idle = k->link.pending_count == 0 && !is_watched(k) && !k->link.attached;
         if (idle && (!oldest || k->used_ns < oldest->used_ns)) {
             oldest = k;
         }
@@ -236,20 +236,37 @@ static struct console *console_find(struct consoles *c, const char *agent)
     return NULL;
 }
 
+/* A late answer is no answer to a new line, also when the agent has had another place meanwhile.
+ * @return the highest number that a line has had */
+static uint64_t lines_highest(const struct consoles *c)
+{
+    uint64_t highest = 0;
+    for (size_t i = 0; i < CONSOLES_MAX; i++) {
+        uint64_t lines = c->all[i].link.lines;
+        highest = lines > highest ? lines : highest;
+    }
+    return highest;
+}
+
+static void console_begin(struct console *k, struct consoles *c, const char *agent)
+{
+    uint64_t lines = lines_highest(c);
+    memset(k, 0, sizeof *k);
+    k->used = true;
+    k->all = c;
+    mu_text_copy(k->name, sizeof k->name, agent);
+    k->link.self = k;
+    k->link.show = on_show;
+    k->link.ended = on_ended;
+    k->link.lines = lines;
+    console_link_init(&k->link, c->process, c->agent, k->name);
+}
+
 static struct console *console_for(struct consoles *c, const char *agent)
 {
     struct console *k = console_find(c, agent);
     if (!k && (k = place_find(c))) {
-        uint64_t lines = k->link.lines; /* a late answer is no answer to a new line */
-        memset(k, 0, sizeof *k);
-        k->used = true;
-        k->all = c;
-        mu_text_copy(k->name, sizeof k->name, agent);
-        k->link.self = k;
-        k->link.show = on_show;
-        k->link.ended = on_ended;
-        k->link.lines = lines;
-        console_link_init(&k->link, c->process, c->agent, k->name);
+        console_begin(k, c, agent);
     }
     if (k) {
         k->used_ns = mu_clock_ns();

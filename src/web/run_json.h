@@ -12,16 +12,22 @@
 
 enum { RUN_JSON_WAITS_MAX = 255 };
 
-/* What is kept of RunStatus and BrokerStatus, whose samples go back to the bus. */
+/* One of a run's brokers, and its mails.  Of one that has died they count on. */
+struct run_broker {
+    char name[MU_NAME_MAX + 1]; /* "": free */
+    bool there;
+    uint64_t sent, delivered, waiting, expired, refused;
+};
+
+/* What is kept of RunStatus, BrokerStatus and Beacon, whose samples go back to the bus. */
 struct run_json {
-    bool simulator; /* there is one, or there was and its run has ended */
+    char simulator[MU_PROCESS_MAX + 1]; /* "": none, or it is gone and its run had not ended */
     muster_RunState state;
     int64_t step;
     uint64_t time_ns, wall_ns, duration_ns, skipped;
     char hash[65];
     char waits_for[RUN_JSON_WAITS_MAX + 1];
-    char broker[MU_NAME_MAX + 1];                        /* "": none is there */
-    uint64_t sent, delivered, waiting, expired, refused; /* mails, of that broker */
+    struct run_broker brokers[MU_BROKERS_MAX];
 };
 
 /** @return whether a simulator is there whose run has not ended */
@@ -30,10 +36,19 @@ bool run_json_lives(const struct run_json *r);
 /** Keeps what a status says. */
 void run_json_take(struct run_json *r, const muster_RunStatus *status);
 
-/** Its simulator is gone; how the run has ended is still to be seen. */
-void run_json_lose(struct run_json *r);
+/** A simulator is gone; how its run has ended is still to be seen. */
+void run_json_lose(struct run_json *r, const char *simulator);
 
-/** Writes one object. */
+/** Keeps what a broker says of its mails. */
+void run_json_mails(struct run_json *r, const muster_BrokerStatus *status);
+
+/** A broker is there, or no longer. */
+void run_json_broker(struct run_json *r, const char *name, bool there);
+
+/** Another run begins: brokers that are gone were those of the one before. */
+void run_json_begin(struct run_json *r);
+
+/** Writes one object; broker is one that is there, mails are those of all. */
 void run_json_write(struct mu_json *j, const struct run_json *r);
 
 #endif

@@ -193,6 +193,13 @@ static enum MHD_Result events_answer(struct server *s, struct MHD_Connection *c)
     return queued;
 }
 
+/* A page that was refused cannot see why: it asks. */
+static enum MHD_Result room_answer(struct server *s, struct MHD_Connection *c)
+{
+    bool room = viewers_have_room(s->parts.viewers);
+    return line_answer(c, room ? MHD_HTTP_OK : MHD_HTTP_SERVICE_UNAVAILABLE, "");
+}
+
 /* --- what people do --------------------------------------------------------------------------- */
 
 static uint64_t number_read(struct MHD_Connection *c, const char *header, int base)
@@ -341,8 +348,7 @@ static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, c
 {
     switch (t->route) {
     case ROUTE_ASSET: return asset_answer(s, c, t->asset);
-    case ROUTE_EVENTS:
-        return strcmp(method, "HEAD") == 0 ? line_answer(c, MHD_HTTP_OK, "") : events_answer(s, c);
+    case ROUTE_EVENTS: return strcmp(method, "HEAD") == 0 ? room_answer(s, c) : events_answer(s, c);
     case ROUTE_SCENE: return scene_answer(s, c);
     case ROUTE_RECORDING:
     case ROUTE_TRACKS:

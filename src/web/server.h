@@ -4,7 +4,7 @@
  * The HTTP side: libmicrohttpd on 127.0.0.1, in our loop and thread.
  *
  *     GET  / and the other assets
- *     GET  /events       the stream of events of one viewer
+ *     GET  /events       the stream of events of one viewer; HEAD: whether there is room for one
  *     GET  /scene        the world
  *     GET  /recording    what recording is shown; null: a run is
  *     GET  /tracks       where robots were in it
@@ -14,7 +14,8 @@
  *     POST /words/NAME   how this line goes on: its last word is to be completed
  *     POST /watch/NAME   show me what its rules print and what is watched
  *     POST /leave/NAME   no longer
- *     POST /world        an order to the world: place red 1 2
+ *     POST /world        an order to the world: place red 1 2; in lines behind it: at S, when
+ * CONDITION
  *
  * A POST needs X-Muster-Token, and says by X-Muster-Viewer and X-Muster-Ask who asks and what he
  * calls the question.  The library parses, limits and answers; it allocates on its own.

@@ -72,13 +72,19 @@ static bool queue_take(struct stream *o)
     return true;
 }
 
+static bool is_new(const struct stream *o, const struct board *b, unsigned item)
+{
+    const struct board_event *e = &b->items[item];
+    return e->version != o->seen[item] && e->text.len > 0;
+}
+
 /* In turn, so that what comes often leaves room for the rest. */
 static bool board_take(struct stream *o, const struct board *b)
 {
     for (unsigned n = 0; n < BOARD_ITEMS; n++) {
         unsigned i = (o->turn + n) % BOARD_ITEMS;
         const struct board_event *e = &b->items[i];
-        if (e->version == o->seen[i]) {
+        if (!is_new(o, b, i)) {
             continue;
         }
         bool counts = i == BOARD_FRAME && o->seen[i] > 0;
@@ -94,8 +100,8 @@ static bool board_take(struct stream *o, const struct board *b)
 bool stream_has(const struct stream *o, const struct board *b)
 {
     bool has = o->event_at < o->event_len || o->queue_len > 0;
-    for (int i = 0; i < BOARD_ITEMS && !has; i++) {
-        has = b->items[i].version != o->seen[i];
+    for (unsigned i = 0; i < BOARD_ITEMS && !has; i++) {
+        has = is_new(o, b, i);
     }
     return has;
 }

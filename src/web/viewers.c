@@ -37,6 +37,16 @@ void viewers_release(struct viewer *viewer)
     viewer->connection = NULL;
 }
 
+bool viewers_have_room(const struct viewers *v)
+{
+    for (size_t i = 0; i < VIEWERS_MAX; i++) {
+        if (!v->all[i].used) {
+            return true;
+        }
+    }
+    return false;
+}
+
 struct viewer *viewers_find(struct viewers *v, uint64_t id)
 {
     for (size_t i = 0; i < VIEWERS_MAX; i++) {

@@ -39,6 +39,9 @@ struct viewer *viewers_take(struct viewers *v);
 
 void viewers_release(struct viewer *viewer);
 
+/** @return whether another one finds a place */
+bool viewers_have_room(const struct viewers *v);
+
 /** @return the viewer, or NULL: it has left */
 struct viewer *viewers_find(struct viewers *v, uint64_t id);
 

@@ -29,10 +29,15 @@ mu_result watch_open(struct watch *w, mu_process *process, struct board *board)
 
 /* --- what changes with each step -------------------------------------------------------------- */
 
-/* Viewers are told that there is another one, and fetch it: it may be large. */
+/* Viewers are told that there is another one, and fetch it: it may be large.  The last frame of the
+ * run before is of no use with it. */
 static void scene_put(struct watch *w, const muster_Scene *scene)
 {
     mu_text_copy(w->simulator, sizeof w->simulator, scene->simulator);
+    run_json_begin(&w->run);
+    board_drop(w->board, BOARD_FRAME);
+    board_drop(w->board, BOARD_STATISTICS);
+    mu_text_clear(&w->totals);
     scene_json_write(&w->board->scene, scene);
     if (w->board->scene.cut) {
         w->board->cut++;
@@ -91,7 +96,7 @@ static void statuses_take(struct watch *w)
         if (life == BUS_DATA) {
             run_json_take(&w->run, status);
         } else {
-            run_json_lose(&w->run);
+            run_json_lose(&w->run, status->simulator);
         }
     }
 }
@@ -101,28 +106,18 @@ static void brokers_take(struct watch *w)
     enum bus_life life;
     const muster_BrokerStatus *b;
     while ((b = bus_next(&w->brokers, &life))) {
-        if (life != BUS_DATA) {
-            continue;
+        if (life == BUS_DATA) {
+            run_json_mails(&w->run, b);
         }
-        w->run.sent = b->sent;
-        w->run.delivered = b->delivered;
-        w->run.waiting = b->waiting;
-        w->run.expired = b->expired;
-        w->run.refused = b->refused + b->box_full + b->unknown_name;
     }
 }
 
-/* One that is there is enough: they know the same names. */
 static void beacons_take(struct watch *w)
 {
     enum bus_life life;
     const muster_Beacon *b;
     while ((b = bus_next(&w->beacons, &life))) {
-        if (life == BUS_DATA) {
-            mu_text_copy(w->run.broker, sizeof w->run.broker, b->broker);
-        } else if (strcmp(b->broker, w->run.broker) == 0) {
-            w->run.broker[0] = '\0';
-        }
+        run_json_broker(&w->run, b->broker, life == BUS_DATA);
     }
 }
 

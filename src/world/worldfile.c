@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "world/worldfile.h"
 
+#include "core/paths.h"
 #include "core/text.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 #include "world/lexer.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdalign.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -409,6 +412,19 @@ static const char *worldfile_text(struct world_file *file, const char *path, siz
     return failed ? NULL : text;
 }
 
+/* Says that a file cannot be read, and, of one that is missing, where muster's own are. */
+static mu_result worldfile_missing(const struct parser *outer, const char *path,
+                                   const struct token *at)
+{
+    char rules[PATH_MAX], own[PATH_MAX], worlds[PATH_MAX];
+    const char *why = strerror(errno);
+    bool missing = at && errno == ENOENT && mu_path_rules(rules, sizeof rules) &&
+                   mu_path_join(own, sizeof own, rules, "../worlds") && realpath(own, worlds);
+    return mu_fault_at(outer->fault, at ? outer->path : path, at ? at->line : 0,
+                       at ? at->column : 0, "cannot read the file '%s': %s%s%s", path, why,
+                       missing ? "; muster's own are in " : "", missing ? worlds : "");
+}
+
 /* Reads and parses one file; outer is who includes it, at a token, or only lends its fault. */
 static mu_result worldfile_read(struct parser *outer, const char *path, const struct token *at)
 {
@@ -430,8 +446,7 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
     size_t len = 0;
     const char *text = p.path ? worldfile_text(p.file, path, &len) : NULL;
     if (!text) {
-        return mu_fault_at(p.fault, at ? outer->path : path, line, column,
-                           "cannot read the file '%s': %s", path, strerror(errno));
+        return worldfile_missing(outer, path, at);
     }
     return parser_run(&p, text, len);
 }

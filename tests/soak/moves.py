@@ -264,7 +264,12 @@ def killed(t, dice, which):
     for name in victims:
         wait_for(lambda n=name: members(t.domain)[n]["state"] == "absent", 10, f"{name} gone")
         t.hosts[name] = t.host_start(name, "--restore")
-    place = place_settled(t, 20)
+    try:
+        place = place_settled(t, 20)
+    except AssertionError as why:
+        files = sorted(str(f.relative_to(t.out)) for f in t.out.glob("store.*/*"))
+        raise AssertionError(f"{which} killed on the way from {source}: {why}\n{t.log()}{files}\n"
+                             f"{members(t.domain)['red']}") from None
     return "stayed" if place == source else "went on", not over
 
 

@@ -119,7 +119,7 @@ class Browser:
         self.call("Emulation.setDeviceMetricsOverride", width=self.size[0], height=self.size[1],
                   deviceScaleFactor=1, mobile=False)
         self.call("Page.navigate", url=self.url)
-        self.wait("document.readyState === 'complete' && location.protocol === 'http:'")
+        self.wait(f"document.readyState === 'complete' && location.protocol === '{self.url.split(':')[0]}:'")
 
     def __exit__(self, *exc):
         if self.process.poll() is None:
@@ -201,12 +201,14 @@ class Browser:
     def type(self, text):
         self.call("Input.insertText", text=text)
 
-    def key(self, key, shift=False):
-        codes = {"Enter": 13, "Escape": 27, "Tab": 9}
+    def key(self, key, shift=False, repeats=0):
+        """Presses a key, and lets it go when it has said itself so many times again."""
+        codes = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowDown": 40}
         text = "\r" if key == "Enter" else key if len(key) == 1 else ""
         held = 8 if shift else 0
-        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=text, modifiers=held,
-                  windowsVirtualKeyCode=codes.get(key, ord(key[0].upper())))
+        for i in range(repeats + 1):
+            self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=text, modifiers=held,
+                      autoRepeat=i > 0, windowsVirtualKeyCode=codes.get(key, ord(key[0].upper())))
         self.call("Input.dispatchKeyEvent", type="keyUp", key=key, modifiers=held)
 
     def shot(self, path):

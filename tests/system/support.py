@@ -44,6 +44,19 @@ SENDS = """
 # for an event waits no longer for it than it takes.
 PATIENCE = float(os.environ.get("TEST_PATIENCE", "4"))
 
+# Blue follows red.  What a test adds begins in the eleventh line.
+PAIR = f"""
+name: pair
+world: {ROOT}/worlds/arena.world
+duration: %g
+robots:
+  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
+  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
+observer:
+  - {{at: 0, do: red,  line: "(wander)"}}
+  - {{at: 0, do: blue, line: "(follow red)"}}
+"""
+
 # Nothing of a test stays in the user's folders; who wants a store names it.
 os.environ["MUSTER_STORE"] = "none"
 
@@ -122,6 +135,13 @@ def experiment_run(out, *words, file=FOLLOW, timeout=300):
     path = pathlib.Path(out) / "summary.json"
     summary = json.loads(path.read_text()) if path.exists() else None
     return done, summary
+
+
+def pair_run(out, name, more, *words, duration_s=12):
+    """Runs the pair with more lines in its file; gives what experiment_run does."""
+    file = out / f"{name}.yaml"
+    file.write_text(PAIR % duration_s + more)
+    return experiment_run(out / name, *words, file=file)
 
 
 def program(name):
@@ -230,6 +250,21 @@ def children_of(pid):
         if int(fields[1]) == pid and fields[0] != "Z":
             found.append(int(entry.name))
     return found
+
+
+def child_of(run, *words):
+    """The process id of a run's child whose command line begins with these words, the program's
+    name first, once it is that program."""
+    def find():
+        for pid in children_of(run.pid):
+            try:
+                line = pathlib.Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+            except OSError:
+                continue
+            if [pathlib.Path(line[0]).name, *line[1:len(words)]] == list(words):
+                return pid
+        return None
+    return wait_for(find, 10, " ".join(words))
 
 
 def alive(pid):

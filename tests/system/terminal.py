@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A program on a pseudo-terminal: what it shows, and what a person types."""
+import fcntl
 import os
 import pty
 import re
 import select
 import signal
+import struct
+import termios
 import time
 
 from support import PATIENCE
@@ -15,11 +18,13 @@ ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]|\x1b[()][AB0]|\x1b[=>]")
 class Terminal:
     """Ends its program with the test, however it ends."""
 
-    def __init__(self, *words, env=None):
+    def __init__(self, *words, env=None, columns=0):
         self.raw = b""
         self.status = None
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
+            if columns:
+                fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
             # libedit never frees the names of functions that it is given
             os.environ.update({"TERM": "xterm", "NO_COLOR": "", "ASAN_OPTIONS": "detect_leaks=0",
                                **(env or {})})

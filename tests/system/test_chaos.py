@@ -2,25 +2,7 @@
 """What goes wrong on purpose, and what is expected of a run in spite of it."""
 import re
 
-from support import ROOT, check, check_equal, experiment_run, folder, muster
-
-TEAM = f"""
-name: chaos
-world: {ROOT}/worlds/arena.world
-duration: 12
-robots:
-  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
-  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
-observer:
-  - {{at: 0, do: red,  line: "(wander)"}}
-  - {{at: 0, do: blue, line: "(follow red)"}}
-"""
-
-
-def run(out, name, text, *words):
-    file = out / f"{name}.yaml"
-    file.write_text(TEAM + text)
-    return experiment_run(out / name, *words, file=file)
+from support import check, check_equal, folder, muster, pair_run as run
 
 
 def test_the_world_goes_wrong_the_same_way_every_time():

@@ -2,11 +2,11 @@
 """New agents while a lock step goes on: clones and those that are launched, and their end."""
 import json
 import os
-import pathlib
 import signal
 import subprocess
+import time
 
-from support import (MUSTER, ROOT, Processes, check, check_equal, children_of, experiment_run, folder, members, muster, new_domain,
+from support import (MUSTER, ROOT, Processes, check, check_equal, child_of, experiment_run, folder, members, muster, new_domain,
                      wait_for)
 
 # Says each step how many there were; who was cloned tells red each time that it hears of it.
@@ -192,25 +192,11 @@ def test_a_host_with_clones_comes_back():
         check("south was killed by signal 9" in said, said)
 
 
-def child_of(run, *words):
-    """The process id of a run's child whose command line begins with these words, the program's name first."""
-    def find():
-        for pid in children_of(run.pid):
-            try:
-                line = pathlib.Path(f"/proc/{pid}/cmdline").read_text().split("\0")
-            except OSError:
-                continue
-            if [pathlib.Path(line[0]).name, *line[1:len(words)]] == list(words):
-                return pid
-        return None
-    return wait_for(find, 10, " ".join(words))
-
-
 # It is at work for a second or so before it wants to go, if it does that some thousand times.
 MOVER = """
 (defglobal ?*text* = "abcdefghijklmnop")
 (deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
-(defrule away (position ?t $?) (test (and (= ?t 2.0) (eq ?*my-name* red))) =>
+(defrule away (position ?t $?) (test (and (= ?t 2.0) (eq ?*my-name* %s))) =>
   (printout t "going" crlf) (grow) (loop-for-count %d (str-length (str-cat ?*text* x))) (bind ?*text* "") (moveTo south))
 """
 
@@ -218,7 +204,7 @@ MOVER = """
 def target_dies(out, checkpoint):
     """The host to which red moves has said that it is ready, and has the name; it is killed before it has
     lived through a step: the simulator stands still meanwhile.  @return the summary"""
-    file = team_write(out, MOVER % 2500, head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
+    file = team_write(out, MOVER % ("red", 2500), head=f"on-crash: restart\ncheckpoint: {checkpoint}\n")
     with Processes() as processes:
         domain = new_domain()
         run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
@@ -234,11 +220,74 @@ def target_dies(out, checkpoint):
     return json.loads((out / "run/summary.json").read_text())
 
 
+def is_idle(pid):
+    """Whether a process computes nothing for a while."""
+    def used():
+        return sum(int(word) for word in pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13])
+    before = used()
+    time.sleep(0.2)
+    return used() - before <= 1
+
+
+def source_dies(out, file, name, source):
+    """An agent is handed in and its host, south, stopped, so that the clock waits for that; meanwhile the process
+    that it leaves dies, and is let go of.  @return the summary, and what the run said"""
+    with Processes() as processes:
+        domain = new_domain()
+        run = processes.start(MUSTER, "run", file, "--rate", 5, "--out", out / "run", "--domain", domain,
+                              stderr=subprocess.PIPE, text=True)
+        south, dies = child_of(run, "muster-host", "south"), child_of(run, *source)
+        wait_for(lambda: f"{name}: going" in run.stderr.readline(), 20, f"{name} at work")
+        time.sleep(0.1)  # south has answered this step long ago
+        os.kill(south, signal.SIGSTOP)
+        wait_for(lambda: is_idle(dies), 20, f"{name} handed in")
+        os.kill(dies, signal.SIGKILL)
+        time.sleep(1.5)  # so that it is missed, and let go of
+        os.kill(south, signal.SIGCONT)
+        error = run.communicate(timeout=60)[1]
+        check_equal(run.returncode, 0, f"the run: {error}")
+    return json.loads((out / "run/summary.json").read_text()), error
+
+
+def test_a_source_dies_when_its_robot_has_been_handed_in():
+    """The robot goes on, once, from its checkpoint."""
+    with folder() as out:
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("blue", 1)))
+        check_equal(done.returncode, 0, done.stderr)
+        file = team_write(out, MOVER % ("blue", 2500), head=RESTARTS)
+        summary, error = source_dies(out, file, "blue", ("muster-robot", "blue"))
+        check_equal(summary["hash"], calm["hash"], f"the hash: {error}")
+
+
+# A clone on north, which is told when it is time, and has no checkpoint.
+GUEST = """
+(defglobal ?*text* = "abcdefghijklmnop" ?*n* = 0)
+(deffunction grow () (loop-for-count 12 (bind ?*text* (str-cat ?*text* ?*text*))))
+(defrule one (position ?t $?) (test (= ?t 1.0)) => (clone c_1 north))
+(defrule beat (position $?) => (bind ?*n* (+ ?*n* 1)) (broadcast beat ?*n*))
+(defrule away (message beat 20) (test (eq (my-name) c_1)) => (printout t "going" crlf) (grow)
+  (loop-for-count %d (str-length (str-cat ?*text* x))) (bind ?*text* "") (moveTo south))
+(defrule heard (message beat 38) (test (eq (my-name) c_1)) => (printout t "hears 38" crlf))
+"""
+
+
+def test_a_source_dies_when_its_only_copy_has_been_handed_in():
+    """Nobody else has the agent.  It goes on, once: at the target, or, when that has been silent for too long,
+    on the host that it left, which has been started again."""
+    with folder() as out:
+        (out / "blue.clp").write_text(GUEST % 2500)
+        (out / "t.yaml").write_text(f"name: t\nworld: {ROOT}/worlds/arena.world\nduration: 4\non-crash: restart\n"
+                                    "checkpoint: 0\nhosts: [north, south]\n"
+                                    "robots:\n  - {name: blue, rules: blue.clp}\n")
+        _, error = source_dies(out, out / "t.yaml", "c_1", ("muster-host", "north"))
+        check_equal(error.count("c_1: hears 38"), 1, f"its last words: {error}")
+
+
 def test_a_target_dies_with_the_name():
     """It is started again, and the agent lives there, once: nobody writes checkpoints, but the broker has
     kept the capsule."""
     with folder() as out:
-        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % 1))
+        done, calm = experiment_run(out / "calm", "--domain", new_domain(), file=team_write(out, MOVER % ("red", 1)))
         check_equal(done.returncode, 0, done.stderr)
         summary = target_dies(out, 0)
         check_equal(summary["restarts"], [{"process": "south", "count": 1}], "who was started again")

@@ -8,7 +8,7 @@ import signal
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, experiment_run,
-                     folder, members, muster, new_domain, wait_for)
+                     folder, members, muster, new_domain, pair_run, wait_for)
 
 RESTART = ("--set", "on-crash=restart")
 EACH_STEP = ("--set", "checkpoint=0.1")
@@ -89,27 +89,12 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         check(crashed["robots"] == summary["robots"], "what the robots did")
 
 
-CHAOS = f"""
-world: {ROOT}/worlds/arena.world
-duration: 20
-on-crash: restart
-checkpoint: 0.1
-robots:
-  - {{name: red, rules: {ROOT}/rules/follower.clp}}
-  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
-observer:
-  - {{at: 0, do: red, line: (wander)}}
-  - {{at: 0, do: blue, line: (follow red)}}
-"""
-
-
 def test_who_comes_back_by_itself_survives_chaos():
     with folder() as out:
-        calm, wild = out / "calm.yaml", out / "wild.yaml"
-        calm.write_text(CHAOS)
-        wild.write_text(CHAOS + "chaos:\n  - {at: 5, kill: red}\n  - {at: 10, kill: blue}\n")
-        _, first = experiment_run(out / "calm", file=calm)
-        done, second = experiment_run(out / "wild", file=wild)
+        comes_back = "on-crash: restart\ncheckpoint: 0.1\n"
+        chaos = "chaos:\n  - {at: 5, kill: red}\n  - {at: 10, kill: blue}\n"
+        _, first = pair_run(out, "calm", comes_back, duration_s=20)
+        done, second = pair_run(out, "wild", comes_back + chaos, duration_s=20)
         check_equal(done.returncode, 0, done.stderr)
         check_equal(second["hash"], first["hash"], "the hash")
         check_equal([s["process"] for s in second["restarts"]], ["red", "blue"], "who came back")

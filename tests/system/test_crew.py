@@ -3,8 +3,8 @@
 import os
 import subprocess
 
-from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, command_of,
-                     experiment_run, folder, members, muster, new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, child_of, experiment_run,
+                     folder, members, muster, new_domain, wait_for)
 
 
 def crowd(out, processes, robots=20):
@@ -52,19 +52,13 @@ def test_threads_of_the_simulator_change_nothing():
         check_equal(len(set(hashes.values())), 1, "hashes")
 
 
-def simulator_of(run):
-    """Its process, once it is that program."""
-    found = [pid for pid in children_of(run.pid) if command_of(pid) == "muster-sim"]
-    return found[0] if found else None
-
-
 def test_a_simulator_with_threads_has_all_processors():
     words = ("run", ROOT / "experiments/follow.yaml", "--quiet", "--set")
     for threads in (1, 3):
         with folder() as out, Processes() as processes:
             run = processes.start(MUSTER, *words, f"simulator.threads={threads}", "--duration", "600",
                                   "--out", out / "run", "--domain", new_domain())
-            pid = wait_for(lambda: simulator_of(run), 10, "a simulator")
+            pid = child_of(run, "muster-sim")
             ours = os.sched_getaffinity(0)
             check_equal(len(os.sched_getaffinity(pid)), len(ours) if threads > 1 else 1,
                         f"processors for {threads} threads, of {len(ours)}")
@@ -133,7 +127,8 @@ def test_a_name_that_is_taken_stops_no_other():
         crew = processes.start(MUSTER, "robot", "w", "--rules", ROOT / "rules/follower.clp",
                                "--count", "3", "--domain", domain, stderr=subprocess.PIPE, text=True)
         check_equal(crew.stderr.readline(), "muster robot: the broker refuses the name w_1: "
-                    "held by another participant\n", "what the crew says")
+                    "held by another participant; muster lookup w_1 says where that is\n",
+                    "what the crew says")
         wait_for(lambda: {"w_0", "w_2"} <= members(domain).keys(), 10, "the others")
         check_equal(members(domain)["w_1"]["pid"], one.pid, "who bears the name")
         check_equal(crew.poll(), None, "the crew")

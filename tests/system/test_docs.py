@@ -34,6 +34,21 @@ def test_generated_pages_are_up_to_date():
                 check(path.relative_to(ROOT / "docs") in made, f"nothing makes {path}")
 
 
+def test_what_a_page_shows_of_why_is_what_it_says():
+    page = (ROOT / "docs/time-machine.md").read_text()
+    commands, shown = re.search(r"<!-- test -->\n```sh\n(.*?)```\n\n```\n(.*?)```", page, re.S).groups()
+    with folder() as out:
+        for name in ("experiments", "worlds", "rules"):
+            (out / name).symlink_to(ROOT / name)
+        run, why = commands.splitlines()
+        environment = {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}
+        subprocess.run(run, shell=True, check=True, cwd=out, env=environment, timeout=60,
+                       stdout=subprocess.DEVNULL)
+        said = subprocess.run(why, shell=True, check=True, cwd=out, env=environment, timeout=60,
+                              stdout=subprocess.PIPE, text=True).stdout
+        check_equal(said, shown, "the answer")
+
+
 def test_every_verb_and_option_is_in_a_man_page():
     text = "".join(p.read_text() for p in (ROOT / "docs/man").glob("*.1")).replace("\\-", "-")
     helps = subprocess.run([BIN / "muster", "--help"], capture_output=True, text=True, check=True)

@@ -111,7 +111,7 @@ def install(out):
             "PKG_CONFIG_SYSROOT_DIR": str(out), "LD_LIBRARY_PATH": str(out / "usr/lib")}
 
 
-def build(source, target, environment, static):
+def build(source, target, environment, static, compiler="gcc"):
     """Builds a program as the how-to says."""
     flags = output_of("pkg-config", "--cflags", "--libs", "muster", env=environment).split()
     if static:
@@ -121,7 +121,7 @@ def build(source, target, environment, static):
         flags = [*output_of("pkg-config", "--cflags", "muster", env=environment).split(),
                  f"{root}/usr/lib/libmuster.a", *private[1:]]
     sanitize = ["-fsanitize=address,undefined"] if BUILD.name == "asan" else []
-    built = subprocess.run(["gcc", "-o", str(target), str(source), *flags, *sanitize],
+    built = subprocess.run([compiler, "-o", str(target), str(source), *flags, *sanitize],
                            capture_output=True, text=True, cwd=target.parent)
     check_equal(built.returncode, 0, f"a build of {source.name}: {built.stderr}")
 
@@ -168,6 +168,19 @@ def test_a_strange_program_is_built_and_lives_with_either_library():
         (out / "strange.c").write_text(STRANGE)
         stranger_lives(out, environment, static=False)
         stranger_lives(out, environment, static=True)
+
+
+def test_a_program_in_cpp_takes_the_headers():
+    if not shutil.which("g++"):
+        raise Skip("no g++ here")
+    with folder() as out:
+        environment = install(out)
+        (out / "plus.cc").write_text(
+            "#include <muster/muster.h>\n"
+            "int main() { return mu_result_text(MU_OK)[0] == 'o' ? 0 : 1; }\n")
+        build(out / "plus.cc", out / "plus", environment, static=False, compiler="g++")
+        done = subprocess.run([out / "plus"], env=environment, timeout=10)
+        check_equal(done.returncode, 0, "a call of the library")
 
 
 def test_the_library_takes_no_memory_after_joining():

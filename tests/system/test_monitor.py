@@ -9,8 +9,9 @@ import struct
 import subprocess
 import termios
 
-from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
-                     experiment_run, folder, members, muster, new_domain, places_taken, wait_for)
+from support import (BUILD, FOLLOW, MUSTER, PAIR, ROOT, Processes, check, check_equal, children_of,
+                     experiment_run, folder, members, muster, new_domain, pair_run, places_taken,
+                     wait_for)
 from terminal import Terminal
 
 WATCHER = str(BUILD / "examples" / "watcher")
@@ -298,24 +299,9 @@ def test_the_example_rules_say_who_is_stalled():
                                f"longest stalled red, {red['stalled_s']:.1f} s", "the summary")
 
 
-# A team with monitors of its own: %s are items of the list.
-WATCHED = f"""
-name: watched
-world: {ROOT}/worlds/arena.world
-duration: 30
-robots:
-  - {{name: red,  rules: {ROOT}/rules/follower.clp}}
-  - {{name: blue, rules: {ROOT}/rules/follower.clp}}
-observer:
-  - {{at: 0, do: red,  line: "(wander)"}}
-  - {{at: 0, do: blue, line: "(follow red)"}}
-"""
-
-
 def watched(out, name, monitors, *words):
-    file = out / f"{name}.yaml"
-    file.write_text(WATCHED + monitors)
-    return experiment_run(out / name, *words, file=file)
+    """The pair, with monitors of its own."""
+    return pair_run(out, name, monitors, *words, duration_s=30)
 
 
 def test_monitors_of_an_experiment_see_all_and_change_nothing():
@@ -356,7 +342,7 @@ def test_the_death_of_a_monitor_ends_nothing():
             "(defrule see (step) => (printout t seen crlf))\n")
         _, plain = watched(out, "plain", "")
         file = out / "killed.yaml"
-        file.write_text(WATCHED + "monitors: [{name: eye, rules: dies.clp}]\n")
+        file.write_text(PAIR % 30 + "monitors: [{name: eye, rules: dies.clp}]\n")
         with open(out / "said", "w") as said:
             run = processes.start(MUSTER, "run", file, "--quiet", "--out", out / "killed", "--rate",
                                   "10", stderr=said)

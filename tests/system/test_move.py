@@ -156,6 +156,37 @@ def test_rules_move_clone_and_dispose():
         check_equal(t.place_of("red"), "north", "who was copied")
 
 
+def test_rules_may_refuse_to_go():
+    """A mail of layer 1 is a request; a handler of the rules comes before what a robot does by itself."""
+    with team(bodies=()) as t:
+        t.robot_start("red", """
+            (deffunction granted (?id ?from ?performative ?content)
+              (if (eq ?performative dispatch) then (reply ?id never) else FALSE))
+            (on-layer 1 granted)""")
+        done = t.muster("send", "red", "south", "--layer", 1, "--performative", "dispatch", "--wait", 10)
+        check("never" in done.stdout + done.stderr, f"its answer: {done.stdout} {done.stderr}")
+        t.done("send", "red", "ruby", "south", "--layer", 1, "--performative", "clone", "--wait", 10)
+        check_equal((t.place_of("red"), t.place_of("ruby")), ("elsewhere", "south"), "who went")
+
+
+def test_a_host_that_is_disposed_of_ends_with_its_agents():
+    """They do not move first; what it has written stays."""
+    with team(bodies=()) as t:
+        store = t.out / "store"
+        store.mkdir()
+        t.hosts["east"] = t.host_start("east", "--checkpoint", "60", "--folder", store)
+        (t.out / "red.clp").write_text("(deffacts f (kept 1.5))")
+        t.done("launch", "red", "east", "--rules", t.out / "red.clp", "--quiet")
+        wait_for(lambda: (store / "red.capsule").exists(), 10, "a checkpoint")
+        t.done("dispose", "east")
+        check_equal(t.hosts["east"].wait(10), 0, "the host's end")
+        check_equal(t.place_of("red"), None, "where red lives")
+        check((store / "red.capsule").exists(), "its file has gone")
+        t.hosts["east"] = t.host_start("east", "--restore", "--folder", store)
+        wait_for(lambda: t.place_of("red") == "east", 10, "red again")
+        check("(kept 1.5)" in t.ask("red", "(facts)"), "a fact")
+
+
 def test_launch():
     with team(bodies=()) as t:
         path = t.out / "big.clp"
@@ -382,6 +413,75 @@ def test_robots_leave_a_run_that_is_free():
         check(members(domain)["red"]["pid"] != was, "red is elsewhere")
         error = run.communicate(timeout=30)[1]
         check_equal(run.returncode, 0, f"the run: {error}")
+
+
+# --- several at once ---------------------------------------------------------------------------
+
+FIVE = [f"w_{i}" for i in range(5)]
+
+
+def test_all_agents_of_a_host_move_at_once():
+    """By five commands at the same time, by a rule that fires in each, and to a host at another broker, to
+    which they go in pieces; then five are cloned there."""
+    with team() as t:
+        t.processes.start(MUSTER, "broker", "other", "--domain", t.domain)
+        t.hosts["far"] = t.host_start("far", "--broker", "other")
+        t.robot_start("red")  # without whom there are no steps
+        rules = t.out / "w.clp"
+        rules.write_text("(defrule go (message go ?host) => (moveTo ?host))\n"
+                         "(defrule refused (event refused $?) => (assert (wrong)))\n")
+        for name in FIVE:
+            t.done("launch", name, "north", "--rules", rules, "--start", "--quiet")
+        all_at(t, "south", [t.begin("move", name, "south") for name in FIVE])
+        t.done("broadcast", "go", "north", "--quiet", "--wait", 0)
+        all_at(t, "north", [])
+        all_at(t, "far", [t.begin("move", name, "far") for name in FIVE])
+        done_all(t.begin("clone", name, f"c_{name}", "far") for name in FIVE)
+        all_at(t, "south", [t.begin("move", name, "south") for name in FIVE])
+        for name in FIVE:
+            check("(wrong)" not in t.ask(name, "(facts)"), f"{name} was refused")
+            check_equal(t.place_of(f"c_{name}"), "far", f"the clone of {name}")
+
+
+def done_all(commands):
+    for command in commands:
+        out, err = command.communicate(timeout=30)
+        check_equal(command.returncode, 0, f"{out} {err}")
+
+
+def all_at(t, host, commands):
+    done_all(commands)
+    for name in FIVE:
+        wait_for(lambda n=name: t.place_of(n) == host, 20, f"{name} at {host}")
+
+
+# They say so when their own clone, or their move, is refused; all of them want to go in the same steps.
+CREW_RULES = """
+(defrule away (position ?t $?) (test (= ?t 1.0)) => (moveTo south))
+(defrule copied (position ?t $?) (test (and (= ?t 2.0) (not (str-index "c_" (my-name))))) =>
+  (clone (sym-cat c_ (my-name)) north))
+(defrule back (position ?t $?) (test (= ?t 3.0)) => (moveTo north))
+(defrule beat (position $?) => (broadcast beat (my-name)))
+(defrule refused (event refused $?what) => (printout t "refused " ?what crlf))
+"""
+
+
+def test_who_shares_a_process_may_move_in_the_same_step():
+    """Eight robots, in one process or in eight, that move, are cloned and move on, all in the same steps, are
+    one and the same run."""
+    with folder() as out:
+        (out / "w.clp").write_text(CREW_RULES)
+        hashes = set()
+        for processes in (1, 8):
+            (out / "t.yaml").write_text(
+                f"name: t\nworld: {ROOT}/worlds/arena.world\nduration: 4\nhosts: [north, south]\nrobots:\n"
+                f"  - {{name: w, rules: w.clp, count: 8, processes: {processes}, body: pioneer, place: random}}\n")
+            done, summary = experiment_run(out / str(processes), "--domain", new_domain(), file=out / "t.yaml")
+            check_equal((done.returncode, "refused" in done.stdout + done.stderr), (0, False),
+                        f"{done.stdout} {done.stderr}")
+            check_equal((summary["mail"]["lost"], summary["mail"]["duplicated"]), (0, 0), "mail")
+            hashes.add(summary["hash"])
+        check_equal(len(hashes), 1, "hashes")
 
 
 # --- what dies on the way ----------------------------------------------------------------------

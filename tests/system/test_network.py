@@ -42,6 +42,14 @@ def test_a_missing_broker_is_named():
         check("muster broker" in done.stderr, f"what to do: {done.stderr}")
 
 
+def test_an_address_that_is_not_there_is_named():
+    for words in (("--interface", "203.0.113.9"), ("--interface", "eth99"),
+                  ("--peer", "127.0.0.1,nobody.invalid")):
+        done = muster("ps", "--domain", new_domain(), *words)
+        check_equal(done.returncode, 4, f"exit code of {words}")
+        check(done.stderr.startswith(f"{words[0]} {words[1].split(',')[-1]}: "), done.stderr)
+
+
 def test_dds_tools_list_and_decode_the_topics():
     home = tool_python("cyclonedds")
     tool = [str(home / "bin" / "python"), str(home / "bin" / "cyclonedds")]

@@ -11,7 +11,7 @@ import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     children_of, experiment_run, folder, muster, new_domain, observer_environment,
+                     child_of, experiment_run, folder, muster, new_domain, observer_environment,
                      program, tool_python, wait_for)
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -89,6 +89,8 @@ def test_topics_that_are_named_are_recorded_alone():
         check("messages of 1 topics" in done.stdout, done.stdout)
         got = decode(path)
         check_equal(list(got["topics"]), ["Pages"], "topics")
+        done = muster("record", "Pagse", "--domain", domain, "--out", path, "--duration", 1)
+        check("nothing of the topic Pagse" in done.stderr, done.stderr)
 
 
 def stranger_record(out, count):
@@ -509,6 +511,16 @@ def simulator_place_taken(domain):
     return False
 
 
+def test_times_that_a_recording_does_not_have():
+    with folder() as out:
+        experiment_run(out / "o", "--duration", 1)
+        for words, wanted in ((("--from", 3), "run.mcap has 1.0 s"),
+                              (("--from", 1, "--to", 0.5), "expected more than --from, 1")):
+            done = muster("replay", out / "o" / "run.mcap", "--domain", new_domain(), *words)
+            check_equal(done.returncode, 2, done.stderr)
+            check(wanted in done.stderr, done.stderr)
+
+
 def test_a_replay_is_refused_beside_a_simulator():
     domain = new_domain()
     with folder() as out, Processes() as processes:
@@ -566,10 +578,7 @@ def test_a_run_that_breaks_leaves_its_recording():
                                   "--domain", domain)
             path = out / "o" / "run.mcap"
             wait_for(lambda: path.exists() and path.stat().st_size > 200000, 20, "a part of it")
-            for pid in children_of(run.pid):
-                words = pathlib.Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
-                if words.startswith(who):
-                    os.kill(pid, signal.SIGKILL)
+            os.kill(child_of(run, *who.split()), signal.SIGKILL)
             run.wait(60)
             check_equal(run.returncode, 5, who)
             done = muster("replay", path, "--domain", domain, "--rate", 0, "--wait", 0)

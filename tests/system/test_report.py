@@ -4,7 +4,7 @@ import json
 import os
 import signal
 
-from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, children_of,
+from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, child_of,
                      experiment_run, folder, muster, wait_for)
 
 PAGES = ("tracks.svg", "bearing.svg", "report.html")
@@ -118,18 +118,10 @@ robots:
         check_equal(made["robots"], summary["robots"], "the recording's counters")
 
 
-def simulator_of(pid):
-    for child in children_of(pid):
-        with open(f"/proc/{child}/comm") as f:
-            if f.read().strip() == "muster-sim":
-                return child
-    return None
-
-
 def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
     with folder() as out, Processes() as processes:
         run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--rate", "10", "--out", out / "r")
-        simulator = wait_for(lambda: simulator_of(run.pid), 20, "the simulator")
+        simulator = child_of(run, "muster-sim")
         recording = out / "r/run.mcap"
         wait_for(lambda: recording.exists() and recording.stat().st_size > 500000, 30, "steps")
         live = muster("report", out / "r")
@@ -138,9 +130,15 @@ def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
         os.kill(simulator, signal.SIGKILL)
         check_equal(run.wait(30), 5, "the run has crashed")
         check(not (out / "r/summary.json").exists(), "and has no report")
+        early = muster("compare", out / "r", "--json")
+        check_equal(early.returncode, 3, "no summary to compare")
+        check("`muster report` with that folder makes its report" in early.stderr, early.stderr)
         done = muster("report", out / "r")
         check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
         check("where it broke off" in done.stdout, done.stdout)
+        late = muster("compare", out / "r", "--json")
+        check_equal(late.returncode, 0, "compare")
+        check("broke off: it counts as far as it went" in late.stderr, late.stderr)
         summary = json.loads((out / "r/summary.json").read_text())
         check_equal((summary["broke_off"], summary["hash"]), (True, "none"), "how it ended")
         check(summary["sim_time_s"] > 1, f"how far it came: {summary['sim_time_s']}")
@@ -154,6 +152,11 @@ def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
 
 def test_what_is_no_folder_of_a_run():
     with folder() as out:
+        experiment_run(out / "bare", "--duration", 1, "--record", "none")
+        (out / "bare/run.csv").unlink()
+        bare = muster("report", out / "bare")
+        check_equal(bare.returncode, 3, "nothing that a report is made of")
+        check("there is no run.mcap" in bare.stderr, bare.stderr)
         check_equal(muster("report").returncode, 2, "no folder named")
         check_equal(muster("report", out / "none").returncode, 3, "no such folder")
         check_equal(muster("report", out).returncode, 3, "nothing in it")

@@ -13,6 +13,7 @@ import xml.dom.minidom
 
 from support import (BIN, FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
                      command_of, experiment_run, folder, muster, new_domain, wait_for)
+from terminal import ESCAPES, Terminal
 
 SHORT = ("--duration", "20")
 
@@ -245,6 +246,20 @@ def test_bad_files_are_refused_with_their_place():
         check_equal(muster("nonsense").returncode, 2, "an unknown verb")
 
 
+def test_a_robot_without_a_place_is_told_with_its_line():
+    for robot, words in (("name: pink", "'pink' does not stand in this world"),
+                         ("name: red, pose: [100, 0, 0]", "outside the world"),
+                         ("name: w, body: pioneer, pose: [-2.5, -4.4, 0]", "overlaps robot 'red'"),
+                         ("name: w, body: pionier, pose: [0, 0, 0]", "(pioneer")):
+        with folder() as out:
+            (out / "t.yaml").write_text(
+                f"world: {ROOT}/worlds/arena.world\nduration: 1\nrobots:\n"
+                f"  - {{{robot}, rules: {ROOT}/rules/patrol.clp}}\n")
+            done = muster("run", out / "t.yaml", "--out", out / "r")
+            check_equal(done.returncode, 3, done.stderr)
+            check(f"{out}/t.yaml:4:5: " in done.stderr and words in done.stderr, done.stderr)
+
+
 def run_start(processes, out, *words, rate=1):
     """A slow run in the background whose robots run, and the pids of all its processes."""
     domain = new_domain()
@@ -273,8 +288,28 @@ def test_ctrl_c_leaves_nothing_behind():
     with folder() as out, Processes() as processes:
         run, children, _ = run_start(processes, out / "r")
         run.send_signal(signal.SIGINT)
-        check_equal(run.wait(30), 130, "exit code")
+        _, words = run.communicate(timeout=30)
+        check_equal(run.returncode, 130, "exit code")
+        check(f"muster report {out / 'r'}" in words.decode(), words.decode())
         wait_for(lambda: all_gone(children), 5, "the end of every child")
+
+
+def test_a_narrow_terminal_has_the_progress_on_one_line():
+    with folder() as out:
+        with Terminal(MUSTER, "run", FOLLOW, "--rate", 1, "--duration", 3, "--out", out / "r",
+                      columns=20) as t:
+            t.end(30)
+        lines = [line for line in re.split(r"[\r\n]", ESCAPES.sub(b"", t.raw).decode())
+                 if "simul" in line and "3.0 s" not in line]
+        check(len(lines) > 3, f"progress: {t.text}")
+        check_equal([line for line in lines if len(line) > 19], [], "lines that are too wide")
+
+
+def test_a_taken_domain_is_named():
+    with folder() as out, Processes() as processes:
+        _, _, domain = run_start(processes, out / "r")
+        done = muster("run", FOLLOW, "--domain", domain, "--out", out / "second")
+        check_equal((done.returncode, f"has domain {domain}" in done.stderr), (4, True), done.stderr)
 
 
 def test_killing_the_run_leaves_nothing_behind():

@@ -243,12 +243,14 @@ def test_stores_of_another_version_and_damaged_ones_are_refused():
         check_equal(code, 3, f"another version: {text}")
         check("of version 1" in text, text)
         store.write_bytes(whole)
-        with contextlib.closing(sqlite3.connect(store)) as db:
-            db.execute("UPDATE meta SET value = -1 WHERE key = 'incarnation'")
-            db.commit()
-        code, text = refused_start(domain, store)
-        check_equal(code, 3, f"no incarnation: {text}")
-        check("damaged" in text, text)
+        for key, value in (("incarnation", -1), ("number_base", -1), ("number_base", 2**63 - 1)):
+            store.write_bytes(whole)
+            with contextlib.closing(sqlite3.connect(store)) as db:
+                db.execute("UPDATE meta SET value = ? WHERE key = ?", (value, key))
+                db.commit()
+            code, text = refused_start(domain, store)
+            check_equal(code, 3, f"{key} {value}: {text}")
+            check("damaged" in text, text)
         store.write_bytes(whole[:len(whole) // 2])
         code, text = refused_start(domain, store)
         check_equal(code, 3, f"half a file: {text}")

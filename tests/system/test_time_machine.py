@@ -8,11 +8,11 @@ import signal
 import struct
 import zlib
 
-from support import (MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder, muster,
-                     new_domain, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder,
+                     muster, new_domain, wait_for)
 
 COLLECT = str(ROOT / "experiments" / "collect.yaml")
-CHUNK, FRAME_OF_RED = 6, b"red\0"
+CHANNEL, MESSAGE, CHUNK, RED = 4, 5, 6, b"red\0"
 
 # Two robots that drive at each other and at a wall, as a person told one and a mail the other.
 BUMP = """world: {world}
@@ -72,6 +72,42 @@ def test_files_from_elsewhere():
         check_equal(json.loads(said)["hash"], summary["hash"], "hash")
 
 
+def test_files_with_strange_names():
+    """Blanks, quotes, equals signs and dots in names of folders and files."""
+    with folder() as out:
+        home = out / """it's "day" 1 = v1..2"""
+        home.mkdir()
+        (home / "ram = 'x' .clp").write_text(RAM)
+        (home / 'po"st..clp').write_text(POST)
+        (home / "bump = 1.yaml").write_text(
+            BUMP.format(world=ROOT / "worlds" / "arena.world")
+            .replace("ram.clp", "\"ram = 'x' .clp\"").replace("post.clp", "'po\"st..clp'"))
+        done = muster("run", "bump = 1.yaml", "--quiet", "--out", "run", cwd=home)
+        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        code, said, why = verify(home / "run" / "run.mcap")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(muster("report", home / "run").returncode, 0, "the report again")
+
+
+def test_files_that_are_named_by_a_step_up():
+    """A world takes in one beside its folder, in two spellings."""
+    with folder() as out:
+        (out / "mine..too").mkdir()
+        include = 'include "../robots.inc"\ninclude "../mine..too/../empty.inc"\n'
+        (out / "mine..too" / "t.world").write_text(
+            include + 'include "../empty.inc"\nmodel (size [8 8 0.8] boundary 1)\n')
+        (out / "robots.inc").write_text(f'include "{ROOT}/worlds/../worlds/pioneer.inc"\n')
+        (out / "empty.inc").write_text("")
+        (out / "mine..too" / "t.yaml").write_text(
+            f"name: up\nworld: t.world\nduration: 3\nrobots:\n  - {{name: red, body: pioneer, "
+            f"pose: [0, 0, 0], rules: {ROOT}/rules/patrol.clp}}\n")
+        recording, summary = record(out / "run", file=out / "mine..too" / "t.yaml")
+        (out / "robots.inc").unlink()
+        code, said, why = verify(recording, "--json")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
 def test_overrides():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
@@ -99,7 +135,7 @@ def test_a_person_in_the_run():
               "nobody had a hand in it")
 
 
-def frames(data):
+def chunks(data):
     """Where the chunks' records lie, and their checksums: (at, length, crc_at)."""
     at = 8
     while at + 9 <= len(data):
@@ -113,21 +149,38 @@ def frames(data):
         at += 9 + length
 
 
+def records(data, at, size):
+    """The records of a chunk: (kind, at, length)."""
+    end = at + size
+    while at < end:
+        length = struct.unpack_from("<Q", data, at + 1)[0]
+        yield data[at], at + 9, length
+        at += 9 + length
+
+
+def frames_of(data, chunks):
+    """Where the Frames lie: (at, length, their chunk)."""
+    channel = None
+    for chunk in chunks:
+        for kind, at, length in records(data, *chunk[:2]):
+            number = struct.unpack_from("<H", data, at)[0]
+            if kind == CHANNEL and b"Frame" in data[at:at + length]:
+                channel = number
+            elif kind == MESSAGE and number == channel:
+                yield at, length, chunk
+
+
 def changed(data, share):
-    """One byte of a command's number changed, about so far into the file, and the chunk's checksum
-    made right again."""
+    """One byte of a number of red's changed, in the Frame so far into the run, and the chunk's
+    checksum made right again."""
     data = bytearray(data)
-    wanted = int(len(data) * share)
-    for at, size, crc_at in frames(data):
-        found = data.find(FRAME_OF_RED, max(at, wanted), at + size)
-        if found > 0:
-            # name, state, x, y, heading, forward, turn, command: numbers stand at multiples of 8
-            # from the body of the message on, which is not known here: 8 bytes further than 64 it
-            # is one of them whatever the place.
-            data[found + 60] ^= 0x10
-            struct.pack_into("<I", data, crc_at, zlib.crc32(data[at:at + size]))
-            return bytes(data)
-    raise AssertionError("no frame found")
+    every = list(frames_of(data, chunks(data)))
+    at, length, (chunk_at, size, crc_at) = every[int(len(every) * share)]
+    # The robots come first: name, state, x, y, heading, forward, turn, command.  A number begins at
+    # a multiple of 8 from the body of the message on; 60 bytes further is one whatever the place.
+    data[data.index(RED, at, at + length) + 60] ^= 0x10
+    struct.pack_into("<I", data, crc_at, zlib.crc32(data[chunk_at:chunk_at + size]))
+    return bytes(data)
 
 
 def test_a_changed_byte_is_found():
@@ -146,7 +199,7 @@ def test_a_wrong_checksum_is_told():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5)
         data = bytearray(recording.read_bytes())
-        _, _, crc_at = next(iter(frames(data)))
+        _, _, crc_at = next(iter(chunks(data)))
         data[crc_at] ^= 1
         (out / "changed.mcap").write_bytes(data)
         code, said, _ = verify(out / "changed.mcap")
@@ -161,7 +214,50 @@ def test_a_cut_recording():
         (out / "cut.mcap").write_bytes(data[:len(data) * 3 // 4])
         code, said, _ = verify(out / "cut.mcap")
         check_equal(code, 0, f"exit code: {said}")
-        check("without its end" in said and "equal" in said, said)
+        check(said.startswith("equal  to step ") and "the recording is cut off there" in said, said)
+
+
+def broken_off(out, name, blow):
+    """A run that somebody ends from outside.  @return its recording"""
+    domain = new_domain()
+    with Processes() as processes:
+        run = processes.start(MUSTER, "run", FOLLOW, "--rate", 20, "--duration", 600, "--quiet",
+                              "--out", out / name, "--domain", domain)
+        path = out / name / "run.mcap"
+        wait_for(lambda: path.exists() and path.stat().st_size > 300000, 20, "some steps of it")
+        run.send_signal(blow)
+        run.wait(20)
+    return path
+
+
+def test_a_run_that_was_stopped_is_equal_as_far_as_it_went():
+    with folder() as out:
+        for blow in (signal.SIGINT, signal.SIGTERM):
+            recording = broken_off(out, blow.name, blow)
+            rows = (out / blow.name / "run.csv").read_text().splitlines()
+            check_equal(len(rows), len(set(rows)), "each step's tracks stand once")
+            code, said, why = verify(recording)
+            check_equal(code, 0, f"exit code: {said}{why}")
+            check(said.startswith("equal  to step ") and "the run was stopped there" in said, said)
+            found = json.loads(verify(recording, "--json")[1])
+            check_equal((found["equal"], found["ended"]), (True, "stopped"), "JSON")
+            done = muster("report", out / blow.name)
+            check_equal(done.returncode, 0, f"no expectation had its time: {done.stdout}")
+            check("where it broke off" in done.stdout, done.stdout)
+
+
+def test_a_run_that_was_killed_is_equal_as_far_as_its_recording_goes():
+    with folder() as out:
+        code, said, why = verify(broken_off(out, "killed", signal.SIGKILL))
+        check_equal(code, 0, f"exit code: {said}{why}")
+        check("the recording is cut off there" in said, said)
+
+
+def test_a_stopped_run_that_was_changed_differs():
+    with folder() as out:
+        recording = broken_off(out, "run", signal.SIGINT)
+        (out / "changed.mcap").write_bytes(changed(recording.read_bytes(), 0.5))
+        check_equal(verify(out / "changed.mcap")[0], 1, "exit code")
 
 
 def unpacked(pid):
@@ -204,6 +300,15 @@ def test_what_cannot_be_verified():
         for file in (out / "junk.mcap", out / "none.mcap"):
             check_equal(verify(file)[0], 3, f"exit code of {file}")
         check_equal(muster("verify").returncode, 2, "exit code without a file")
+        plain, _ = record(out / "plain", "--duration", 1)
+        data = plain.read_bytes().replace(b"seed\x01\0\0\x001", b"seed\x01\0\0\x00x")
+        (out / "changed.mcap").write_bytes(data)
+        code, _, why = verify(out / "changed.mcap")
+        check_equal(code, 3, "exit code of a seed that is none")
+        check("--seed" in why, why)
+        code, _, why = verify(out / "free")
+        check_equal(code, 3, "exit code of a folder")
+        check("name the run.mcap" in why, why)
 
 
 # --- why -----------------------------------------------------------------------------------------
@@ -253,8 +358,13 @@ def test_why_of_a_clone():
 def test_why_usage():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 1)
-        check_equal(muster("why", recording, "nobody").returncode, 7, "no such robot")
-        for words in ((), ("red", "a@b"), ("red", "stalled@"), ("red", "1", "2"), ("red", "-1")):
+        done = muster("why", recording, "it's \"nobody\"")
+        check_equal(done.returncode, 7, "no such robot")
+        check("it has red, blue, green, yellow" in done.stderr, done.stderr)
+        late = muster("why", recording, "red", "3000")
+        check(late.stdout.startswith("red at 1.0 s, where the recording ends\n"), late.stdout)
+        for words in ((), ("red", "a@b"), ("red", "stalled@"), ("red", "1", "2"), ("red", "-1"),
+                      ("red", "f--3@1"), ("red", "nan")):
             check_equal(muster("why", recording, *words).returncode, 2, f"exit code of {words}")
         check_equal(muster("why", out / "none.mcap", "red").returncode, 3, "no such file")
         check_equal(muster("why", "red", cwd=out).returncode, 3, "no recording here")

@@ -114,6 +114,7 @@ def test_an_experiment_names_its_policy():
         (out / "team.policy").write_text("deny observer direct all\n")
         done = muster("run", file, "--quiet", "--duration", "2", "--out", out / "b")
         check_equal(done.returncode, 6, f"refused: {done.stderr}")
+        check("allow observer direct all" in done.stderr, f"what to do: {done.stderr}")
         (out / "team.policy").write_text("deny observer\n")
         done = muster("run", file, "--quiet", "--duration", "2", "--out", out / "c")
         check_equal(done.returncode, 3, f"a bad policy: {done.stderr}")

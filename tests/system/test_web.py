@@ -6,6 +6,7 @@ import json
 import re
 import socket
 import subprocess
+import threading
 import time
 
 from browser import Browser
@@ -64,6 +65,7 @@ class Viewer:
         self.socket.sendall(f"GET /events HTTP/1.0\r\nHost: {page.host}\r\n\r\n".encode())
         self.file = self.socket.makefile("rb")
         self.last = {}  # by event
+        self.kept = {"ordered": []}  # all of them
         self.head = []
         while (line := self.file.readline().strip()):
             self.head.append(line.decode())
@@ -82,6 +84,8 @@ class Viewer:
                 data = json.loads(line[6:])
             elif not line and name:
                 self.last[name] = data
+                if name in self.kept:
+                    self.kept[name].append(data)
                 if wanted in (None, name):
                     return name, data
                 name = data = None
@@ -94,6 +98,16 @@ class Viewer:
                 return self.last[wanted]
             self.next()
         raise AssertionError(f"no such {wanted} within {seconds} s: {str(self.last)[:400]}")
+
+    def first(self, wanted, good, seconds=30):
+        """The first event of that name that is as wanted, among those that have come, too."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for data in self.kept[wanted]:
+                if good(data):
+                    return data
+            self.next()
+        raise AssertionError(f"no such {wanted} within {seconds} s: {str(self.kept[wanted])[:400]}")
 
     def close(self):
         self.file.close()
@@ -288,6 +302,7 @@ def test_thirty_two_viewers_and_no_more():
     with page_open() as (page, _, _):
         viewers = [Viewer(page) for _ in range(32)]
         check_equal(page.ask("GET", "/events").status, 503, "one too many")
+        check_equal(page.ask("HEAD", "/events").status, 503, "and it can be asked why")
         check_equal(page.ask("GET", "/").status, 200, "but the page is there")
         for viewer in viewers:
             viewer.next("hello")
@@ -419,13 +434,29 @@ def test_hands_move_bodies_and_are_part_of_the_run():
         check(done["good"] and done["step"] >= first["step"], f"{done}")
         viewer.until("frame", lambda f: abs(f["robots"][red][0] - 3000) < 500
                      and abs(f["robots"][red][1] + 3000) < 500)
-        for line, said in (("sensor red sonar off", ""), ("push red 50 0", ""), ("reset red", ""),
+        for line, said in (("sensor red sonar off", ""), ("push red 50 0", ""), ("reset", ""),
                            ("place red 3 -3", ""), ("place nobody 0 0", "no robot or object"),
                            ("place red 1e6 0", "")):
             check_equal(act(page, number, "/world", line, 2).status, 202, line)
             done = viewer.next("ordered")[1]
             check_equal(done["good"], not said and "1e6" not in line, f"{line}: {done}")
+        other = Viewer(page)
+        for ask, line in ((3, "sensor red laser off\nat 20"), (4, "reset\nat 0\nwhen time > 21"),
+                          (5, "push red 50 0\nwhen red near nobody 1"), (6, "pace 2\nat 25"),
+                          (7, "place red 0 0\nat 1000")):
+            check_equal(act(page, number, "/world", line, ask).status, 202, line)
+        for ask, good, step, said in ((3, True, 200, ""), (4, True, 211, ""), (5, False, None, "nobody"),
+                                      (6, False, None, "at once")):
+            done = viewer.first("ordered", lambda o, n=ask: o["ask"] == n)
+            check_equal(done["good"], good, f"{done}")
+            check(step in (None, done["step"]) and said in done["text"], f"{done}")
+        seen = other.first("ordered", lambda o: o["order"] == "reset")
+        check_equal((seen["ask"], seen["at_s"], seen["when"]), (0, 0, "time > 21"), "another page sees it")
+        other.close()
+        viewer.until("later", lambda w: [o["order"] for o in w["orders"]] == ["place red 0 0"])
         for line, status, said in (("", 400, "expected place"), ("place red 1", 400, "expected place NAME"),
+                                   ("reset\nat noon", 400, "seconds"), ("reset\nat -1", 400, "seconds"),
+                                   ("reset\nsoon", 400, "at SECONDS"), ("reset\nwhen " + "x" * 128, 400, "that long"),
                                    ("save /tmp/here", 400, "expected place, push"),
                                    ("place red 1 2 3 4 5 6 7 8 9", 400, "expected"),
                                    ("reset " + "x" * 300, 400, "that long"),
@@ -436,6 +467,9 @@ def test_hands_move_bodies_and_are_part_of_the_run():
         check_equal(page.act("/world", "reset", X_Muster_Token=None).status, 403, "no token")
         end = viewer.until("run", lambda r: r["state"] == "done" and len(r["hash"]) == 64, 60)
         check_equal(run.wait(30), 0, "the run")
+        done = viewer.first("ordered", lambda o: o["ask"] == 7)
+        check_equal((done["good"], done["text"]), (False, "the run has ended"), "its time did not come")
+        viewer.until("later", lambda w: w["orders"] == [])
         late = page.act("/world", "reset", X_Muster_Viewer=number)
         check_equal((late.status, late.text), (404, "no run lives\n"), "too late")
         viewer.close()
@@ -552,6 +586,62 @@ def test_hands_of_a_person_at_the_page():
         viewer.close()
 
 
+SHOWN = ".panel:not([hidden])"
+WAITING = f"document.querySelector('{SHOWN} .waiting').textContent"
+WORLD_SAID = f"document.querySelector('{SHOWN} .output').textContent"
+
+
+def world_order(browser, line, at="", when=""):
+    for selector, text in ((".line input", line), (".later .seconds", at), (".later .rest input", when)):
+        browser.click(f"{SHOWN} {selector}")
+        browser.type(text)
+    browser.key("Enter")  # in the last of the fields
+
+
+def test_orders_for_later_of_a_person_at_the_page():
+    with folder() as out, page_open() as (page, processes, domain):
+        run = follow_start(processes, domain, out / "run", "--rate", 0.25, "--duration", 150)
+        viewer = Viewer(page)
+        with Browser(page.url) as browser:
+            browser.wait("document.querySelectorAll('tbody tr').length === 4")
+            browser.click("[data-tab='World']")
+            browser.wait("Number(document.getElementById('time').textContent) > 0")
+            world_order(browser, "sensor red sonar off", at="30")
+            browser.wait(f"{WAITING} === 'waits sensor red sonar off, at 30 s'")
+            empty = "[...document.querySelectorAll('.panel:not([hidden]) .later input')].every(i => !i.value)"
+            browser.wait(empty)
+            world_order(browser, "reset", when="time > 35")
+            browser.wait(f"{WAITING}.includes('waits reset, when time > 35')")
+            world_order(browser, "reset", at="soon")
+            browser.wait(f"{WORLD_SAID}.includes('reset, at soon s: at: expected seconds')")
+            check(not browser.value(empty), "what was refused can be mended")
+            number = viewer.next("hello")[1]["viewer"]
+            act(page, number, "/world", "pace 20")
+            browser.click("[data-tab='Robots']")
+            browser.wait("document.getElementById('said').textContent.includes(': done at step ')")
+            browser.click("[data-tab='World']")
+            browser.wait(f"{WORLD_SAID}.includes('sensor red sonar off, at 30 s: done at step 300')")
+            browser.wait(f"{WORLD_SAID}.includes('reset, when time > 35: done at step 351')")
+            browser.wait(f"{WAITING} === ''")
+            act(page, number, "/world", "pace 0.25")
+            browser.click("[data-tab='agent red']")
+            browser.click(f"{SHOWN} summary")
+            browser.click(f"{SHOWN} .later .seconds")
+            browser.type("5000")
+            browser.click(f"{SHOWN} [data-hand=Block]")
+            viewer.until("later", lambda w: [o["order"] for o in w["orders"]] == ["sensor red all off"])
+            browser.call("Page.reload")  # what waits outlives the page
+            browser.wait("document.querySelector('[data-tab=World]') !== null")
+            browser.click("[data-tab='World']")
+            browser.wait(f"{WAITING} === 'waits sensor red all off, at 5000 s'")
+            act(page, number, "/world", "pace 0")
+            check(run.wait(60) in (0, 1), "the run, whatever it was to come to")
+            browser.wait(f"{WORLD_SAID}.includes('sensor red all off, at 5000 s: the run has ended')")
+            browser.wait(f"{WAITING} === ''")
+            check_equal(browser.said, [], "the page had no fault")
+        viewer.close()
+
+
 def place_of(page, browser):
     """Where the world's origin is on the screen, when all of it is shown, and pixels of a metre."""
     x0, y0, x1, y1 = json.loads(page.ask("GET", "/scene").text)["bounds"]
@@ -570,6 +660,25 @@ def test_who_has_no_token_only_looks():
             browser.wait("document.querySelector('.panel:not([hidden]) [data-do=Suspend]').disabled")
             said = browser.value("document.querySelector('.panel:not([hidden]) .denied').textContent")
             check("token" in said, said)
+
+
+NOTHING_KEPT = """for (const kind of ['localStorage', 'sessionStorage']) {
+    Object.defineProperty(window, kind, {get() { throw new Error('nothing is kept here'); }});
+}"""
+
+
+def test_a_browser_that_keeps_nothing():
+    with page_open() as (page, _, _), Browser("about:blank") as browser:
+        browser.call("Page.addScriptToEvaluateOnNewDocument", source=NOTHING_KEPT)
+        browser.call("Page.navigate", url=page.url)
+        browser.wait("document.getElementById('banner')?.textContent.includes('no run yet')")
+        dark = "document.documentElement.dataset.theme"
+        check_equal(browser.value(dark), "light", "as the system says")
+        browser.click("#theme")
+        check_equal(browser.value(dark), "dark", "as the person says")
+        browser.click("[data-tab=World]")
+        browser.wait(f"document.querySelector('{SHOWN} .denied').hidden")  # it has the token
+        check_equal(browser.said, [], "the page had no fault")
 
 
 def test_script_in_names_and_facts_is_text():
@@ -609,6 +718,112 @@ def test_script_in_a_fact_is_text():
             check_equal(browser.value("document.images.length"), 0, "no picture came of it")
             check_equal(browser.value("window.hacked"), None, "nothing ran")
             check_equal(browser.said, [], "nor tried to")
+
+
+class Tunnel:
+    """Passes on what comes to a port of its own, and can be cut."""
+
+    def __init__(self, to):
+        self.to, self.ends = to, []
+        self.socket = socket.create_server(("127.0.0.1", 0))
+        self.port = self.socket.getsockname()[1]
+
+    def __enter__(self):
+        threading.Thread(target=self.accept, daemon=True).start()
+        return self
+
+    def __exit__(self, *exc):
+        self.socket.close()
+        self.cut()
+
+    def accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                ends = self.socket.accept()[0], socket.create_connection(("127.0.0.1", self.to))
+                self.ends += ends
+                for one, other in (ends, ends[::-1]):
+                    threading.Thread(target=self.pass_on, args=(one, other), daemon=True).start()
+
+    @staticmethod
+    def pass_on(one, other):
+        with contextlib.suppress(OSError):
+            while data := one.recv(65536):
+                other.sendall(data)
+        for end in (one, other):
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+    def cut(self):
+        ends, self.ends = self.ends, []
+        for end in ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+            end.close()
+
+
+OUTPUT = f"document.querySelector('{SHOWN} .output')"
+
+
+def test_keys_scroll_what_is_read_and_do_nothing_twice():
+    with folder() as out, page_open() as (page, processes, domain):
+        follow_start(processes, domain, out / "run", "--rate", 2, "--duration", 600)
+        with Browser(page.url) as browser:
+            browser.wait("document.querySelectorAll('tbody tr').length === 4")
+            browser.click("[data-tab='agent red']")
+            browser.click(f"{SHOWN} [data-view=Rules]")
+            browser.wait(f"{OUTPUT}.textContent.includes('safe-wander')")
+            check_equal(browser.value(f"{OUTPUT}.scrollTop"), 0, "one reads from the top")
+            browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=420,
+                         deviceScaleFactor=1, mobile=False)
+            browser.value(f"{OUTPUT}.focus(), 1")
+            browser.key("ArrowDown")
+            browser.wait(f"{OUTPUT}.scrollTop > 0")
+            browser.key("Escape")
+            browser.value("document.getElementById('live').focus(), 1")
+            names = "document.querySelector('[data-tool=names]').getAttribute('aria-pressed')"
+            browser.key("n", repeats=3)  # held down
+            check_equal(browser.value(names), "false", "names are off, whoever holds the key")
+            browser.click(f"{SHOWN} [data-view=Log]")
+            for _ in range(2):
+                browser.click(f"{SHOWN} .line input")
+                browser.type("(rules)")
+                browser.key("Enter")
+            end = f"{OUTPUT}.scrollTop + {OUTPUT}.clientHeight >= {OUTPUT}.scrollHeight - 20"
+            browser.wait(f"{OUTPUT}.scrollHeight > 400 && {end}")
+            browser.click("[data-tab='Robots']")
+            browser.click("[data-tab='agent red']")
+            browser.wait(end)  # it is read where it was left
+            browser.click(f"{SHOWN} .close")
+            browser.wait("!document.querySelector('[data-tab=\"agent red\"]')")
+            browser.wait("document.activeElement.dataset.tab === 'agent observer'")
+            browser.key("Escape")
+            browser.key("r")
+            browser.click("tbody tr:nth-child(1)", 2)
+            browser.wait(f"document.querySelector('{SHOWN} h2').textContent.startsWith('red')")
+            check_equal(browser.value(f"{OUTPUT}.textContent"), "", "it is another console")
+            check_equal(browser.said, [], "the page had no fault")
+
+
+def test_the_page_goes_on_where_it_was_when_the_stream_breaks():
+    with folder() as out, page_open() as (page, processes, domain), Tunnel(page.port) as tunnel:
+        follow_start(processes, domain, out / "run", "--rate", 4, "--duration", 600)
+        with Browser(page.url.replace(str(page.port), str(tunnel.port))) as browser:
+            browser.wait("document.querySelectorAll('tbody tr').length === 4")
+            browser.click("tbody tr:nth-child(2)")
+            browser.click("[data-tab='agent red']")
+            browser.click(f"{SHOWN} .line input")
+            browser.type("(watch rules)")
+            browser.key("Enter")
+            browser.wait(f"{OUTPUT}.textContent.includes('FIRE')")
+            tunnel.cut()
+            browser.wait("document.getElementById('banner').textContent.includes('has lost')")
+            browser.wait("document.getElementById('banner').hidden")
+            fired = f"{OUTPUT}.textContent.split('FIRE').length"
+            before = browser.value(fired)
+            browser.wait(f"{fired} > {before} + 5")  # what was watched is watched again
+            browser.click("[data-tab='Robots']")
+            browser.wait("document.querySelector('tbody tr:nth-child(2)').ariaSelected === 'true'")
+            check_equal(browser.said, [], "the page had no fault")
 
 
 def test_the_page_comes_back_with_the_server():

@@ -3,10 +3,13 @@
 import csv
 import json
 import math
+import os
 import pathlib
+import signal
+import subprocess
 
-from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
-                     experiment_run, folder, members, muster, new_domain, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal, child_of,
+                     experiment_run, folder, members, muster, new_domain, program, wait_for)
 
 
 def world(domain, *words):
@@ -96,6 +99,56 @@ def test_what_waits_when_a_run_ends_says_so():
         late = world(domain, "push", "red", "1", "0", "--at", "100")
         check_equal((late.returncode, run.wait(30)), (124, 0), "its time has not come")
         check("the run has ended" in late.stderr, late.stderr)
+
+
+def test_a_simulator_that_is_stopped_is_not_heard_of():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        run = run_start(processes, domain, out / "report", "--rate", "4", "--duration", "60")
+        simulator = child_of(run, "muster-sim")
+        os.kill(simulator, signal.SIGSTOP)
+        silent = world(domain, "place", "red", "0", "-3", "--at", "50", "--wait", "0")
+        os.kill(simulator, signal.SIGCONT)
+        check_equal((silent.returncode, silent.stdout), (4, ""), "nobody says that a run goes on")
+        check("no simulator answers" in silent.stderr, silent.stderr)
+        waits = world(domain, "place", "red", "0", "-3", "--at", "50", "--wait", "0")
+        check_equal((waits.returncode, waits.stdout), (0, "waits for its time\n"), waits.stderr)
+
+
+def order_while_stopped(processes, domain):
+    """Orders something for later of one who is stopped when the order goes out, and once more when
+    he goes on.  @return both ends; None: the command gave up before there was a run"""
+    order = ("world", "place", "red", "0", "-3", "--at", "20", "--wait", "0", "--domain", domain)
+    taker = processes.start(program("order_taker"), domain, "take", stdout=subprocess.PIPE)
+    sayer = subprocess.Popen([program("order_taker"), str(domain), "say"], text=True,
+                             stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    processes.started.append(sayer)
+    check_equal(sayer.stdout.readline(), "ready\n", "who says that there is a run")
+    first = subprocess.Popen([MUSTER, *map(str, order)], text=True, stdout=subprocess.PIPE,
+                             stderr=subprocess.PIPE)
+    processes.started.append(first)
+    check_equal(taker.stdout.readline(), b"met\n", "who takes orders")
+    os.kill(taker.pid, signal.SIGSTOP)
+    os.waitpid(taker.pid, os.WUNTRACED)
+    sayer.stdin.write("\n")
+    sayer.stdin.flush()
+    said = first.communicate(timeout=30)
+    os.kill(taker.pid, signal.SIGCONT)
+    again = muster(*order)
+    return None if first.returncode == 4 else ((first.returncode, *said), again)
+
+
+def test_an_order_for_later_is_with_the_simulator_or_is_said_not_to_be():
+    for _ in range(5):  # on a busy machine the command may give up first
+        with Processes() as processes:
+            ends = order_while_stopped(processes, new_domain())
+        if ends:
+            break
+    check(ends, "the command never heard of the run")
+    (code, answer, error), again = ends
+    check_equal((code, answer), (124, ""), f"an order that was not taken: {error}")
+    check("the simulator has not taken the order" in error, error)
+    check_equal((again.returncode, again.stdout), (0, "waits for its time\n"), again.stderr)
 
 
 def test_orders_that_cannot_be_carried_out_say_why():

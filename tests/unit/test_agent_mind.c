@@ -109,6 +109,38 @@ static struct mind_act step(struct mind *m)
     return act;
 }
 
+/* (moveTo), (clone) and (dispose) let the right-hand side run to its end, and end the step; of
+ * several wishes the first counts. */
+static void test_who_wants_to_go_goes_at_the_end_of_its_right_hand_side(void)
+{
+    static const struct {
+        const char *call;
+        enum mind_travel_kind kind;
+    } wishes[] = {{"(moveTo south)", MIND_MOVES},
+                  {"(clone ruby south)", MIND_CLONES},
+                  {"(dispose)", MIND_DISPOSES}};
+    struct mind *m = open_mind(NULL);
+    (void)say(m,
+              "(defrule go (declare (salience 1)) (go ?call) => (eval ?call) (moveTo north)"
+              " (setSpeed 100 0))",
+              (char[256]){0}, 256);
+    (void)say(m, "(defrule later (go ?) =>)", (char[256]){0}, 256);
+    for (size_t i = 0; i < sizeof wishes / sizeof wishes[0]; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "(assert (go \"%s\"))", wishes[i].call);
+        (void)say(m, line, (char[256]){0}, 256);
+        struct mind_act act = step(m);
+        CU_ASSERT_STRING_EQUAL(act.rules, "go");
+        CU_ASSERT_TRUE(act.drives);
+        struct mind_travel travel = mind_travel(m);
+        CU_ASSERT_EQUAL(travel.kind, wishes[i].kind);
+        CU_ASSERT_STRING_EQUAL(travel.host, wishes[i].kind == MIND_DISPOSES ? "" : "south");
+        CU_ASSERT_EQUAL(mind_travel(m).kind, MIND_STAYS);
+        act = step(m);
+        CU_ASSERT_STRING_EQUAL(act.rules, "later");
+    }
+}
+
 static void test_name_is_checked(void)
 {
     struct mu_fault fault;
@@ -524,6 +556,8 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"a name is checked", test_name_is_checked},
+        {"who wants to go goes at the end of its right-hand side",
+         test_who_wants_to_go_goes_at_the_end_of_its_right_hand_side},
         {"the paper's fragment runs unchanged", test_paper_fragment},
         {"globals are set, and survive (reset)", test_globals},
         {"limit: a line", test_limit_line},

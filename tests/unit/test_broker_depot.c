@@ -44,6 +44,7 @@ static void deposit(const char *process, const char *agent, uint64_t epoch, cons
                     int64_t step)
 {
     muster_Trip t = trip(muster_TRIP_DEPOSIT, agent, epoch, host);
+    t.state = muster_STATE_RUNNING;
     t.text = words("capsule");
     say(process, agent, step, t);
 }
@@ -203,6 +204,63 @@ static void test_the_source_dies(void)
     (void)story_collect();
     roster_say(1, 0);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+}
+
+/* The clock stands still until there is another process for those of one that has died. */
+static void roster_hold(const char *other)
+{
+    char *processes[] = {words("p-green"), words(other)};
+    muster_Roster roster = {
+        .simulator = words("sim"), .lockstep = true, .held = true, .step = 1, .step_ns = 100 * MS};
+    roster.processes._buffer = processes;
+    roster.processes._length = 2;
+    broker_roster(story.b, &roster, story.now_ns);
+}
+
+/* red's process has died behind its answer. */
+static void source_let_go(void)
+{
+    move_begin();
+    story_gone("p-red");
+    roster_hold("p-north");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    (void)story_collect();
+}
+
+static void test_the_source_is_let_go(void)
+{
+    source_let_go();
+    ready("p-north", "red", 1);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+    EXPECT("p-green@0; p-north@0; red #1 green/1 hello; red welcome 0; sim: red taken 1; sim@0");
+}
+
+static void test_the_source_is_back_before_the_host_is_ready(void)
+{
+    source_let_go();
+    register_as("p-red2", "red", 0, muster_STATE_RUNNING);
+    ready("p-north", "red", 1);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red2");
+    EXPECT("p-green@0; p-north: red refused 1 gone; sim@0; p-north@0");
+}
+
+/* It has the name, and has lived through no step there. */
+static void test_the_target_is_let_go(void)
+{
+    move_begin();
+    ready("p-north", "red", 1);
+    (void)story_collect();
+    story_gone("p-north");
+    roster_hold("p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-north");
+    host_join("east"); /* which is no part of the run */
+    story_tick(2 * S);
+    say("p-east", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    say("p-red", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "east"));
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "arrive"));
+    host_join("north");
+    say("p-north", "", muster_STEP_NOW, trip(muster_TRIP_WANTED, "", 0, "north"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "p-north: red arrive 1 capsule"));
 }
 
 static void test_no_host(void)
@@ -498,6 +556,23 @@ static void test_words_of_strangers(void)
     EXPECT("p-red: red ready 1");
 }
 
+static void test_words_to_the_dead_make_room(void)
+{
+    free_begin();
+    for (int i = 0; i < DEPOT_WORDS; i++) {
+        char name[16], process[24];
+        snprintf(name, sizeof name, "m%d", i);
+        snprintf(process, sizeof process, "p-m%d", i);
+        story_join(name);
+        ready(process, "nobody", 1);
+        story_gone(process);
+    }
+    story_join("mallory");
+    ready("p-mallory", "nobody", 1);
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "p-mallory: nobody refused 1 too-late"), NULL);
+    CU_ASSERT_EQUAL(story.b->depot.lost, 0);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -509,6 +584,10 @@ int main(void)
         {"a host is slow", test_a_host_is_slow},
         {"a host is silent", test_a_host_is_silent},
         {"the source dies", test_the_source_dies},
+        {"the source is let go", test_the_source_is_let_go},
+        {"the source is back before the host is ready",
+         test_the_source_is_back_before_the_host_is_ready},
+        {"the target is let go", test_the_target_is_let_go},
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a new agent", test_a_new_agent},
@@ -525,6 +604,7 @@ int main(void)
         {"an older copy does not get the name", test_an_older_copy_does_not_get_the_name},
         {"limit: capsules", test_limit_capsules},
         {"words of strangers", test_words_of_strangers},
+        {"words to the dead make room", test_words_to_the_dead_make_room},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/depot", tests);

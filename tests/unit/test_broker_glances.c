@@ -226,6 +226,9 @@ static void test_limit_words(void)
         ask(i, "nobody");
     }
     CU_ASSERT_EQUAL(story.b->glances.lost, 3);
+    ask(GLANCES_WORDS + 4, "red"); /* who is never asked never answers: it takes no place */
+    CU_ASSERT_EQUAL(story.b->glances.lost, 4);
+    CU_ASSERT_EQUAL(story.b->glances.count, 0);
     CU_ASSERT(strstr(story_collect(), "operator/256 operator declined") != NULL);
     CU_ASSERT_EQUAL(story.b->glances.words_count, 0);
 }

@@ -307,6 +307,12 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad((struct journal_entry){.kind = JOURNAL_AGENT, .name = ""});
     restore_bad((struct journal_entry){
         .kind = JOURNAL_AGENT, .name = "red", .agent_kind = (muster_Kind)77});
+    restore_bad((struct journal_entry){
+        .kind = JOURNAL_AGENT, .name = "red", .durable_seq = (uint64_t)INT64_MAX + 1});
+    restore_bad((struct journal_entry){
+        .kind = JOURNAL_AGENT, .name = "red", .failed_seq = (uint64_t)INT64_MAX + 1});
+    restore_bad((struct journal_entry){
+        .kind = JOURNAL_AGENT, .name = "red", .reserved_seq = (uint64_t)INT64_MAX + 1});
     restore_bad((struct journal_entry){.kind = JOURNAL_GONE, .row = 1});
     restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = JOURNAL_GROUPS});
     restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = (enum journal_lines)9});
@@ -327,6 +333,11 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad(e);
     e = good;
     e.waiting = "nobody,,";
+    restore_bad(e);
+    e = good;
+    e.letter.seq = 0;
+    restore_bad(e);
+    e.letter.seq = (uint64_t)INT64_MAX + 1; /* no receiver would take it */
     restore_bad(e);
     e = good;
     e.row = 0;

@@ -190,6 +190,7 @@ static void test_limit_receipts_of_one_sender(void)
     const struct receipt_queue *q = receipts_of(r, 1);
     CU_ASSERT_EQUAL(q->count, RECEIPTS_EACH_MAX);
     CU_ASSERT_EQUAL(r->pool[q->head].first_seq, 12); /* the five oldest are gone */
+    CU_ASSERT_EQUAL(r->lost, 5);
     CU_ASSERT_EQUAL(receipts_of(r, 0)->count, 0);
     receipts_drop(r, 1, q->count);
     receipts_add(r, 1, 7, 7, muster_OUTCOME_STORED);
@@ -197,6 +198,26 @@ static void test_limit_receipts_of_one_sender(void)
     receipts_add(r, 1, 9, 9, muster_OUTCOME_DELIVERED);
     CU_ASSERT_EQUAL(q->count, 2);
     CU_ASSERT_EQUAL(r->pool[q->head].last_seq, 8);
+}
+
+static void test_limit_receipts(void)
+{
+    static struct receipts kept;
+    struct receipts *r = &kept;
+    enum { AGENTS = MU_MAILS_MAX / RECEIPTS_EACH_MAX };
+    receipts_init(r, AGENTS + 1);
+    for (uint32_t agent = 0; agent < AGENTS; agent++) {
+        for (uint64_t i = 1; i <= RECEIPTS_EACH_MAX; i++) {
+            receipts_add(r, agent, 2 * i, 2 * i, muster_OUTCOME_DUPLICATE);
+        }
+    }
+    CU_ASSERT_EQUAL(r->lost, 0);
+    receipts_add(r, AGENTS, 1, 1, muster_OUTCOME_STORED);
+    CU_ASSERT_EQUAL(r->lost, 1);
+    CU_ASSERT_EQUAL(receipts_of(r, AGENTS)->count, 0);
+    receipts_drop(r, 0, 1);
+    receipts_add(r, AGENTS, 2, 2, muster_OUTCOME_STORED);
+    CU_ASSERT_EQUAL(receipts_of(r, AGENTS)->count, 1);
 }
 
 static void test_limit_bytes_of_one_delivery(void)
@@ -230,6 +251,7 @@ int main(void)
         {"limit: acknowledgements in an Up", test_limit_acknowledgements},
         {"limit: places in boxes", test_limit_posts},
         {"limit: receipts of one sender", test_limit_receipts_of_one_sender},
+        {"limit: receipts", test_limit_receipts},
         {"limit: bytes of one delivery", test_limit_bytes_of_one_delivery},
         CU_TEST_INFO_NULL,
     };

@@ -3,6 +3,7 @@
  * The network, on loopback: readers and writers of one participant, and another process that holds
  * the simulator's place.
  */
+#include "../support/hush.h"
 #include "../support/samples.h"
 #include "../support/suite.h"
 #include "bus/bus.h"
@@ -431,12 +432,15 @@ static void test_registrations(void)
     bus_dispose(&one, &key);
     CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
     CU_ASSERT_EQUAL(life, BUS_DATA);
-    CU_ASSERT_EQUAL(bus_fate(&reader), BUS_DISPOSED);
+    CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
+    CU_ASSERT_EQUAL(life, BUS_DISPOSED);
+    CU_ASSERT_STRING_EQUAL(((const muster_Registration *)sample)->process, "p1");
     expect_nothing(&reader);
 
     CU_ASSERT_EQUAL(bus_write(&other, &second), MU_OK);
     CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
-    CU_ASSERT_EQUAL(bus_fate(&reader), BUS_DATA);
+    CU_ASSERT_EQUAL(life, BUS_DATA);
+    expect_nothing(&reader);
 
     bus_writer_close(&other); /* without a word: as a crash */
     CU_ASSERT_TRUE_FATAL(await(&reader, &sample, &life));
@@ -473,12 +477,25 @@ static void test_sockets_stay_on_loopback(void)
     CU_ASSERT(count >= 2); /* this process's and the broker's */
 }
 
+static void test_a_program_is_in_a_domain_once(void)
+{
+    static struct bus other;
+    struct bus_options options = {.domain = domain(), .place = BUS_AGENT, .name = "test"};
+    int kept = hush();
+    CU_ASSERT_EQUAL(bus_open(&other, &options), MU_FAULT_USAGE);
+    unhush(kept);
+    CU_ASSERT_TRUE(bus_reader_matches(&to_p1) > 0); /* the first goes on */
+}
+
 static void test_closing(void)
 {
     bus_close(&bus);
     CU_ASSERT_EQUAL(bus.participant, 0);
     CU_ASSERT_EQUAL(bus_writer_matches(&writer), 0);
     CU_ASSERT_EQUAL(bus_reader_matches(&to_p1), 0);
+    struct bus_options options = {.domain = domain(), .place = BUS_AGENT, .name = "test"};
+    CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK); /* and again */
+    bus_close(&bus);
 }
 
 int main(void)
@@ -499,6 +516,7 @@ int main(void)
         {"frames that wait in a deep reader", test_frames_that_wait_in_a_deep_reader},
         {"registrations", test_registrations},
         {"sockets stay on loopback", test_sockets_stay_on_loopback},
+        {"a program is in a domain once", test_a_program_is_in_a_domain_once},
         {"closing", test_closing},
         CU_TEST_INFO_NULL,
     };

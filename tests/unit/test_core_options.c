@@ -204,6 +204,16 @@ static void test_wrong_usage(void)
     unsetenv("MUSTER_SEED");
 }
 
+static void test_a_program_without_words(void)
+{
+    options.no_words = true;
+    CU_ASSERT_EQUAL(parse("--seed 2"), MU_OK);
+    CU_ASSERT_EQUAL(parse("--seed 2 more"), MU_FAULT_USAGE);
+    CU_ASSERT(said("muster run: expected options alone, not 'more'; try 'muster run --help'"));
+    CU_ASSERT_EQUAL(parse("-- --seed"), MU_FAULT_USAGE);
+    options.no_words = false;
+}
+
 static void test_help_and_version(void)
 {
     CU_ASSERT_EQUAL(parse("--help"), MU_DONE);
@@ -277,6 +287,7 @@ int main(void)
         {"a named configuration file", test_named_config_file},
         {"a bad configuration names file and line", test_bad_config_names_file_and_line},
         {"wrong usage", test_wrong_usage},
+        {"a program without words", test_a_program_without_words},
         {"help and version", test_help_and_version},
         {"limit: lists and words", test_limit_list_and_words},
         CU_TEST_INFO_NULL,

@@ -29,6 +29,30 @@ static void test_join(void)
     }
 }
 
+static void test_plain_paths_have_no_steps_up(void)
+{
+    static const struct {
+        const char *path, *want;
+    } cases[] = {
+        {"/a/b", "/a/b"},
+        {"/a/../b", "/b"},
+        {"/a/b/../../c/./d", "/c/d"},
+        {"/a/..", "/"},
+        {"/../../a", "/a"},
+        {"/a//b/", "/a/b"},
+        {"/a/.b/..c/...", "/a/.b/..c/..."},
+        {"/", "/"},
+        {"a/../b", "a/../b"},
+        {"", ""},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char path[32];
+        snprintf(path, sizeof path, "%s", cases[i].path);
+        mu_path_plain(path);
+        READS(path, cases[i].want);
+    }
+}
+
 static void test_limit_join(void)
 {
     char path[8];
@@ -161,6 +185,7 @@ int main(int argc, char **argv)
     }
     CU_TestInfo tests[] = {
         {"join", test_join},
+        {"plain paths have no steps up", test_plain_paths_have_no_steps_up},
         {"limit: what does not fit", test_limit_join},
         {"programs beside the running one", test_programs_stand_beside_the_running_one},
         {"chosen rules must have the library", test_chosen_rules_must_have_the_library},

@@ -350,6 +350,7 @@ static void test_no_recording(void)
     CU_ASSERT_EQUAL(mcap_reader_open(r, "/nowhere/run.mcap", &fault), MU_FAULT_FILE);
     READS(fault.text, "No such file or directory");
     CU_ASSERT_EQUAL(mcap_reader_open(r, folder, &fault), MU_FAULT_FILE);
+    READS(fault.text, "is a folder: expected a recording, such as run.mcap in the folder of a run");
     FILE *file = fopen(other, "w");
     fputs("time_s,robot\n", file);
     fclose(file);

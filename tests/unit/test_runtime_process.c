@@ -511,10 +511,20 @@ static void test_a_silent_broker_is_left(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "");
 }
 
+/* Else the program would run for ever. */
+static void round_end(void *self)
+{
+    mu_process_stop(self);
+}
+
 static void test_running_ends_when_told(void)
 {
     mu_process_stop(mind.process);
     CU_ASSERT_EQUAL(mu_process_run(mind.process), MU_OK);
+    mind.process->stopped = false;
+    mu_process_each_round(mind.process, round_end, mind.process);
+    CU_ASSERT_EQUAL(mu_process_run(mind.process), MU_OK);
+    mu_process_each_round(mind.process, NULL, NULL);
     mind.process->stopped = false;
     struct itimerspec soon = {.it_value = {.tv_nsec = 50000000}};
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGTERM};
@@ -672,6 +682,8 @@ static void test_lock_step_waits_for_its_mail(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "");
     sense(&body, 22, true, false);
     SPIN_UNTIL(&body, seen.ups == 2);
+    CU_ASSERT_TRUE(mu_process_in_lockstep(body.process));
+    CU_ASSERT_FALSE(mu_process_in_lockstep(mind.process));
     CU_ASSERT_EQUAL(seen.step, 22);
     CU_ASSERT_STRING_EQUAL(heard.at, "robot#24 blue hi; robot acts in 22; ");
     CU_ASSERT_EQUAL(mu_agent_broadcast(agent_find(body.process, "robot"), "later"), MU_OK);

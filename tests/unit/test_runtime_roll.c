@@ -121,6 +121,7 @@ static void test_who_was_refused_says_that_it_is_not_there(void)
     muster_Verdict no = {.agent = words("a0"), .broker_incarnation = 5, .reason = words("held")};
     muster_Delivery d = delivery(&no, false);
     forget();
+    agent_find(&process, "a0")->said = true;
     step_take_delivery(&process, &d, NULL);
     CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
     write_in_vain();
@@ -144,6 +145,33 @@ static void test_nobody_is_told_before_a_broker_is_known(void)
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
 }
 
+static uint32_t heard;
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    (void)self;
+    (void)a;
+    (void)accepted;
+    (void)reason;
+    heard++;
+}
+
+/* A refusal on its way may be that of an earlier one of the name, whose place somebody has taken;
+ * who is gone hears of nothing. */
+static void test_a_verdict_of_another_life(void)
+{
+    muster_Verdict no = {.agent = words("a0"), .broker_incarnation = 5, .reason = words("held")};
+    muster_Delivery d = delivery(&no, false);
+    struct mu_agent *a0 = agent_find(&process, "a0");
+    a0->handlers.on_registered = on_registered;
+    heard = 0;
+    step_take_delivery(&process, &d, NULL);
+    CU_ASSERT(!a0->refused && heard == 0);
+    mu_agent_leave(a0);
+    accept(5);
+    CU_ASSERT_EQUAL(heard, 0);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -151,6 +179,7 @@ int main(void)
         {"a roll call marks all", test_a_roll_call_marks_all},
         {"another broker hears all, and is told nothing before its answer",
          test_another_broker_hears_all_and_is_told_nothing_before_its_answer},
+        {"a verdict of another life", test_a_verdict_of_another_life},
         {"who was refused says that it is not there",
          test_who_was_refused_says_that_it_is_not_there},
         {"nobody is told before a broker is known", test_nobody_is_told_before_a_broker_is_known},

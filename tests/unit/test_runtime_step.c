@@ -369,6 +369,7 @@ static void test_a_verdict_is_news_once(void)
     verdict_deliver(verdict("red", 5, 0), "");
     verdict_deliver(verdict("stranger", 5, 0), "");
     CU_ASSERT_TRUE(red->registered);
+    red->said = true;
     verdict_deliver(no, "red no: held; ");
     verdict_deliver(no, "");
     CU_ASSERT(!red->registered && red->refused);

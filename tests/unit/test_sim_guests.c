@@ -94,6 +94,18 @@ static void test_a_process_dies(void)
     expect("amber@-1 pearl@-1 ruby@-1 ");
 }
 
+/* Nobody lives there then: who is given another process lives in it at once. */
+static void test_a_process_dies_from_which_somebody_set_out(void)
+{
+    seat("ruby", 1);
+    guests_settle(guests);
+    guests_renumber(guests, 1, -1);
+    seat("ruby", 2);
+    expect("ruby@2 ");
+    guests_settle(guests);
+    expect("ruby@2 ");
+}
+
 static void test_a_process_has_another_index(void)
 {
     seat("ruby", 3);
@@ -127,6 +139,8 @@ int main(void)
         {"who moves does so between steps", test_who_moves_does_so_between_steps},
         {"who ends is out", test_who_ends_is_out},
         {"a process dies", test_a_process_dies},
+        {"a process dies from which somebody set out",
+         test_a_process_dies_from_which_somebody_set_out},
         {"a process has another index", test_a_process_has_another_index},
         {"limit: new ones of a step", test_limit_new_ones_of_a_step},
         CU_TEST_INFO_NULL,

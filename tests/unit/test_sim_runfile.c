@@ -69,6 +69,9 @@ static void test_names_of_files(void)
         {"../../etc/passwd", "etc/passwd"},
         {"world/./../../a.world", "world/a.world"},
         {"..", ""},
+        {"world/v1..2/a...world", "world/v1..2/a...world"},
+        {"world/a==b.world", "world/a=b.world"},
+        {"world/====", "world/=="},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char word[256];

@@ -224,6 +224,15 @@ static void test_who_is_most_efficient(void)
     CU_ASSERT_EQUAL(mu_stats_team(stats).missed, 7);
 }
 
+/* Who was stalled all the time had a step: nobody is efficient without end. */
+static void test_efficiency(void)
+{
+    CU_ASSERT_DOUBLE_EQUAL(mu_stats_efficiency(2, 10, 5, 0.1), 0.4, 1e-12);
+    CU_ASSERT_DOUBLE_EQUAL(mu_stats_efficiency(2, 10, 0, 0.1), 0.2, 1e-12);
+    CU_ASSERT_DOUBLE_EQUAL(mu_stats_efficiency(0.01, 10, 10, 0.1), 0.1, 1e-12);
+    CU_ASSERT_DOUBLE_EQUAL(mu_stats_efficiency(0, 0, 0, 0.1), 0, 1e-12);
+}
+
 static void test_mail_by_performative(void)
 {
     static char words[80][24];
@@ -329,6 +338,7 @@ int main(void)
         {"explored by each robot, and together", test_explored_by_each_and_together},
         {"worlds without a floor", test_worlds_without_a_floor},
         {"who is most efficient", test_who_is_most_efficient},
+        {"efficiency", test_efficiency},
         {"mail by performative", test_mail_by_performative},
         {"time to a goal", test_time_to_a_goal},
         {"goals in diaries", test_goals_in_diaries},

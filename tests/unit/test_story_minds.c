@@ -100,6 +100,56 @@ static void test_against_a_model(void)
     }
 }
 
+/* How deep the tree of facts below one is. */
+static int depth(const struct minds *m, int32_t fact)
+{
+    if (fact == MINDS_NONE) {
+        return 0;
+    }
+    int one = depth(m, m->lines[fact].below[0]);
+    int other = depth(m, m->lines[fact].below[1]);
+    return 1 + (one > other ? one : other);
+}
+
+static void fact_say(struct minds *m, char letter, long long index)
+{
+    char diary[64];
+    snprintf(diary, sizeof diary, letter == '+' ? "+%lld (fact)\n" : "-%lld\n", index);
+    minds_add(m, "red", 0, diary);
+}
+
+/* Whatever indices there are, and in whichever order facts go, the way to one is short: else this
+ * takes 10^10 steps. */
+static void test_facts_without_end(void)
+{
+    enum { FACTS = 100000 };
+    static const unsigned shifts[] = {0, 20, 46};
+    struct minds *m = minds_new(64 * FACTS);
+    for (size_t k = 0; k < sizeof shifts / sizeof shifts[0]; k++) {
+        for (long long i = 0; i < FACTS; i++) {
+            fact_say(m, '+', i << shifts[k]);
+        }
+        CU_ASSERT(depth(m, m->robots[0].stands) <= 65);
+        for (long long i = 0; i < FACTS; i++) {
+            fact_say(m, '-', (k % 2 ? FACTS - 1 - i : i) << shifts[k]);
+        }
+        CU_ASSERT_EQUAL(m->robots[0].stands, MINDS_NONE);
+        minds_clear(m);
+    }
+}
+
+/* The line that it had gone with had no room. */
+static void test_an_index_that_comes_twice(void)
+{
+    struct minds *m = minds_new(TEXT);
+    minds_add(m, "red", 0, "+1 (old)\n+3 (three)\n+5 (five)\n");
+    minds_add(m, "red", 1, "+1 (new)\n");
+    minds_add(m, "red", 2, "-1\n");
+    CU_ASSERT_STRING_EQUAL(facts(m, "red", 0), "1 (old);3 (three);5 (five);");
+    CU_ASSERT_STRING_EQUAL(facts(m, "red", 1), "3 (three);5 (five);1 (new);");
+    CU_ASSERT_STRING_EQUAL(facts(m, "red", 2), "3 (three);5 (five);");
+}
+
 static uint32_t why(const struct minds *m, const char *robot, uint32_t step)
 {
     struct why w = {.minds = m, .step_s = 0.1, .out = &out};
@@ -164,6 +214,28 @@ static void test_why_ends(void)
     CU_ASSERT(out.len < sizeof text / 2);
 }
 
+/* A rule that names what was long before, again and again: it is given up, and said. */
+static void test_why_does_not_look_for_ever(void)
+{
+    enum { FACTS = 200000, MATCHES = 5000 };
+    static char diary[64 + 2 * MATCHES];
+    struct minds *m = minds_new(64 * FACTS);
+    minds_add(m, "red", 0, "0\n+1 (first)\n");
+    for (long long i = 2; i < FACTS; i++) {
+        fact_say(m, '+', i);
+    }
+    struct mu_text d;
+    mu_text_init(&d, diary, sizeof diary);
+    mu_text_add(&d, "R much 1");
+    for (int i = 1; i < MATCHES; i++) {
+        mu_text_add(&d, ",1");
+    }
+    mu_text_add(&d, "\nV 1.0 1.0\n");
+    minds_add(m, "red", 1, diary);
+    CU_ASSERT_EQUAL(why(m, "red", 1), WHY_RULES | WHY_UNKNOWN);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "f-1: there is too much to look through\n"));
+}
+
 static void test_garbage(void)
 {
     static char noise[4096];
@@ -219,10 +291,13 @@ int main(void)
         {"facts come and go", test_facts_come_and_go},
         {"a mind begins anew", test_begins_anew},
         {"facts against a model", test_against_a_model},
+        {"facts without end", test_facts_without_end},
+        {"an index that comes twice", test_an_index_that_comes_twice},
         {"why: down to a person", test_why_down_to_a_person},
         {"why: across a mail", test_why_across_a_mail},
         {"why: of a fact", test_why_of_a_fact},
         {"why: it ends", test_why_ends},
+        {"why: it does not look for ever", test_why_does_not_look_for_ever},
         {"garbage", test_garbage},
         {"limit: robots", test_limit_robots},
         CU_TEST_INFO_NULL,

@@ -200,6 +200,52 @@ static void test_stalls(void)
     recording_close(r);
 }
 
+/* --- how it ended ----------------------------------------------------------------------------- */
+
+/* Of 40 steps, of a run that was to have so many seconds; NULL: that is not known, or there is no
+ * table at the end. */
+static struct recording *ended_make(const char *duration_s, const char *state, const char *steps)
+{
+    const struct mcap_pair about[] = {{"duration_s", duration_s}};
+    const struct mcap_pair end[] = {{"state", state}, {"steps", steps}};
+    recording_begin();
+    (void)mcap_writer_metadata(writer, "run", about, duration_s ? 1 : 0);
+    scene_write();
+    for (int64_t step = 0; step < STEPS; step++) {
+        frame_write(step);
+    }
+    if (state) {
+        (void)mcap_writer_metadata(writer, "end", end, 2);
+    }
+    CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
+    static struct recording r;
+    struct mu_fault fault;
+    CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_open(&r, path, &fault), MU_OK);
+    return &r;
+}
+
+static void test_how_it_ended(void)
+{
+    static const struct {
+        const char *duration_s, *state, *steps;
+        enum recording_end wanted;
+    } cases[] = {
+        {"3.9", "done", "39", RECORDING_DONE},      {"3.85", "done", "39", RECORDING_DONE},
+        {"4", "done", "39", RECORDING_STOPPED},     {"60", "done", "39", RECORDING_STOPPED},
+        {"60", "done", "45", RECORDING_DONE}, /* Frames have been taken away: that differs */
+        {"60", "fault", "40", RECORDING_FAULT},     {"60", NULL, NULL, RECORDING_CUT},
+        {"3.9", NULL, NULL, RECORDING_DONE}, /* what is cut off is behind the last Frame */
+        {NULL, "done", "39", RECORDING_DONE},       {NULL, NULL, NULL, RECORDING_CUT},
+        {"nonsense", "done", "39", RECORDING_DONE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct recording *r = ended_make(cases[i].duration_s, cases[i].state, cases[i].steps);
+        CU_ASSERT_EQUAL(recording_end(r), cases[i].wanted);
+        recording_close(r);
+    }
+}
+
 /* --- what is no recording ----------------------------------------------------------------------
  */
 
@@ -212,6 +258,7 @@ static void test_no_frames(void)
     CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, &fault), MU_OK);
     CU_ASSERT_EQUAL(recording_open(&r, path, &fault), MU_OK); /* a channel, and nothing on it */
     CU_ASSERT_EQUAL(r.steps_count, 0);
+    CU_ASSERT_EQUAL(recording_end(&r), RECORDING_CUT);
     CU_ASSERT_PTR_NULL(recording_frame(&r, 0));
     CU_ASSERT_EQUAL(recording_step_at(&r, 1), 0);
     CU_ASSERT_EQUAL(stalls_robot(&r, "red"), MU_NONE);
@@ -299,6 +346,7 @@ int main(void)
         {"times", test_times},
         {"minds", test_minds},
         {"stalls", test_stalls},
+        {"how it ended", test_how_it_ended},
         {"no frames", test_no_frames},
         {"something else", test_something_else},
         CU_TEST_INFO_NULL,

@@ -264,11 +264,12 @@ static void test_a_scene(void)
 
 static void test_a_run(void)
 {
-    struct run_json run = {.simulator = false};
+    struct run_json run = {.step = 0};
     begin();
     run_json_write(&j, &run);
     has("\"state\": \"none\"");
-    muster_RunStatus status = {.state = muster_RUN_DONE,
+    muster_RunStatus status = {.simulator = words("simulator.1"),
+                               .state = muster_RUN_DONE,
                                .step = 5,
                                .time_ns = 500000000,
                                .hash = words("12ab"),
@@ -278,6 +279,62 @@ static void test_a_run(void)
     run_json_write(&j, &run);
     has("{\"state\": \"done\", \"step\": 5, \"time_ms\": 500,");
     has("\"hash\": \"12ab\", \"waits_for\": \"<i>\", \"broker\": \"\"");
+}
+
+static void test_which_simulator_is_gone(void)
+{
+    struct run_json run = {.step = 0};
+    muster_RunStatus status = {.simulator = words("simulator.2"),
+                               .state = muster_RUN_RUNNING,
+                               .hash = words(""),
+                               .waits_for = words("")};
+    run_json_take(&run, &status);
+    run_json_lose(&run, "simulator.1"); /* of the run before */
+    CU_ASSERT_TRUE(run_json_lives(&run));
+    run_json_lose(&run, "simulator.2");
+    CU_ASSERT_FALSE(run_json_lives(&run));
+    status.state = muster_RUN_FAULT;
+    run_json_take(&run, &status);
+    run_json_lose(&run, "simulator.2"); /* how it has ended is still to be seen */
+    begin();
+    run_json_write(&j, &run);
+    has("\"state\": \"fault\"");
+}
+
+static void counts(struct run_json *run, const char *wanted)
+{
+    begin();
+    run_json_write(&j, run);
+    has(wanted);
+}
+
+static void test_mails_are_those_of_all_brokers(void)
+{
+    struct run_json run = {.step = 0};
+    muster_BrokerStatus a = {.broker = words("a"), .sent = 10, .delivered = 9, .dropped = 1};
+    muster_BrokerStatus b = {.broker = words("b"), .sent = 5, .waiting = 4, .no_store = 1};
+    run_json_mails(&run, &a);
+    run_json_mails(&run, &b);
+    counts(&run, "\"broker\": \"\", \"mails\": [15, 9, 4, 0, 2]"); /* neither has said that it is */
+    run_json_broker(&run, "b", true);
+    run_json_broker(&run, "a", true);
+    run_json_broker(&run, "b", false);
+    run_json_broker(&run, "c", false);
+    counts(&run, "\"broker\": \"a\", \"mails\": [15, 9, 4, 0, 2]");
+    run_json_begin(&run);
+    counts(&run, "\"broker\": \"a\", \"mails\": [10, 9, 0, 0, 1]");
+}
+
+static void test_limit_brokers(void)
+{
+    struct run_json run = {.step = 0};
+    for (int i = 0; i <= MU_BROKERS_MAX; i++) {
+        char name[24];
+        snprintf(name, sizeof name, "b%d", i);
+        muster_BrokerStatus status = {.broker = name, .sent = 1};
+        run_json_mails(&run, &status);
+    }
+    counts(&run, "\"mails\": [32, 0, 0, 0, 0]");
 }
 
 /* --- goals ------------------------------------------------------------------------------------ */
@@ -373,6 +430,9 @@ int main(void)
         {"rules and orders", test_rules_and_orders},
         {"a scene", test_a_scene},
         {"a run", test_a_run},
+        {"which simulator is gone", test_which_simulator_is_gone},
+        {"mails are those of all brokers", test_mails_are_those_of_all_brokers},
+        {"limit: brokers", test_limit_brokers},
         {"a lean frame has no beams", test_a_lean_frame_has_no_beams},
         {"what robots want", test_what_robots_want},
         {"a mind at a step", test_a_mind_at_a_step},

@@ -66,6 +66,20 @@ static void test_events_are_written_as_they_are_sent(void)
     CU_ASSERT_FALSE(stream_has(&stream, &board));
 }
 
+static void test_what_was_dropped_nobody_sees(void)
+{
+    begin();
+    put(BOARD_FRAME, "step", 1);
+    (void)read_all(1000);
+    put(BOARD_FRAME, "step", 2);
+    board_drop(&board, BOARD_FRAME);
+    CU_ASSERT_FALSE(stream_has(&stream, &board));
+    READS(read_all(1000), "");
+    put(BOARD_FRAME, "step", 1); /* of another run, and new although it is as the first was */
+    READS(read_all(1000), "event: frame\ndata: {\"step\": 1}\n\n"
+                          "event: missed\ndata: {\"frames\": 1, \"answers\": 0}\n\n");
+}
+
 static void test_an_event_is_whole_although_the_board_goes_on(void)
 {
     begin();
@@ -185,6 +199,7 @@ int main(void)
     mu_memory_seal();
     CU_TestInfo tests[] = {
         {"events are written as they are sent", test_events_are_written_as_they_are_sent},
+        {"what was dropped nobody sees", test_what_was_dropped_nobody_sees},
         {"an event is whole although the board goes on",
          test_an_event_is_whole_although_the_board_goes_on},
         {"who is late gets the newest and the count of the rest",

@@ -2,16 +2,17 @@
 // What people do from the page.  Only who has the token can: it comes in the address's fragment,
 // which browsers do not send, and is kept for this tab alone.
 
+import {createStore} from './dom.js';
+
 const PATIENCE_MS = 6000;
 const PAUSE_MS = 150;
 
 function takeToken() {
-  const found = /^#token=([0-9a-f]{32})$/.exec(location.hash);
-  if (found) {
-    sessionStorage.setItem('muster-token', found[1]);
-    history.replaceState(null, '', location.pathname);
-  }
-  return sessionStorage.getItem('muster-token');
+  const store = createStore('sessionStorage'), found = /^#token=([0-9a-f]{32})$/.exec(location.hash);
+  if (!found) return store.get('muster-token');
+  store.set('muster-token', found[1]);
+  history.replaceState(null, '', location.pathname);
+  return found[1];
 }
 
 const pause = () => new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
@@ -69,10 +70,10 @@ export function createActor() {
       const ask = ++asks;
       return {ask, failed: postInTurn(agent, `/words/${encodeURIComponent(agent)}`, ask, text)};
     },
-    /** Sends an order to the world.  @return likewise */
-    order(line) {
+    /** Sends an order to the world: its line, and in lines behind it when.  @return likewise */
+    order(text) {
       const ask = ++asks;
-      return {ask, failed: postInTurn('the world', '/world', ask, line)};
+      return {ask, failed: postInTurn('the world', '/world', ask, text)};
     },
     /** Asks to be shown what the agent prints, or no longer. */
     watch: (agent, on) => postInTurn(agent, `/${on ? 'watch' : 'leave'}/${encodeURIComponent(agent)}`, 0),

@@ -9,6 +9,8 @@ export function createCamera() {
     x: 0, y: 0, scale: 40, width: 1, height: 1,
     /** Is counted up with each change, for whoever keeps a picture of what does not move. */
     version: 0,
+    /** Whether all is shown, and nobody has looked elsewhere since. */
+    fitted: true,
 
     resize(width, height) {
       if (width === camera.width && height === camera.height) return;
@@ -21,6 +23,7 @@ export function createCamera() {
       if (x === camera.x && y === camera.y) return;
       camera.x = x;
       camera.y = y;
+      camera.fitted = false;
       camera.version++;
     },
 
@@ -32,6 +35,7 @@ export function createCamera() {
       camera.scale = Math.min(NEAREST, Math.max(FARTHEST, Math.min(wide, high)));
       camera.version++;
       camera.moveTo((x0 + x1) / 2, (y0 + y1) / 2 - 20 / camera.scale);
+      camera.fitted = true;
     },
 
     /** Moves the picture with the hand. */
@@ -43,6 +47,7 @@ export function createCamera() {
     zoom(factor, px = camera.width / 2, py = camera.height / 2) {
       const [x, y] = camera.toWorld(px, py);
       camera.scale = Math.min(NEAREST, Math.max(FARTHEST, camera.scale * factor));
+      camera.fitted = false;
       camera.version++;
       camera.moveTo(x - (px - camera.width / 2) / camera.scale,
                     y + (py - camera.height / 2) / camera.scale);

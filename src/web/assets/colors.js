@@ -2,6 +2,8 @@
 // Colours that people tell apart who see few: the set of Okabe and Ito, darker on a light ground
 // and lighter on a dark one.  A robot that is called after a colour, or has one, gets its relative.
 
+import {createStore} from './dom.js';
+
 const SETS = {
   light: {
     red: '#c8480a', blue: '#0072b2', green: '#00865f', yellow: '#c99400', purple: '#b8558c',
@@ -58,14 +60,15 @@ export function robotColors(robots, theme) {
 /** The theme: what the person chose, else what the system says. */
 export function createTheme(onChange) {
   const dark = matchMedia('(prefers-color-scheme: dark)');
-  let chosen = localStorage.getItem('muster-theme');
+  const store = createStore('localStorage');
+  let chosen = store.get('muster-theme');
   const theme = {
     get name() {
       return chosen ?? (dark.matches ? 'dark' : 'light');
     },
     toggle() {
       chosen = theme.name === 'dark' ? 'light' : 'dark';
-      localStorage.setItem('muster-theme', chosen);
+      store.set('muster-theme', chosen);
       apply();
     },
   };

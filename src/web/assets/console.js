@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The console of one agent: its facts, agenda and rules, buttons, and a line of CLIPS.
 
-import {element, mark, say} from './dom.js';
-import {createLine, createPane} from './pane.js';
+import {closeButton, element, mark, say} from './dom.js';
+import {createAnswer, createLine, createPane} from './pane.js';
 
 /* button, line, key for its title; N stands for the number beside it */
 const ROBOT_BUTTONS = [['Start', '(run)'], ['Suspend', '(suspend)'], ['Step', '(step N)'], ['Resume', '(resume)']];
 const OBSERVER_BUTTONS = [['Start all', '(start robots)'], ['Suspend all', '(suspend robots)'],
   ['Resume all', '(resume robots)'], ['Agents', '(agents)']];
-const VIEWS = [['Log', null], ['Facts', '(facts)'], ['Agenda', '(agenda)'], ['Rules', '(rules)']];
+/* title, line that asks for it, what is said until there is an answer */
+const VIEWS = [['Log', null, 'What it prints, what is watched, and answers to lines.'],
+  ['Facts', '(facts)', 'No facts were shown yet.'], ['Agenda', '(agenda)', 'No agenda was shown yet.'],
+  ['Rules', '(rules)', 'No rules were shown yet.']];
 const WATCHES = ['facts', 'rules', 'activations'];
 
 const degrees = (angle) => Math.round(angle * 180 / Math.PI) + 0; /* no minus zero */
 
-/** hands: a row of what hands can do to it; null: none. */
-export function createConsole(name, actor, hands) {
+/** hands: a row of what hands can do to it; null: none.  onClose: closes its tab; the observer's stays. */
+export function createConsole(name, actor, hands, onClose) {
   const isObserver = name === 'observer';
-  const panes = new Map(VIEWS.map(([title]) => [title, createPane()]));
-  const shownText = new Map();
+  const panes = new Map(VIEWS.map(([title, line, empty]) => [title, (line ? createAnswer : createPane)(empty)]));
   const asked = new Map(); /* by number: {view, text} */
   const completions = new Map(); /* what waits for a word's end, by number */
-  let view = 'Log', watching = false;
+  let view = 'Log', watching = false, wasWatching = false;
 
   const dot = element('span', {class: 'dot'});
   const state = element('span', {class: 'state'});
@@ -40,7 +42,7 @@ export function createConsole(name, actor, hands) {
     element('input', {type: 'checkbox', change: (event) => watch(what, event.target.checked)}), what));
   const holder = element('div', {class: 'holder'});
   const panel = element('div', {class: 'panel console'},
-    element('h2', {}, dot, name, state), pose, rule, denied,
+    element('h2', {}, dot, name, state, isObserver ? '' : closeButton(onClose)), pose, rule, denied,
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what it is to do'}, ...buttons),
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views),
     element('div', {class: 'row', hidden: isObserver}, element('span', {class: 'quiet'}, 'watch'), ...watches),
@@ -62,9 +64,7 @@ export function createConsole(name, actor, hands) {
     const {ask: number, failed} = actor.say(name, text);
     asked.set(number, {view: into, text: ''});
     failed.then((why) => {
-      if (!why) return;
-      asked.delete(number);
-      panes.get('Log').add('failure', why + '\n');
+      if (why && asked.delete(number)) panes.get('Log').add('failure', why + '\n');
     });
     attach();
   }
@@ -93,15 +93,21 @@ export function createConsole(name, actor, hands) {
 
   function show(title, fresh = true) {
     view = title;
-    holder.replaceChildren(panes.get(title).pane);
+    const {pane} = panes.get(title);
+    if (holder.firstChild !== pane) holder.replaceChildren(pane);
     for (const button of views) mark(button, 'aria-pressed', String(button.dataset.view === title));
     if (fresh) refresh();
+  }
+
+  function completed(number, rest) {
+    completions.get(number)?.(rest);
+    completions.delete(number);
   }
 
   /** @return a promise of how the line goes on */
   function complete(text) {
     const {ask: number, failed} = actor.complete(name, text);
-    failed.then((why) => why && completions.delete(number));
+    failed.then((why) => why && completed(number, ''));
     return new Promise((done) => completions.set(number, done));
   }
 
@@ -122,23 +128,31 @@ export function createConsole(name, actor, hands) {
       const question = asked.get(number);
       asked.delete(number);
       if (!question || question.view === 'Log') return;
-      panes.get(question.view).replace(question.text, shownText.get(question.view) ?? '');
-      shownText.set(question.view, question.text);
-      panes.get(question.view).add('note', `as of step ${step}\n`);
+      panes.get(question.view).replace(question.text, `as of step ${step}\n`);
     },
     /** One way to go on is taken; several are shown. */
     completed({ask: number, rest, words}) {
-      completions.get(number)?.(rest);
-      completions.delete(number);
+      completed(number, rest);
       if (words.length === 0) return;
       show('Log', false);
       panes.get('Log').add('trace', words.join('  ') + '\n');
     },
-    /** The server is there again, and knows nothing of us; or answers were lost. */
-    forget() {
+    /** Answers are lost, or the server is, which knows nothing of us when it is there again. */
+    forget(why) {
+      if (asked.size > 0) panes.get('Log').add('note', `no answer: ${why}\n`);
+      wasWatching = wasWatching || watching;
       watching = false;
       asked.clear();
-      completions.clear();
+      for (const number of [...completions.keys()]) completed(number, '');
+    },
+    /** It is closed: what is watched is not shown any more. */
+    leave() {
+      if (watching) actor.watch(name, false);
+    },
+    /** The server knows us: what was watched is watched again. */
+    renew() {
+      if (wasWatching) attach();
+      wasWatching = false;
     },
     draw({color, robot, agent, fired, over}) {
       dot.style.setProperty('--robot', color ?? '');

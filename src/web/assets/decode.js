@@ -7,7 +7,6 @@ for (let i = 0; i < DIGITS.length; i++) VALUES[DIGITS.charCodeAt(i)] = i;
 
 const STATES = ['standby', 'running', 'suspended', 'moving', 'absent'];
 const FLAG_STALLED = 8;
-const FLAG_FAULT = 16;
 
 /** Readings of a sonar or laser, two characters each, in metres. */
 export function decodeBeams(text) {
@@ -19,14 +18,12 @@ export function decodeBeams(text) {
   return ranges;
 }
 
-function decodeRobot([x, y, heading, forward, turn, toldForward, toldTurn, flags]) {
+function decodeRobot([x, y, heading, forward, turn, , , flags]) {
   return {
     x: x / 1000, y: y / 1000, heading: heading / 1000,
     forward: forward / 1000, turn: turn / 1000,
-    toldForward: toldForward / 1000, toldTurn: toldTurn / 1000,
     state: STATES[flags & 7] ?? 'absent',
     stalled: (flags & FLAG_STALLED) !== 0,
-    fault: (flags & FLAG_FAULT) !== 0,
   };
 }
 
@@ -40,7 +37,6 @@ export function decodeFrame(data) {
     step: data.step,
     time: data.time_ms / 1000,
     wall: data.wall_ms / 1000,
-    digest: data.digest,
     robots: data.robots.map(decodeRobot),
     objects: data.objects.map(decodePlace),
     sonar: decodeSensor(data.sonar),
@@ -67,6 +63,5 @@ export function decodeStatistics(data) {
       distance: distance / 1000, stalls, stalled: stalled / 1000, firings, sent, received,
       speed: time > 0 ? distance / 1000 / time : 0,
     })),
-    beyond: data.beyond ?? {},
   };
 }

@@ -2,7 +2,7 @@
 // A robot's mind at a moment of a recording: facts, agenda, what fired last, its mails, and why it
 // drove as it did.  It stands where a run has the robot's console.
 
-import {element, mark, say} from './dom.js';
+import {closeButton, element, mark, say} from './dom.js';
 
 /* title, lines of a mind */
 const VIEWS = [
@@ -14,7 +14,7 @@ const VIEWS = [
 
 const factsOf = (list) => list.split(',').map((fact) => (/^\d+$/.test(fact) ? `f-${fact}` : fact)).join(',');
 
-export function createDiary(name, {stepMs, onWhy}) {
+export function createDiary(name, {stepMs, onWhy, onClose}) {
   const output = element('pre', {class: 'output', tabindex: '0'});
   const dot = element('span', {class: 'dot'}), state = element('span', {class: 'state'});
   const pose = element('div', {class: 'pose'}), rule = element('div', {class: 'pose'});
@@ -22,7 +22,7 @@ export function createDiary(name, {stepMs, onWhy}) {
   const views = [...VIEWS.map(([title]) => title), 'Why'].map((title) =>
     element('button', {type: 'button', 'data-view': title, click: () => show(title)}, title));
   const panel = element('div', {class: 'panel console'},
-    element('h2', {}, dot, name, state), pose, rule,
+    element('h2', {}, dot, name, state, closeButton(onClose)), pose, rule,
     element('div', {class: 'row', role: 'toolbar', 'aria-label': 'what is shown'}, ...views), output);
   let view = 'Facts', mind = null, had = new Set();
   show('Facts');
@@ -30,7 +30,8 @@ export function createDiary(name, {stepMs, onWhy}) {
   function fill() {
     const row = VIEWS.find(([title]) => title === view);
     if (!row || !mind) return;
-    const lines = mind.step < 0 ? ['The recording knows nothing of its mind then.'] : row[1](mind, secondsOf);
+    const known = mind.step < 0 ? ['The recording knows nothing of its mind then.'] : row[1](mind, secondsOf);
+    const lines = known.length > 0 ? known : ['There is nothing.'];
     const fresh = (line) => view === 'Facts' && had.size > 0 && !had.has(line);
     const top = output.scrollTop;
     output.replaceChildren(...lines.map((line) => element('span', {class: fresh(line) ? 'new' : ''}, line + '\n')));
@@ -54,6 +55,8 @@ export function createDiary(name, {stepMs, onWhy}) {
     said() {},
     ended() {},
     forget() {},
+    renew() {},
+    leave() {},
     show,
     /** A chain of causes, when that is what is looked at. */
     tell(text) {

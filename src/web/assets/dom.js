@@ -13,6 +13,9 @@ export function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** Closes what it stands on. */
+export const closeButton = (run) => element('button', {type: 'button', class: 'close', title: 'close this tab', click: run}, 'Close');
+
 /** Sets text only where it differs, which spares the browser a layout. */
 export function say(node, text) {
   if (node.textContent !== text) node.textContent = text;
@@ -21,6 +24,21 @@ export function say(node, text) {
 /** Sets an attribute only where it differs. */
 export function mark(node, name, value) {
   if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+}
+
+/** What a browser keeps in its localStorage or sessionStorage; one that keeps nothing gives null. */
+export function createStore(kind) {
+  const attempt = (run) => {
+    try {
+      return run(window[kind]);
+    } catch {
+      return null;
+    }
+  };
+  return {
+    get: (name) => attempt((store) => store.getItem(name)),
+    set: (name, value) => attempt((store) => store.setItem(name, value)),
+  };
 }
 
 export const byId = (id) => document.getElementById(id);

@@ -2,18 +2,30 @@
 // The stream of events from the server.  The browser connects again by itself when it breaks.
 
 const EVENTS = ['hello', 'run', 'scene', 'frame', 'statistics', 'agents', 'said', 'ended',
-  'completed', 'ordered', 'missed'];
+  'completed', 'ordered', 'later', 'missed'];
+const AGAIN_MS = 2000;
 
-/** handlers: by event, each with its data; and `link`, with whether the server is there. */
+/* Whether the server has no room for another page; what it does not say it has not. */
+async function isFull() {
+  const answer = await fetch('/events', {method: 'HEAD', cache: 'no-store'}).catch(() => null);
+  return answer?.status === 503;
+}
+
+/**
+ * handlers: by event, each with its data; and `link`, with whether the server is there, and if not,
+ * whether it has too many pages.
+ */
 export function openFeed(handlers) {
   const source = new EventSource('/events');
   for (const name of EVENTS) {
     source.addEventListener(name, (event) => handlers[name]?.(JSON.parse(event.data)));
   }
-  source.onopen = () => handlers.link(true);
-  source.onerror = () => {
-    handlers.link(false);
-    if (source.readyState === EventSource.CLOSED) setTimeout(() => openFeed(handlers), 2000);
+  source.onopen = () => handlers.link(true, false);
+  source.onerror = async () => {
+    handlers.link(false, false);
+    if (source.readyState !== EventSource.CLOSED) return;
+    setTimeout(() => openFeed(handlers), AGAIN_MS);
+    if (await isFull()) handlers.link(false, true);
   };
 }
 

@@ -26,7 +26,7 @@ function drawGrid(context, camera, ink) {
 function drawScale(context, camera, ink, ratio) {
   const step = roundStep(120 / camera.scale);
   const px = step * camera.scale;
-  const right = camera.width - 16, bottom = camera.height - 18;
+  const right = camera.width - 16, bottom = 30;
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.beginPath();
   context.moveTo(right - px, bottom - 5);

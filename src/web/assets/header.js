@@ -6,7 +6,7 @@ import {byId, element, mark, say} from './dom.js';
 const PACE_SPAN_S = 2;
 
 const STATES = {none: 'no run', waiting: 'waiting', ready: 'ready', running: 'running', done: 'ended', fault: 'fault',
-  recorded: 'recording'};
+  recorded: 'recording', lost: 'no contact'};
 
 /** Simulated seconds in a second, lately. */
 function createPace() {
@@ -25,7 +25,8 @@ function createPace() {
 }
 
 /* What the banner says; null: nothing. */
-function bannerOf({linked, hello, run, scene}) {
+function bannerOf({linked, full, hello, run, scene}) {
+  if (full) return {bad: true, words: ['As many pages are open as muster web has room for; this one tries again.']};
   if (!linked) return {bad: true, words: ['The page has lost muster web; it tries again.']};
   if (!run) return null;
   if (run.state === 'fault') return {bad: true, words: ['The run has failed: ', element('code', {}, run.waits_for)]};
@@ -45,7 +46,7 @@ function bannerOf({linked, hello, run, scene}) {
 
 export function createHeader() {
   const pace = createPace();
-  const state = {linked: true, hello: null, run: null, scene: null, frame: null, missed: 0,
+  const state = {linked: true, full: false, hello: null, run: null, scene: null, frame: null, missed: 0,
     lost: 0, mails: 0, rate: 0}; /* mails, rate: of a recording */
   let shown = '';
 
@@ -68,7 +69,7 @@ export function createHeader() {
     draw() {
       const {run, scene, frame, missed, lost} = state;
       const time = Math.max(frame?.time ?? 0, run?.state === 'running' ? 0 : (run?.time_ms ?? 0) / 1000);
-      const name = state.linked ? run?.state ?? 'none' : 'none';
+      const name = state.linked ? run?.state ?? 'none' : 'lost';
       const length = (run?.duration_ms ?? 0) / 1000;
       const running = run?.state === 'running';
       const whole = run && run.wall_ms > 0 ? run.time_ms / run.wall_ms : 0;
@@ -82,7 +83,8 @@ export function createHeader() {
       say(byId('mails'), String(run?.state === 'recorded' ? state.mails : run?.mails[0] ?? 0));
       byId('progress').value = length > 0 ? Math.min(1, time / length) : 0;
       byId('progress').hidden = length <= 0;
-      const notes = [missed > 0 && `${missed} frames passed over`, lost > 0 && `${lost} answers lost`];
+      const many = (count, what) => `${count} ${what}${count === 1 ? '' : 's'}`;
+      const notes = [missed > 0 && `${many(missed, 'frame')} passed over`, lost > 0 && `${many(lost, 'answer')} lost`];
       say(byId('note'), notes.filter(Boolean).join(', '));
       sayBanner();
     },

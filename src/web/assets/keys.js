@@ -5,8 +5,12 @@ import {byId, element} from './dom.js';
 
 const TYPING = 'input:not([type=checkbox]):not([type=range]), textarea, select';
 const MOVED = 'input[type=range]'; /* it knows arrows, and nothing of spaces */
+const SCROLLED = '.output, .log, .panel'; /* arrows are theirs */
 
-/** table: rows of {keys, shown, help, run}; onFirst: may take a key before them, with Shift or not. */
+/**
+ * table: rows of {keys, shown, help, repeats, run}; repeats: also while a key is held down.
+ * onFirst: may take a key before them, with Shift or not, held down or not.
+ */
 export function attachKeys(table, onFirst) {
   const dialog = byId('keys');
   const words = table.flatMap(({shown, help}) => [element('dt', {}, ...shown.split(' ').flatMap((key) => [element('kbd', {}, key), ' '])), element('dd', {}, help)]);
@@ -16,7 +20,8 @@ export function attachKeys(table, onFirst) {
 
   addEventListener('keydown', (event) => {
     const typing = event.target.matches(TYPING) || (event.target.matches(MOVED) && event.key !== ' ');
-    if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
+    const scrolls = event.target.matches(SCROLLED) && event.key.startsWith('Arrow');
+    if (typing || scrolls || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === '?') {
       if (dialog.open) dialog.close();
       else dialog.showModal();
@@ -24,13 +29,13 @@ export function attachKeys(table, onFirst) {
     }
     if (dialog.open) return;
     const onButton = event.target.matches('button, summary, input') && (event.key === ' ' || event.key === 'Enter');
-    if (!onButton && onFirst(event.key, event.shiftKey)) {
+    if (!onButton && onFirst(event.key, event.shiftKey, event.repeat)) {
       event.preventDefault();
       return;
     }
     const row = onButton ? null : table.find(({keys}) => keys.includes(event.key));
     if (!row) return;
     event.preventDefault();
-    row.run(event.key);
+    if (row.repeats || !event.repeat) row.run(event.key);
   });
 }

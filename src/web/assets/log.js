@@ -2,20 +2,22 @@
 // The mail that was sent lately, as a list; newest below.
 
 import {element} from './dom.js';
+import {createScroll} from './pane.js';
 
 const LINES_MAX = 400;
 const EACH_STEP_MAX = 12;
 
 export function createLog() {
-  const list = element('ol', {class: 'log', 'aria-label': 'mail'});
+  const list = element('ol', {class: 'log', tabindex: '0', 'aria-label': 'mail', 'data-empty': 'No mail yet.'});
   const filter = element('input', {placeholder: 'show mail with...', 'aria-label': 'show mail with', input: again});
   const panel = element('div', {class: 'panel console'}, element('div', {class: 'line'}, filter), list);
+  const keep = createScroll(list);
   let kept = [], waiting = []; /* {time, mail}: those that are shown, and those that are not yet */
 
   function lineOf({time, mail}) {
     const performative = mail.performative ? ` ${mail.performative}` : '';
     return element('li', {}, element('time', {}, time.toFixed(1)), element('b', {}, mail.from),
-      ' → ', element('b', {}, mail.to), element('i', {}, performative), ' ', mail.content);
+      ' → ', element('b', {}, mail.to), element('i', {}, performative), ' ', element('span', {}, mail.content));
   }
 
   const wanted = ({mail}) => {
@@ -26,6 +28,7 @@ export function createLog() {
   /* Another word looks through all that is kept. */
   function again() {
     list.replaceChildren();
+    list.dataset.empty = filter.value.trim() ? 'No mail with that.' : 'No mail yet.';
     waiting = kept.concat(waiting);
     kept = [];
   }
@@ -47,12 +50,12 @@ export function createLog() {
     takeLately: add,
     draw() {
       if (waiting.length === 0 || panel.hidden) return;
-      const below = list.scrollTop + list.clientHeight >= list.scrollHeight - 20;
-      list.append(...waiting.filter(wanted).map(lineOf));
+      keep(() => {
+        list.append(...waiting.filter(wanted).map(lineOf));
+        while (list.children.length > LINES_MAX) list.firstChild.remove();
+      });
       kept = kept.concat(waiting).slice(-LINES_MAX);
       waiting = [];
-      while (list.children.length > LINES_MAX) list.firstChild.remove();
-      if (below) list.scrollTop = list.scrollHeight;
     },
   };
 }

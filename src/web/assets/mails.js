@@ -6,6 +6,7 @@ const RING_MS = 700;
 const FLYING_MAX = 60; /* of more, some are shown */
 const ENVELOPES_MAX = 25; /* of more, each is a mere block */
 const STATION = {x: 18, y: 24};
+const STATIONS_MAX = 8;
 const STATION_MS = 4000; /* so long one is shown behind its last mail */
 
 const wide = (to) => to === 'all' || to === 'robots' || to.startsWith('group:') || to === 'special';
@@ -13,14 +14,22 @@ const wide = (to) => to === 'all' || to === 'robots' || to.startsWith('group:') 
 export function createMails() {
   let flying = [], names = new Map(), stations = []; /* {name, used} */
 
+  /* Its own, else one that is shown no longer, else the one that has been used least lately. */
+  function stationOf(name, now) {
+    const own = stations.findIndex((station) => station.name === name);
+    if (own >= 0) return own;
+    const over = stations.findIndex((station) => now - station.used > STATION_MS);
+    if (over >= 0 || stations.length < STATIONS_MAX) return over >= 0 ? over : stations.length;
+    return stations.reduce((best, station, i) => (station.used < stations[best].used ? i : best), 0);
+  }
+
   function placeOf(camera, frame, name, now) {
     const index = names.get(name);
     const robot = index === undefined ? null : frame.robots[index];
     if (robot) return camera.toScreen(robot.x, robot.y);
-    let at = stations.findIndex((station) => station.name === name);
-    if (at < 0) at = stations.push({name}) - 1;
-    stations[at].used = now;
-    return [STATION.x, STATION.y + 22 * (at % 8)];
+    const at = stationOf(name, now);
+    stations[at] = {name, used: now};
+    return [STATION.x, STATION.y + 22 * at];
   }
 
   function drawFlight(context, from, to, share, {color, ink, plain}) {
@@ -57,7 +66,7 @@ export function createMails() {
     context.font = '600 13px system-ui, sans-serif';
     context.textAlign = 'left';
     context.textBaseline = 'middle';
-    stations.slice(0, 8).forEach(({name, used}, i) => {
+    stations.forEach(({name, used}, i) => {
       if (now - used > STATION_MS) return;
       const y = STATION.y + 22 * i;
       context.fillStyle = ink.soft;
@@ -80,7 +89,6 @@ export function createMails() {
         if (!crowded && flying.length < FLYING_MAX) flying.push({mail, began: now});
       }
     },
-    fly: () => flying.length > 0,
     draw(context, camera, frame, now, {colors, ink, ratio}) {
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       flying = flying.filter((f) => now - f.began < (wide(f.mail.to) ? RING_MS : FLIGHT_MS));

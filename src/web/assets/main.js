@@ -33,7 +33,7 @@ const model = {scene: null, frame: null, run: null, agents: new Map(), fired: ne
 const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(name)});
 const world = createWorld(actor);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel], ...(recording ? [] : [['World', world.panel]])],
-  (name) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy}) : consoleFor(name)),
+  (name, onClose) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy, onClose}) : consoleFor(name, onClose)),
   recording ? [] : ['observer']);
 const hands = createHands({camera: view.camera, bodiesOf, order: world.order, canAct: () => !recording && !actor.denied && !isOver()});
 view.onTop = hands.draw;
@@ -44,8 +44,11 @@ function paint(name) {
   statistics.paint(view.colors);
 }
 
+let picked = ''; /* name of the picked robot, for the next scene */
+
 function pick(index) {
   view.look.picked = index;
+  picked = nameOf(index) ?? '';
   if (index < 0) view.look.follow = false;
   drawTools();
 }
@@ -54,8 +57,8 @@ const nameOf = (index) => model.scene?.robots[index]?.name;
 
 const poseOf = (name) => bodiesOf().find((body) => body.name === name)?.pose ?? null;
 
-function consoleFor(name) {
-  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)));
+function consoleFor(name, onClose) {
+  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)), onClose);
 }
 
 /* All that hands can take. */
@@ -68,10 +71,17 @@ function bodiesOf() {
 
 // --- what comes ----------------------------------------------------------------------------------
 
+let scenes = 0, bounds = '';
+
+/* Frames that come before their scene are none of the world that is shown.  When the server is gone
+ * again it says later that there is a scene. */
 async function takeScene() {
-  const scene = await fetchScene();
-  if (!scene) return;
-  const fresh = !model.scene || JSON.stringify(scene.bounds) !== JSON.stringify(model.scene.bounds);
+  const asked = ++scenes;
+  model.scene = null;
+  const scene = await fetchScene().catch(() => null);
+  if (!scene || asked !== scenes) return;
+  const fresh = bounds !== JSON.stringify(scene.bounds), was = picked;
+  bounds = JSON.stringify(scene.bounds);
   model.scene = scene;
   model.frame = null;
   model.fired.clear();
@@ -83,7 +93,7 @@ async function takeScene() {
   tabs.load(scene);
   log.clear();
   header.set({scene});
-  pick(-1);
+  pick(scene.robots.findIndex(({name}) => name === was));
   if (fresh) view.fit();
   if (recording) loadPast(scene);
 }
@@ -103,19 +113,21 @@ function takeFrame(data) {
 }
 
 /* What was asked has no answer any more. */
-function forgetAsked() {
-  world.forget();
-  tabs.consoles.forEach(({console}) => console.forget());
+function forgetAsked(why) {
+  world.forget(why);
+  tabs.consoles.forEach(({console}) => console.forget(why));
 }
 
 openFeed({
-  link(linked) {
-    header.set({linked});
-    if (!linked) forgetAsked();
+  link(linked, full) {
+    header.set({linked, full});
+    if (!linked) forgetAsked('the page has lost muster web');
   },
   hello(hello) {
     actor.hello(hello);
     header.set({hello, missed: 0, lost: 0});
+    world.wait([]); /* the server says what waits, if something does */
+    tabs.consoles.forEach(({console}) => console.renew());
   },
   run(run) {
     model.run = run;
@@ -131,9 +143,10 @@ openFeed({
   ended: (data) => tabs.consoleOf(data.agent)?.ended({...data, step: model.frame?.step ?? 0}),
   completed: (data) => tabs.consoleOf(data.agent)?.completed(data),
   ordered: (data) => world.ordered(data),
+  later: ({orders}) => world.wait(orders),
   missed({frames, answers}) {
     header.set({missed: frames, lost: answers});
-    if (answers > 0) forgetAsked();
+    if (answers > 0) forgetAsked('more came than the page could read');
   },
 });
 
@@ -205,6 +218,7 @@ const tools = {
   names: () => turn('names'),
   hands() {
     hands.on = !hands.on;
+    hands.cancel();
     drawTools();
   },
   beams() {
@@ -253,10 +267,16 @@ function withConsole(run) {
   if (name) run(tabs.show(name));
 }
 
+const HANDS_MS = 100; /* a key that is held down is no flood of orders */
+let handsAt = 0;
+
 /* With hands on, arrows and brackets move the picked robot. */
-function handsKey(key, shift) {
+function handsKey(key, shift, repeats) {
+  const now = performance.now();
   if (key === 'Escape' && hands.on) tools.hands();
-  else return hands.key(key, shift, bodiesOf()[view.look.picked]);
+  else if (repeats && now - handsAt < HANDS_MS) return hands.on;
+  else if (!hands.key(key, shift, bodiesOf()[view.look.picked])) return false;
+  else handsAt = now;
   return true;
 }
 
@@ -269,18 +289,18 @@ const RUN_KEYS = [
 
 const PAST_KEYS = [
   {keys: [' '], shown: 'Space', help: 'play, pause', run: () => past.toggle()},
-  {keys: [','], shown: ',', help: 'a step back', run: () => past.by(-1)},
-  {keys: ['.'], shown: '.', help: 'a step on', run: () => past.by(1)},
+  {keys: [','], shown: ',', help: 'a step back', repeats: true, run: () => past.by(-1)},
+  {keys: ['.'], shown: '.', help: 'a step on', repeats: true, run: () => past.by(1)},
 ];
 
 attachKeys([
-  {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], shown: '← → ↑ ↓', help: 'move the world',
+  {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], shown: '← → ↑ ↓', help: 'move the world', repeats: true,
    run: (key) => view.camera.pan({ArrowLeft: PAN_PX, ArrowRight: -PAN_PX}[key] ?? 0, {ArrowUp: PAN_PX, ArrowDown: -PAN_PX}[key] ?? 0)},
-  {keys: ['+', '='], shown: '+', help: 'nearer', run: tools.in},
-  {keys: ['-'], shown: '-', help: 'farther', run: tools.out},
+  {keys: ['+', '='], shown: '+', help: 'nearer', repeats: true, run: tools.in},
+  {keys: ['-'], shown: '-', help: 'farther', repeats: true, run: tools.out},
   {keys: ['f', '0'], shown: 'F', help: 'show all of the world', run: tools.fit},
-  {keys: ['j'], shown: 'J', help: 'pick the next robot', run: () => next(1)},
-  {keys: ['k'], shown: 'K', help: 'pick the one before', run: () => next(-1)},
+  {keys: ['j'], shown: 'J', help: 'pick the next robot', repeats: true, run: () => next(1)},
+  {keys: ['k'], shown: 'K', help: 'pick the one before', repeats: true, run: () => next(-1)},
   {keys: ['Escape'], shown: 'Esc', help: 'pick none', run: () => pick(-1)},
   {keys: ['c'], shown: 'C', help: 'follow the picked robot', run: tools.follow},
   {keys: ['Enter', '/'], shown: 'Enter /', help: past ? 'its mind' : 'a line on its console', run: () => withConsole((c) => c.focus())},
@@ -309,7 +329,7 @@ let wordsAt = 0;
 
 function draw(now) {
   requestAnimationFrame(draw); /* first: one picture that fails is not to be the last */
-  if (view.resize() && model.scene && wordsAt === 0) view.fit();
+  view.resize();
   past?.draw(now);
   view.draw(tween.at(now), minds, now);
   if (now - wordsAt >= WORDS_MS) {

@@ -5,26 +5,62 @@ import {element} from './dom.js';
 
 const NODES_MAX = 1500;
 const HISTORY_MAX = 200;
+const END_PX = 20; /* so near the end is at it */
 
-/** One pane of text; what comes is put at its end. */
-export function createPane() {
-  const pane = element('pre', {class: 'output', tabindex: '0'});
+/**
+ * Keeps what is scrolled where it is: at its end, as long as nobody has scrolled it elsewhere.  A
+ * browser forgets that of what is not to be seen.  @return does a change of what is in it
+ */
+export function createScroll(node) {
+  let atEnd = true, top = 0;
+
+  function note() {
+    if (node.clientHeight === 0) return;
+    top = node.scrollTop;
+    atEnd = top + node.clientHeight >= node.scrollHeight - END_PX;
+  }
+
+  function settle() {
+    node.scrollTop = atEnd ? node.scrollHeight : top;
+  }
+
+  node.addEventListener('scroll', note);
+  new ResizeObserver(settle).observe(node);
+  return (change) => {
+    change();
+    settle();
+  };
+}
+
+/** One pane of text; what comes is put at its end.  empty: what is said as long as it has none */
+export function createPane(empty) {
+  const pane = element('pre', {class: 'output', tabindex: '0', 'data-empty': empty});
+  const keep = createScroll(pane);
   return {
     pane,
     add(kind, text) {
-      const below = pane.scrollTop + pane.clientHeight >= pane.scrollHeight - 20;
-      pane.append(element('span', {class: kind}, text));
-      while (pane.childNodes.length > NODES_MAX) pane.firstChild.remove();
-      if (below) pane.scrollTop = pane.scrollHeight;
+      keep(() => {
+        pane.append(element('span', {class: kind}, text));
+        while (pane.childNodes.length > NODES_MAX) pane.firstChild.remove();
+      });
     },
-    /** Shows a whole answer; lines that the last one had not are marked. */
-    replace(text, old) {
-      const had = new Set(old.split('\n'));
-      const lines = text.split('\n').map((line) =>
-        element('span', {class: old && !had.has(line) ? 'new' : ''}, line + '\n'));
-      const top = pane.scrollTop;
-      pane.replaceChildren(...lines);
-      pane.scrollTop = top;
+  };
+}
+
+/** One pane with an answer that takes the place of the one before; lines that had not been are marked. */
+export function createAnswer(empty) {
+  const pane = element('pre', {class: 'output', tabindex: '0', 'data-empty': empty});
+  let top = 0, had = null;
+  pane.addEventListener('scroll', () => { top = pane.clientHeight > 0 ? pane.scrollTop : top; });
+  new ResizeObserver(() => { pane.scrollTop = top; }).observe(pane);
+  return {
+    pane,
+    replace(text, note) {
+      const lines = (text.trim() ? text : 'There is nothing.\n').split('\n'), before = top;
+      pane.replaceChildren(...lines.map((line) => element('span', {class: had && !had.has(line) ? 'new' : ''}, line + '\n')),
+        element('span', {class: 'note'}, note));
+      pane.scrollTop = top = before;
+      had = new Set(lines);
     },
   };
 }
@@ -41,6 +77,7 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
   let place = 0;
 
   function enter() {
+    if (!input.value.trim()) return;
     history.push(input.value);
     if (history.length > HISTORY_MAX) history.shift();
     place = history.length;
@@ -62,7 +99,7 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
 
   function onKey(event) {
     const completes = onTab && event.key === 'Tab' && !event.shiftKey && input.value.trim();
-    if (event.key === 'Enter' && input.value.trim()) enter();
+    if (event.key === 'Enter') enter();
     else if (event.key === 'ArrowUp') recall(-1);
     else if (event.key === 'ArrowDown') recall(1);
     else if (completes) complete();
@@ -70,5 +107,5 @@ export function createLine({label, about, placeholder, onLine, onTab}) {
     if (completes || event.key === 'ArrowUp' || event.key === 'ArrowDown') event.preventDefault();
   }
 
-  return {row: element('div', {class: 'line'}, element('label', {}, label), input), input};
+  return {row: element('div', {class: 'line'}, element('label', {}, label), input), input, enter};
 }

@@ -5,6 +5,8 @@ import {drawLabel, labelOf, outlinePath, outlineReach} from './shapes.js';
 
 const SMALLEST_PX = 7;
 const LABEL_PX = 17;
+const EDGE_PX = 10; /* of the picture: no name comes nearer */
+const NAME_WEIGHT = 3; /* it hides rather that many bodies than another name */
 const LABELS_MAX = 24; /* of so many robots all names are shown; of more, those near */
 
 /** What of a figure does not change from frame to frame. */
@@ -114,22 +116,33 @@ export function createRobots() {
     context.stroke();
   }
 
-  /* Above the body, else below it, else beside it: where no other name is yet; never half outside. */
+  /* Above the body, else below it, else beside it: where it hides least of other names and bodies;
+   * never half outside. */
   function placeLabel(camera, width, x, y, reach) {
-    const inside = ([cx, by]) => [Math.max(width / 2 + 4, Math.min(camera.width - width / 2 - 4, cx)), Math.max(22, by)];
-    const is = x > 0 && y > 0 && x < camera.width && y < camera.height;
+    const inside = ([cx, by]) => [Math.max(width / 2 + EDGE_PX, Math.min(camera.width - width / 2 - EDGE_PX, cx)), Math.max(22, by)];
     const tries = [[x, y - reach - 7], [x, y + reach + 22], [x + reach + width / 2 + 8, y + 7],
-      [x - reach - width / 2 - 8, y + 7]].map((at) => (is ? inside(at) : at));
-    const free = ([cx, by]) => taken.every((t) =>
-      Math.abs(t.x - cx) > (t.width + width) / 2 || Math.abs(t.y - by) > LABEL_PX);
-    const at = tries.find(free) ?? tries[0];
-    taken.push({x: at[0], y: at[1], width});
+      [x - reach - width / 2 - 8, y + 7], [x, y - reach - 9 - LABEL_PX], [x, y + reach + 24 + LABEL_PX]].map(inside);
+    const hides = ([cx, by], {x: ox, y: oy, width: wide, height}) =>
+      Math.abs(ox - cx) < (wide + width) / 2 && Math.abs(oy - by + LABEL_PX / 2) < (height + LABEL_PX) / 2;
+    const hidden = (at) => taken.reduce((sum, other) => sum + (hides(at, other) ? other.weight : 0), 0);
+    const costs = tries.map(hidden), at = tries[costs.indexOf(Math.min(...costs))];
+    taken.push({x: at[0], y: at[1] - LABEL_PX / 2, width, height: LABEL_PX, weight: NAME_WEIGHT});
     return at;
+  }
+
+  const isSeen = (camera, x, y, reach) =>
+    x > -reach && y > -reach && x < camera.width + reach && y < camera.height + reach;
+
+  /* What a name would hide, were it put there. */
+  function takeBody(camera, robot, i) {
+    const [x, y] = camera.toScreen(robot.x, robot.y), reach = bodies[i].reach * camera.scale;
+    if (isSeen(camera, x, y, reach)) taken.push({x, y, width: 2 * reach, height: 2 * reach, weight: 1});
   }
 
   function drawName(context, camera, robot, i, minds, look) {
     const [x, y] = camera.toScreen(robot.x, robot.y);
     const reach = Math.max(SMALLEST_PX, bodies[i].reach * camera.scale);
+    if (!isSeen(camera, x, y, reach)) return;
     drawState(context, x, y, reach, robot, look.ink);
     if (!look.named) return;
     const goal = minds.goalOf(i);
@@ -164,6 +177,7 @@ export function createRobots() {
       frame.robots.forEach((robot, i) => bodies[i] && drawBody(context, camera, robot, bodies[i], look(i)));
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       taken = [];
+      frame.robots.forEach((robot, i) => bodies[i] && takeBody(camera, robot, i));
       const all = names && (frame.robots.length <= LABELS_MAX || camera.scale > 90);
       frame.robots.forEach((robot, i) => {
         if (!bodies[i]) return;

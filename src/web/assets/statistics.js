@@ -97,7 +97,8 @@ export function createStatistics({onPick, onOpen}) {
       });
       const known = new Set(rows.map((row) => row.name));
       const rest = [...agents.values()].filter((a) => !known.has(a.name) && !a.name.startsWith('broker'));
-      say(others, rest.length ? `Also there: ${rest.map((a) => `${a.name} (${a.state})`).join(', ')}` : '');
+      const words = [rows.length === 0 && 'No robots yet.', rest.length && `Also there: ${rest.map((a) => `${a.name} (${a.state})`).join(', ')}`];
+      say(others, words.filter(Boolean).join('  '));
     },
   };
 }

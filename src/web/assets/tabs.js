@@ -5,7 +5,10 @@ import {byId, element, mark} from './dom.js';
 
 const OPEN_AT_ONCE = 8; /* of so many robots each has a tab from the beginning */
 
-/** fixed: [title, panel] of tabs that are always there; makeConsole: by name; names: opened at once. */
+/**
+ * fixed: [title, panel] of tabs that are always there; makeConsole: by name, and what closes it;
+ * names: opened at once.
+ */
 export function createTabs(fixed, makeConsole, names) {
   const strip = byId('tabs'), panels = byId('panels');
   const tabs = new Map(); /* by key: {button, panel, console} */
@@ -15,6 +18,7 @@ export function createTabs(fixed, makeConsole, names) {
     const dot = console ? element('span', {class: 'dot'}) : '';
     const button = element('button', {type: 'button', role: 'tab', 'data-tab': key, click: () => select(key)}, dot, title.slice(0, 40));
     panel.setAttribute('role', 'tabpanel');
+    panel.setAttribute('aria-label', title);
     panel.hidden = true;
     tabs.set(key, {button, panel, console, dot});
     strip.append(button);
@@ -34,10 +38,23 @@ export function createTabs(fixed, makeConsole, names) {
   function open(name) {
     const key = `agent ${name}`;
     if (!tabs.has(key)) {
-      const console = makeConsole(name);
+      const console = makeConsole(name, () => close(key));
       add(key, name, console.panel, console);
     }
     return key;
+  }
+
+  /* Whoever looked at it looks at the one before. */
+  function close(key) {
+    const {button, panel, console} = tabs.get(key);
+    const keys = [...tabs.keys()], before = keys[keys.indexOf(key) - 1];
+    console.leave();
+    button.remove();
+    panel.remove();
+    tabs.delete(key);
+    if (selected !== key) return;
+    select(before);
+    tabs.get(before).button.focus();
   }
 
   strip.addEventListener('keydown', (event) => {

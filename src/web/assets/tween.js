@@ -41,8 +41,6 @@ export function createTween() {
     at(now) {
       return to && frameBetween(from, to, Math.max(0, now - began) / span);
     },
-    /** Whether nothing moves any more. */
-    rests: (now) => !to || now - began > span,
     clear() {
       from = to = null;
     },

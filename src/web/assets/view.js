@@ -55,19 +55,19 @@ export function createView(groundCanvas, liveCanvas) {
       if (scene) camera.fit(scene.bounds);
     },
 
-    /** The canvases take the size that they are shown in.  @return whether that has changed */
+    /** The canvases take the size that they are shown in; what was all to be seen is so again. */
     resize() {
       const ratio = devicePixelRatio || 1;
       const width = liveCanvas.clientWidth, height = liveCanvas.clientHeight;
       const wide = Math.round(width * ratio), high = Math.round(height * ratio);
-      if (liveCanvas.width === wide && liveCanvas.height === high) return false;
+      if (liveCanvas.width === wide && liveCanvas.height === high) return;
       for (const canvas of [groundCanvas, liveCanvas]) {
         canvas.width = wide;
         canvas.height = high;
       }
       camera.resize(width, height);
+      if (camera.fitted) view.fit();
       stale = true;
-      return true;
     },
 
     /** Draws a frame; now: ms, for what flies. */

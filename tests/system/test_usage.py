@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that are typed wrong, or ask for what is not there: each says what it wanted."""
+import os
+
+from support import (ROOT, Processes, broker_start, check, check_equal, folder, muster, new_domain)
+
+FOLLOWER = str(ROOT / "rules" / "follower.clp")
+LONG = ",".join(f"receiver{i:03}" for i in range(100))  # 1199 bytes
+
+# The words, and a part of what is said; nobody is on the network, and nobody is asked.
+WRONG = (
+    (("fly",), "there is no verb 'fly'"),
+    (("ps", "red"), "muster ps: expected options alone, not 'red'"),
+    (("top", "red"), "muster top: expected options alone, not 'red'"),
+    (("monitor", "red", "--rules", FOLLOWER), "expected options alone, not 'red'"),
+    (("lookup",), "name one agent, for example: muster lookup red"),
+    (("lookup", "no name"), "no name"),
+    (("console",), "name one agent, for example: muster console red"),
+    (("console", "red", "blue"), "name one agent"),
+    (("group",), "expected list, members G"),
+    (("group", "join"), "expected list, members G"),
+    (("group", "join", "scouts", "--as", "all"), "--as all: the name is reserved"),
+    (("service", "add"), "expected list, find QUERY"),
+    (("service", "add", "cleaning", "role"), "expected words KEY=VALUE, each key once"),
+    (("service", "add", "cleaning", "a=1", "a=2"), "each key once"),
+    (("send", "red"), "expected TO WORD..."),
+    (("send", LONG, "hello"), "expected receivers of at most 1023 bytes"),
+    (("send", "red", os.fsdecode(b"\xff")), "expected content in UTF-8"),
+    (("do", "red"), "expected TARGETS 'LINE'"),
+    (("start",), "expected TARGETS"),
+    (("step", "red", "x"), "'x': expected a number of rules"),
+    (("move", "red"), "expected NAME HOST"),
+    (("clone", "red"), "expected NAME NEW [HOST]"),
+    (("dispose",), "expected TARGETS"),
+    (("launch", "red", "north"), "expected NAME HOST --rules FILE"),
+    (("launch", "red", "north", "--rules", FOLLOWER, "--global", "speed"), "expected NAME=VALUE"),
+    (("host",), "give it a name, for example: muster host north"),
+    (("host", "north", "--robot", "red"), "--robot red: expected NAME=FILE"),
+    (("replay",), "name one recording"),
+    (("resolver",), "name one scheme:"),
+    (("resolver", "near", "role"), "name one scheme:"),
+    (("top", "--goal", "red"), "expected NAME=X,Y or NAME=X,Y,NEAR in metres"),
+    (("world", "pace", "2", "--at", "25"), "the pace goes by the clock on the wall, at once"),
+    (("world", "push", "red", "1", "0", "--when", "red likes"), "--when: "),
+)
+
+
+def test_wrong_words_are_explained():
+    for words, why in WRONG:
+        done = muster(*words)
+        check_equal((done.returncode, done.stdout), (2, ""), f"{words}: {done.stderr}")
+        check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_files_that_are_not_there_are_named():
+    nowhere = {**os.environ, "MUSTER_RULES": "/nowhere"}
+    with folder() as out:
+        gone = str(out / "gone.clp")
+        for words, kwargs, code, why in (
+                (("launch", "red", "north", "--rules", gone), {}, 3, f"{gone}: cannot be opened"),
+                (("host", "north"), {"env": nowhere}, 3, "set MUSTER_RULES to the folder")):
+            done = muster(*words, **kwargs)
+            check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
+            check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_who_is_not_there_is_named():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        for words, code, why in (
+                (("lookup", "nobody"), 7, "no agent named nobody; muster ps lists them"),
+                (("console", "nobody", "-c", "(facts)"), 7, "nobody"),
+                (("group", "members", "nothing"), 7, "no group named nothing; muster group list"),
+                (("send", "nobody", "hello"), 7, "to nobody: unknown-name; muster ps lists who"),
+                (("do", "nobody", "(facts)"), 7, "to nobody: unknown-name")):
+            done = muster(*words, "--domain", domain)
+            check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
+            check(why in done.stderr, f"{words}: {done.stderr}")
