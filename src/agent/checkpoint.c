@@ -145,7 +145,8 @@ bool checkpoint_write(struct robot *r, enum mu_state state)
     s->tried = true;
     const char *why = agent_write(r, state, &fault);
     if (why && !s->failing) {
-        mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s %s", r->name, why);
+        mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s folder=%s %s", r->name,
+               r->crew->checkpoints.set->folder, why);
     }
     s->failing = why;
     if (!why && !s->name[0]) {
@@ -265,8 +266,15 @@ const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_
     struct checkpoints *k = &c->checkpoints;
     file_name(k, path, "", name);
     const char *rest = k->text.at;
-    bool read = file_read(path, &k->text) && checkpoint_head_read(&rest, head) &&
-                passport_read(&rest, p) && strcmp(p->name, name) == 0;
+    if (!file_read(path, &k->text)) {
+        mu_log(MU_LOG_WARNING, "checkpoint-missing", "file=%s %s", path, strerror(errno));
+        return NULL;
+    }
+    bool read =
+        checkpoint_head_read(&rest, head) && passport_read(&rest, p) && strcmp(p->name, name) == 0;
+    if (!read) {
+        mu_log(MU_LOG_WARNING, "checkpoint-refused", "file=%s damaged, or not of %s", path, name);
+    }
     return read ? rest : NULL;
 }
 

@@ -5,8 +5,9 @@
  * step.
  *
  * A glance is known by its asker and the asker's number.  It is kept from the question until its
- * answer is out, and every question is answered: where nobody can look, or may, it is declined, and
- * the asker sends the line as a directive, which says why it is refused.
+ * answer is out, and every question is answered, but for words that there is no room for: where
+ * nobody can look, or may, it is declined, and the asker sends the line as a directive, which says
+ * why it is refused.
  */
 #ifndef MUSTER_BROKER_GLANCES_H
 #define MUSTER_BROKER_GLANCES_H

@@ -4,7 +4,8 @@
  * The network under muster: Eclipse Cyclone DDS behind a dozen calls.
  *
  * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread; no call
- * blocks but bus_wait.  The only listeners count arrivals: nothing is read or written from them.
+ * waits but those that take a time: bus_wait, bus_wait_awake and bus_drain.  The only listeners
+ * count arrivals: nothing is read or written from them.
  */
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H

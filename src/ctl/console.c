@@ -6,6 +6,7 @@
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
+#include "desk/answer.h"
 #include "desk/console_link.h"
 #include "desk/forms.h"
 #include "muster/memory.h"
@@ -54,30 +55,10 @@ static void interrupt_note(int number)
 
 /* --- the screen ------------------------------------------------------------------------------- */
 
-/* The bytes of a text before what would steer a terminal. */
-static size_t harmless_len(const char *text)
-{
-    static const char control[] = "\x01\x02\x03\x04\x05\x06\x07\x08\x0b\x0c\x0d\x0e\x0f\x10\x11\x12"
-                                  "\x13\x14\x15\x16\x17\x18\x19\x1a\x1b\x1c\x1d\x1e\x1f\x7f";
-    return strcspn(text, control);
-}
-
-/* Nothing that an agent says may steer the terminal. */
 static void text_print(struct console *c, const char *text)
 {
     size_t len = strlen(text);
-    for (const char *t = text; *t && c->colors;) {
-        size_t harmless = harmless_len(t);
-        fwrite(t, 1, harmless, stdout);
-        t += harmless;
-        if (*t) {
-            putchar('?');
-            t++;
-        }
-    }
-    if (!c->colors) {
-        fwrite(text, 1, len, stdout);
-    }
+    answer_text_print(stdout, text);
     c->at_margin = len > 0 ? text[len - 1] == '\n' : c->at_margin;
 }
 
@@ -107,7 +88,8 @@ static void on_show(void *self, enum console_kind kind, uint64_t line, const cha
     if (kind == CONSOLE_NOTE) {
         margin_reach(c);
         fflush(stdout);
-        fprintf(stderr, "%s\n", text);
+        answer_text_print(stderr, text);
+        fputc('\n', stderr);
         return;
     }
     bool colored = c->colors && colors[kind][0];

@@ -234,6 +234,14 @@ static bool busy_tell(const struct operator* o, const char *to)
     return m;
 }
 
+static void absence_tell(const struct operator* o, const char *to)
+{
+    const struct mu_member *m = mu_process_lookup(o->process, to);
+    if (m && m->state == MU_GONE) {
+        fprintf(stderr, "muster: %s is absent; what was sent waits for it\n", m->name);
+    }
+}
+
 /* Waits for as long as a broker may take; for one who is busy, as long as that is wanted.
  * @return false: in vain */
 static bool outcome_await(struct operator* o, const char *to, double wait_s)
@@ -280,6 +288,7 @@ static int answers_take(struct operator* o, const char *to, unsigned wanted, dou
     if (o->answers < wanted && !(o->quiet && o->answers > 0)) {
         fprintf(stderr, "muster: %u of %u answers within %g s\n", o->answers, wanted, wait_s);
         (void)busy_tell(o, to);
+        absence_tell(o, to);
     }
     if (o->answers < wanted && !(o->asks_many && o->answers > 0)) {
         return MU_EXIT_TIME;

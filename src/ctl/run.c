@@ -46,8 +46,7 @@ static void signal_note(int number)
     run_signal = number;
 }
 
-/* --- files ---------------------------------------------------------------------------------------
- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 /* An experiment of somebody else's does nothing here but with muster's own programs. */
 static mu_result programs_check(const struct run *r, struct mu_fault *fault)

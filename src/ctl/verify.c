@@ -74,9 +74,9 @@ static const char *plain(const char *text)
 
 /* --- the second run --------------------------------------------------------------------------- */
 
-static int64_t last_step(const struct verify *v)
+static int64_t last_step(const struct recording *r)
 {
-    return v->before.steps[v->before.steps_count - 1].step;
+    return r->steps_count > 0 ? r->steps[r->steps_count - 1].step : -1;
 }
 
 static double seconds(const struct verify *v, int64_t step)
@@ -89,7 +89,7 @@ static double seconds(const struct verify *v, int64_t step)
 static double duration_s(const struct verify *v)
 {
     const char *said = mcap_reader_value(v->before.reader, "end", "steps");
-    int64_t last = last_step(v);
+    int64_t last = last_step(&v->before);
     bool more = said && strtoll(said, NULL, 10) > last;
     return seconds(v, last + more > 0 ? last + more : 1);
 }
@@ -151,7 +151,8 @@ static int run_again(struct verify *v)
         return MU_EXIT_INTERRUPTED;
     }
     int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
-    bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION;
+    bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION ||
+               (code == MU_EXIT_CRASH && recording_end(&v->before) == RECORDING_FAULT);
     if (!ran) {
         fprintf(stderr, "muster verify: the second run ended with exit code %d: %s%s\n", code,
                 run->words,
@@ -212,8 +213,10 @@ static void equal_print(struct verify *v)
         printf("equal  %zu steps\n", v->before.steps_count);
         printf("hash   %s\n", hash_of(&v->after));
     } else {
-        printf("equal  to step %lld (%.1f s); %s\n", (long long)last_step(v),
-               seconds(v, last_step(v)), ends[end].sentence);
+        int64_t last = last_step(&v->before), again = last_step(&v->after);
+        last = again < last ? again : last;
+        printf("equal  to step %lld (%.1f s); %s\n", (long long)last, seconds(v, last),
+               ends[end].sentence);
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What an answer's performative may say of the question. */
 static const struct {
@@ -33,15 +34,30 @@ bool answer_is_failure(const struct mu_mail *mail)
     return failure_find(mail) >= 0;
 }
 
+static void byte_print(FILE *to, char byte, bool terminal)
+{
+    bool steers = ((unsigned char)byte < ' ' && byte != '\n' && byte != '\t') || byte == 0x7f;
+    putc(terminal && steers ? '?' : byte, to);
+}
+
+void answer_text_print(FILE *to, const char *text)
+{
+    bool terminal = isatty(fileno(to));
+    for (; *text; text++) {
+        byte_print(to, *text, terminal);
+    }
+}
+
 void answer_content_print(FILE *to, const char *content)
 {
+    bool terminal = isatty(fileno(to));
     size_t len = strlen(content);
     bool quoted = len >= 2 && content[0] == '"' && content[len - 1] == '"';
     for (size_t i = quoted; i < len - quoted; i++) {
         if (quoted && content[i] == '\\' && i + 1 < len - quoted) {
             i++;
         }
-        putc(content[i], to);
+        byte_print(to, content[i], terminal);
     }
     size_t last = len - quoted;
     if (last <= (size_t)quoted || content[last - 1] != '\n') {
@@ -122,6 +138,9 @@ const char *answer_outcome_advice(enum mu_outcome outcome, const char *to)
 {
     if (outcome == MU_MAIL_REFUSED) {
         return " by the trust policy of its broker";
+    }
+    if (outcome == MU_MAIL_NO_STORE) {
+        return "; its broker cannot write to its disk, and its log says why";
     }
     if (outcome != MU_MAIL_UNKNOWN_NAME) {
         return "";

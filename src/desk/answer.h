@@ -14,7 +14,11 @@
 /** @return whether it says that the mail was of no use: refuse, not-understood, failure */
 bool answer_is_failure(const struct mu_mail *mail);
 
-/** Prints what an answer says, as a line; content that is a single CLIPS string without quotes. */
+/** Prints what an agent says; on a terminal "?" stands for what would steer it. */
+void answer_text_print(FILE *to, const char *text);
+
+/** Prints likewise what an answer says, as a line; content that is a single CLIPS string without
+ * quotes. */
 void answer_content_print(FILE *to, const char *content);
 
 /** Prints it on standard output, or, if it is a refusal, why on standard error. */

@@ -45,7 +45,7 @@ void answer_add(struct mu_text *out, const mu_agent *a)
         mu_text_add(out, "answer none\n");
         return;
     }
-    const muster_Act *act = &p->acts[a - p->agents];
+    const muster_Act *act = &p->acts[a->act];
     mu_text_format(out, "answer %d %.17g %.17g %d %d %" PRIu32 " %" PRIu32, act->drives,
                    act->forward_m_s, act->turn_rad_s, (int)act->paddles, (int)act->lift,
                    act->firings, act->mails._length);

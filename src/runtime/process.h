@@ -80,6 +80,7 @@ struct mu_agent {
     struct taken *taken;
     char *rules;         /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
     struct mu_text note; /* for recordings, until it is sent; likewise */
+    uint32_t act;        /* where it stands in the Up that is being put together */
 };
 
 struct mu_process {

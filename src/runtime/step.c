@@ -371,6 +371,7 @@ static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
     *act = act_of(a, load->answer);
     act->mails = (dds_sequence_muster_Mail){
         ._maximum = count, ._length = count, ._buffer = from, ._release = false};
+    a->act = load->acts;
     p->out_agents[load->acts++] = a;
     load->mails += count;
     load->left -= count;

@@ -220,6 +220,12 @@ static bool left_differs(const muster_Frame *one, const muster_Frame *other, str
     return numbers(d, "", "step", one->step, other->step) || bodies_differ(one, other, d);
 }
 
+/* Whoever died may have answered the last step in one life, and not in the other. */
+static bool both_broke_off(const struct recording *one, const struct recording *other)
+{
+    return recording_end(one) == RECORDING_FAULT && recording_end(other) == RECORDING_FAULT;
+}
+
 bool differ_find(struct recording *one, struct recording *other, struct difference *d)
 {
     enum recording_end end = recording_end(one);
@@ -234,9 +240,12 @@ bool differ_find(struct recording *one, struct recording *other, struct differen
         a = recording_next(one);
         b = recording_next(other);
     }
-    if (!differs && (a || (b && end == RECORDING_DONE))) {
+    bool missing = a && !(a->step == last && both_broke_off(one, other));
+    if (!differs && (missing || (b && end == RECORDING_DONE))) {
         *d = (struct difference){.step = a ? a->step : b->step};
-        differs = numbers(d, "", "there is such a step", a != NULL, b != NULL);
+        snprintf(d->one, sizeof d->one, "%s", a ? "there" : "missing");
+        snprintf(d->other, sizeof d->other, "%s", a ? "missing" : "there");
+        differs = note(d, "", "the step");
     }
     return differs;
 }

@@ -23,7 +23,8 @@ struct difference {
  * rules fired, what came from outside, and minds' diaries where both have them.
  *
  * @param one  of a run that did not come to its end: then its last Frame is compared for how the
- *     world was left, and what the other has beyond it is no difference
+ *     world was left, and what the other has beyond it is no difference.  If both broke off, the
+ *     other may lack that Frame
  * @param d  out: the first difference
  * @return false: there is none
  */

@@ -67,6 +67,18 @@ def test_a_killed_robot_ends_a_run_in_lock_step():
         done, summary = run(out, "a", "chaos:\n  - {at: 2, kill: blue}\n")
         check_equal((done.returncode, summary), (5, None), "the exit code")
         check("blue" in done.stderr, done.stderr)
+        again = muster("verify", out / "a/run.mcap")
+        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
+        check("the run broke off there" in again.stdout, again.stdout)
+
+
+def test_a_killed_broker_ends_a_run_every_time():
+    with folder() as out:
+        done, _ = run(out, "a", "chaos:\n  - {at: 2, kill: broker}\n")
+        check_equal(done.returncode, 5, f"the exit code: {done.stderr}")
+        again = muster("verify", out / "a/run.mcap")
+        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
+        check("the run broke off there" in again.stdout, again.stdout)
 
 
 def test_a_killed_robot_comes_back_in_lock_step():

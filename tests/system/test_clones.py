@@ -2,6 +2,7 @@
 """New agents while a lock step goes on: clones and those that are launched, and their end."""
 import json
 import os
+import pathlib
 import signal
 import subprocess
 import time

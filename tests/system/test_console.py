@@ -163,6 +163,11 @@ def test_a_person_works_with_a_robot():
     with team("red") as (domain, _), terminal(domain, "red", NO_COLOR="1", HOME="/") as t:
         t.wait_for("red standby> ")
         t.do("(nonsense)", "Missing function declaration")
+        t.do('(format t "%c[31mbold%n" 27)', "?[31mbold")
+        with Terminal(MUSTER, "do", "red", '(format t "%c[31mbold%n" 27)', "--domain",
+                      domain) as one:
+            one.wait_for("?[31mbold")
+            check("\x1b[31m" not in one.raw.decode(), "an answer steers no terminal")
         check("\x1b[31m" not in t.raw.decode(), "no colour is wanted")
         t.type("\x04")
         check_equal(t.end(), 0, "the end of input")

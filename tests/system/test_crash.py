@@ -241,6 +241,17 @@ def test_a_robot_comes_back_as_it_was():
         r.start("--restore")
         check("checkpoint-refused" in (r.out / "said").read_text(), "a damaged file is not named")
         check_equal((r.page()["state"], r.ask("?*n*")), ("standby", "0"), "it began anew")
+        for text, word in (("garbage\n", "checkpoint-refused"), (None, "checkpoint-missing")):
+            r.die()
+            (r.out / "red.capsule").unlink()
+            if text:
+                (r.out / "red.capsule").write_text(text)
+            (r.out / "said").write_text("")
+            r.start("--restore")
+            check(word in (r.out / "said").read_text(), f"{word}: {(r.out / 'said').read_text()}")
+        r.die()
+        done = muster("do", "red", "(now)", "--wait", 1, "--domain", r.domain)
+        check_equal((done.returncode, "red is absent" in done.stderr), (124, True), done.stderr)
 
 
 def test_what_was_acknowledged_is_on_disk():

@@ -2,7 +2,8 @@
 """Commands that are typed wrong, or ask for what is not there: each says what it wanted."""
 import os
 
-from support import (ROOT, Processes, broker_start, check, check_equal, folder, muster, new_domain)
+from support import (ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
+                     new_domain, program, wait_for)
 
 FOLLOWER = str(ROOT / "rules" / "follower.clp")
 LONG = ",".join(f"receiver{i:03}" for i in range(100))  # 1199 bytes
@@ -17,15 +18,18 @@ WRONG = (
     (("lookup", "no name"), "no name"),
     (("console",), "name one agent, for example: muster console red"),
     (("console", "red", "blue"), "name one agent"),
+    (("console", "red", "-c", "(facts"), "a parenthesis or a string is never closed"),
     (("group",), "expected list, members G"),
     (("group", "join"), "expected list, members G"),
     (("group", "join", "scouts", "--as", "all"), "--as all: the name is reserved"),
+    (("group", "create", "all"), "'all' is reserved: expected another name of a group"),
     (("service", "add"), "expected list, find QUERY"),
     (("service", "add", "cleaning", "role"), "expected words KEY=VALUE, each key once"),
     (("service", "add", "cleaning", "a=1", "a=2"), "each key once"),
     (("send", "red"), "expected TO WORD..."),
     (("send", LONG, "hello"), "expected receivers of at most 1023 bytes"),
     (("send", "red", os.fsdecode(b"\xff")), "expected content in UTF-8"),
+    (("send", "red", "x" * 17000), "expected at most 16384 bytes of content"),
     (("do", "red"), "expected TARGETS 'LINE'"),
     (("start",), "expected TARGETS"),
     (("step", "red", "x"), "'x': expected a number of rules"),
@@ -73,7 +77,21 @@ def test_who_is_not_there_is_named():
                 (("console", "nobody", "-c", "(facts)"), 7, "nobody"),
                 (("group", "members", "nothing"), 7, "no group named nothing; muster group list"),
                 (("send", "nobody", "hello"), 7, "to nobody: unknown-name; muster ps lists who"),
-                (("do", "nobody", "(facts)"), 7, "to nobody: unknown-name")):
+                (("do", "nobody", "(facts)"), 7, "to nobody: unknown-name"),
+                (("service", "remove", "cleaning"), 7, "not-offered; muster service list lists"),
+                (("group", "leave", "scouts"), 7, "unknown-group; muster group list lists them")):
             done = muster(*words, "--domain", domain)
             check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
             check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_who_does_not_answer_is_waited_for_no_longer():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain)
+        processes.start(program("mail_receiver"), domain, "mute", out / "heard")
+        wait_for(lambda: "mute" in members(domain), 10, "mute in the white pages")
+        done = muster("send", "mute", "hello", "--wait", "0.3", "--domain", domain)
+        check_equal((done.returncode, done.stdout), (124, ""), done.stderr)
+        check("0 of 1 answers within 0.3 s" in done.stderr, done.stderr)
+        check("hello" in (out / "heard").read_text(), "it has come all the same")

@@ -662,6 +662,24 @@ def test_who_has_no_token_only_looks():
             check("token" in said, said)
 
 
+NO_SCENE = """(() => {
+    const fetched = window.fetch;
+    window.fetch = (path, ...rest) => (path === '/scene'
+        ? Promise.resolve(new Response('the world is too large for a page\\n', {status: 404}))
+        : fetched(path, ...rest));
+    return 1;
+})()"""
+
+
+def test_a_world_that_is_too_large_for_a_page():
+    with page_open() as (page, processes, domain), Browser(page.url) as browser:
+        browser.value(NO_SCENE)
+        processes.start(program("frame_feeder"), domain, 4, 20, 60)
+        browser.wait("document.getElementById('banner').textContent.includes('too large for a page')")
+        check_equal(browser.value("document.querySelectorAll('tbody tr').length"), 0, "nobody is shown")
+        check_equal(browser.said, [], "the page had no fault")
+
+
 NOTHING_KEPT = """for (const kind of ['localStorage', 'sessionStorage']) {
     Object.defineProperty(window, kind, {get() { throw new Error('nothing is kept here'); }});
 }"""

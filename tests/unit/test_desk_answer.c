@@ -7,6 +7,7 @@
 static void test_a_refusal_says_by_whom(void)
 {
     READS(answer_outcome_advice(MU_MAIL_REFUSED, "red"), " by the trust policy of its broker");
+    CU_ASSERT_PTR_NOT_NULL(strstr(answer_outcome_advice(MU_MAIL_NO_STORE, "red"), "disk"));
     READS(answer_outcome_advice(MU_MAIL_BOX_FULL, "red"), "");
     READS(answer_outcome_advice(MU_MAIL_DELIVERED, "red"), "");
 }

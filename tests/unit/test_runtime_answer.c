@@ -107,6 +107,28 @@ static void mail_compare(const muster_Mail *one, const muster_Mail *other)
     CU_ASSERT_STRING_EQUAL(one->content, other->content);
 }
 
+static void note(void *self)
+{
+    answer_add(&text, self);
+}
+
+/* Whoever has moved on has no part in the answer: those behind stand further in front in it. */
+static void test_it_is_its_own_answer(void)
+{
+    const struct mu_handlers none = {.self = NULL};
+    muster_Sense sense = {.process = words("p1"), .step = 7};
+    mu_agent *blue;
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(process, &blue, "blue", MU_KIND_ROBOT, 0, &none), MU_OK);
+    blue->state = MU_STANDBY;
+    mu_agent_leave(red);
+    process_before_up(process, note, blue);
+    mu_agent_fired(blue, 2, "go on");
+    capture_begin();
+    step_live_freely(process, &sense);
+    capture_end();
+    CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "5:go on"));
+}
+
 static void test_all_of_it_comes_back(void)
 {
     mails_say();
@@ -217,6 +239,7 @@ static void test_damaged_ones_are_refused(void)
 int main(void)
 {
     CU_TestInfo tests[] = {
+        {"it is its own answer", test_it_is_its_own_answer},
         {"all of it comes back", test_all_of_it_comes_back},
         {"a step is kept before it goes out", test_a_step_is_kept_before_it_goes_out},
         {"who did nothing", test_who_did_nothing},

@@ -174,6 +174,7 @@ static void test_a_simulator_that_is_lost(void)
     frame_say(0);
     CU_ASSERT_EQUAL(spin_until(&seen.scenes, 2), MU_OK);
     bus_writer_close(&frames);
+    bus_writer_close(&scenes);
     CU_ASSERT_EQUAL(spin_until(&seen.ends, 2), MU_DONE);
     CU_ASSERT_EQUAL(seen.end, MU_RUN_LOST);
     CU_ASSERT_STRING_EQUAL(seen.hash, "none");

@@ -36,7 +36,7 @@ static int end(void)
 /* Writes a recording with these files and notes, and opens it. */
 static void recording_make(struct mu_option_list *files, struct mu_option_list *notes)
 {
-    static struct runfile *all[8]; /* kept, so that leak checkers see them */
+    static struct runfile *all[16]; /* kept, so that leak checkers see them */
     static size_t count;
     struct mu_fault fault;
     struct runfile_options options = {.path = path, .files = files, .notes = notes};

@@ -4,6 +4,7 @@
 #include "bus/bus.h"
 #include "core/text.h"
 #include "mcap/mcap_write.h"
+#include "story/differ.h"
 #include "story/stalls.h"
 
 #include <CUnit/Basic.h>
@@ -47,6 +48,12 @@ static void scene_write(void)
     message_write(scenes, BUS_SCENE, &scene, 0);
 }
 
+/* A step of which something is another. */
+static struct {
+    int64_t step;
+    double x_m, command_m_s;
+} odd = {.step = -1};
+
 /* red drives at the wall and is stalled in the steps 20 to 24 and from 30 on; blue stands. */
 static void frame_write(int64_t step)
 {
@@ -58,6 +65,10 @@ static void frame_write(int64_t step)
                                    .command_forward_m_s = 0.5,
                                    .stalled = stalled},
                                   {.name = W("blue"), .x_m = -5, .state = muster_STATE_STANDBY}};
+    if (step == odd.step) {
+        robots[0].x_m += odd.x_m;
+        robots[0].command_forward_m_s += odd.command_m_s;
+    }
     snprintf(diary, sizeof diary, "%sS\n+%lld (position %lld)\nR go %lld\nV 500.0 0.0\n",
              step == 0 ? "0\n" : "", (long long)step, (long long)step, (long long)step);
     muster_Act act = {.agent = W("red"),
@@ -202,27 +213,27 @@ static void test_stalls(void)
 
 /* --- how it ended ----------------------------------------------------------------------------- */
 
-/* Of 40 steps, of a run that was to have so many seconds; NULL: that is not known, or there is no
- * table at the end. */
-static struct recording *ended_make(const char *duration_s, const char *state, const char *steps)
+/* Of so many steps, of a run that was to have so many seconds; NULL: that is not known, or there is
+ * no table at the end. */
+static void ended_make(struct recording *r, int64_t count, const char *duration_s,
+                       const char *state, const char *steps)
 {
     const struct mcap_pair about[] = {{"duration_s", duration_s}};
     const struct mcap_pair end[] = {{"state", state}, {"steps", steps}};
+    struct mu_fault fault;
     recording_begin();
     (void)mcap_writer_metadata(writer, "run", about, duration_s ? 1 : 0);
     scene_write();
-    for (int64_t step = 0; step < STEPS; step++) {
+    for (int64_t step = 0; step < count; step++) {
         frame_write(step);
     }
     if (state) {
         (void)mcap_writer_metadata(writer, "end", end, 2);
     }
     CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
-    static struct recording r;
-    struct mu_fault fault;
-    CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, &fault), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(recording_open(&r, path, &fault), MU_OK);
-    return &r;
+    CU_ASSERT_EQUAL_FATAL(recording_create(r, path, &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(recording_open(r, path, &fault), MU_OK);
+    unlink(path); /* whoever has it open keeps it */
 }
 
 static void test_how_it_ended(void)
@@ -240,9 +251,66 @@ static void test_how_it_ended(void)
         {"nonsense", "done", "39", RECORDING_DONE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct recording *r = ended_make(cases[i].duration_s, cases[i].state, cases[i].steps);
-        CU_ASSERT_EQUAL(recording_end(r), cases[i].wanted);
-        recording_close(r);
+        static struct recording r;
+        ended_make(&r, STEPS, cases[i].duration_s, cases[i].state, cases[i].steps);
+        CU_ASSERT_EQUAL(recording_end(&r), cases[i].wanted);
+        recording_close(&r);
+    }
+}
+
+/* Of a run that has its end every step counts; of another one, those that it has. */
+static void test_how_far_they_are_compared(void)
+{
+    static const struct {
+        const char *duration_s, *state, *steps;
+        int64_t again; /* steps of the other one, which broke off */
+        bool differs;
+    } cases[] = {
+        {"3.9", "done", "39", STEPS, false},     {"3.9", "done", "39", STEPS - 1, true},
+        {"3.9", "done", "39", STEPS + 1, true},  {"60", "done", "39", STEPS + 1, false},
+        {"60", "done", "39", STEPS - 1, true},   {"60", NULL, NULL, STEPS + 1, false},
+        {"60", NULL, NULL, STEPS - 1, true},     {"60", "fault", "40", STEPS + 1, false},
+        {"60", "fault", "40", STEPS - 1, false}, {"60", "fault", "40", STEPS - 2, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        static struct recording one, other;
+        struct difference d = {.step = -1};
+        ended_make(&one, STEPS, cases[i].duration_s, cases[i].state, cases[i].steps);
+        ended_make(&other, cases[i].again, "60", "fault", "1");
+        CU_ASSERT_EQUAL(differ_find(&one, &other, &d), cases[i].differs);
+        CU_ASSERT(!cases[i].differs || strcmp(d.what, "the step") == 0);
+        CU_ASSERT(!cases[i].differs || d.step == (cases[i].again < STEPS ? cases[i].again : STEPS));
+        recording_close(&one);
+        recording_close(&other);
+    }
+}
+
+/* The last Frame of a run that was stopped says how the world was left, and not who acted. */
+static void test_what_is_compared_of_the_last_step(void)
+{
+    static const struct {
+        const char *state;
+        int64_t step;
+        double x_m, command_m_s;
+        bool differs;
+    } cases[] = {
+        {"done", STEPS - 1, 0, 1, false}, {"done", STEPS - 1, 1, 0, true},
+        {"done", STEPS - 2, 0, 1, true},  {NULL, STEPS - 1, 0, 1, false},
+        {NULL, STEPS - 1, 1, 0, true},    {"fault", STEPS - 1, 0, 1, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        static struct recording one, other;
+        struct difference d = {.step = -1};
+        odd.step = cases[i].step;
+        odd.x_m = cases[i].x_m;
+        odd.command_m_s = cases[i].command_m_s;
+        ended_make(&one, STEPS, "60", cases[i].state, "39");
+        odd.step = -1;
+        ended_make(&other, STEPS + 1, "60", NULL, NULL);
+        CU_ASSERT_EQUAL(differ_find(&one, &other, &d), cases[i].differs);
+        CU_ASSERT(!cases[i].differs || d.step == cases[i].step);
+        recording_close(&one);
+        recording_close(&other);
     }
 }
 
@@ -347,6 +415,8 @@ int main(void)
         {"minds", test_minds},
         {"stalls", test_stalls},
         {"how it ended", test_how_it_ended},
+        {"how far they are compared", test_how_far_they_are_compared},
+        {"what is compared of the last step", test_what_is_compared_of_the_last_step},
         {"no frames", test_no_frames},
         {"something else", test_something_else},
         CU_TEST_INFO_NULL,

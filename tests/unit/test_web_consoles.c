@@ -372,9 +372,10 @@ static void test_a_line_that_is_not_delivered(void)
     begin();
     CU_ASSERT_EQUAL(say("nobody", "(assert (a))", 15), CONSOLES_DONE);
     receipt(sent_await(1)->seq, muster_OUTCOME_UNKNOWN_NAME);
-    is_told(one, "event: said\ndata: {\"agent\": \"nobody\", \"kind\": \"note\", \"ask\": 15, "
-                 "\"text\": \"muster: to nobody: unknown-name\"}\n\n"
-                 "event: ended\ndata: {\"agent\": \"nobody\", \"ask\": 15, \"good\": false}\n\n");
+    TURN_UNTIL(one->stream.queue_len > 0);
+    const char *got = told(one); /* what is to be done about it is for desk/answer.c to say */
+    has(got, "\"kind\": \"note\", \"ask\": 15, \"text\": \"muster: to nobody: unknown-name");
+    has(got, "event: ended\ndata: {\"agent\": \"nobody\", \"ask\": 15, \"good\": false}");
 }
 
 static void test_who_has_asked_has_left(void)

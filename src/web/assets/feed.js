@@ -29,8 +29,8 @@ export function openFeed(handlers) {
   };
 }
 
-/** The scene, which is fetched because it may be large; null: there is none. */
+/** The scene, which is fetched because it may be large: {scene}, or {why} there is none. */
 export async function fetchScene() {
   const answer = await fetch('/scene', {cache: 'no-store'});
-  return answer.ok ? answer.json() : null;
+  return answer.ok ? {scene: await answer.json()} : {why: (await answer.text()).trim()};
 }

@@ -25,9 +25,10 @@ function createPace() {
 }
 
 /* What the banner says; null: nothing. */
-function bannerOf({linked, full, hello, run, scene}) {
+function bannerOf({linked, full, blind, hello, run, scene}) {
   if (full) return {bad: true, words: ['As many pages are open as muster web has room for; this one tries again.']};
   if (!linked) return {bad: true, words: ['The page has lost muster web; it tries again.']};
+  if (blind) return {bad: true, words: [`There is no picture of this run: ${blind}.`]};
   if (!run) return null;
   if (run.state === 'fault') return {bad: true, words: ['The run has failed: ', element('code', {}, run.waits_for)]};
   if (run.state === 'waiting' && run.waits_for) return {words: [`The run waits for ${run.waits_for}.`]};
@@ -46,7 +47,7 @@ function bannerOf({linked, full, hello, run, scene}) {
 
 export function createHeader() {
   const pace = createPace();
-  const state = {linked: true, full: false, hello: null, run: null, scene: null, frame: null, missed: 0,
+  const state = {linked: true, full: false, blind: '', hello: null, run: null, scene: null, frame: null, missed: 0,
     lost: 0, mails: 0, rate: 0}; /* mails, rate: of a recording */
   let shown = '';
 

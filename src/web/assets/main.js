@@ -78,8 +78,10 @@ let scenes = 0, bounds = '';
 async function takeScene() {
   const asked = ++scenes;
   model.scene = null;
-  const scene = await fetchScene().catch(() => null);
-  if (!scene || asked !== scenes) return;
+  const {scene, why = ''} = await fetchScene().catch(() => ({}));
+  if (asked !== scenes) return;
+  header.set({blind: why});
+  if (!scene) return;
   const fresh = bounds !== JSON.stringify(scene.bounds), was = picked;
   bounds = JSON.stringify(scene.bounds);
   model.scene = scene;
