@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LONG = 10000 };
 
@@ -37,7 +38,7 @@ static char *const bad_words[] = {
 };
 enum { BAD_WORDS = sizeof bad_words / sizeof bad_words[0] };
 
-static char none[1], process[] = "p-garbage", me[] = "garbler", clips[] = "x", hello[] = "hello";
+static char none[1], process[32], me[] = "garbler", clips[] = "x", hello[] = "hello";
 static char receiver[] = "receiver", broker[] = "broker", last_question[] = "the last one";
 static struct bus_writer registrations, ups;
 static uint64_t seq;
@@ -198,6 +199,7 @@ int main(int argc, char **argv)
     memset(endless, 'n', LONG);
     memset(largest, 'x', MU_CONTENT_MAX);
     memset(too_large, 'x', MU_CONTENT_MAX + 1);
+    snprintf(process, sizeof process, "p-garbage.%ld", (long)getpid());
     if (options.domain < 0 || bus_open(&bus, &options) != MU_OK ||
         bus_writer_open(&bus, BUS_REGISTRATION, NULL, NULL, &registrations) != MU_OK ||
         bus_writer_open(&bus, BUS_UP, "broker.main", NULL, &ups) != MU_OK ||
