@@ -6,6 +6,7 @@
  */
 #include "../support/samples.h"
 #include "../support/suite.h"
+#include "../support/told.h"
 #include "core/clock.h"
 #include "core/text.h"
 #include "runtime/process.h"
@@ -192,26 +193,6 @@ static void glance_end(uint64_t number, muster_GlanceWord word, const char *agen
 }
 
 /* --- what viewers are told -------------------------------------------------------------------- */
-
-/* @return what a viewer was told since it was looked at last; good until the next call */
-static const char *told(struct viewer *v)
-{
-    static const struct board nothing;
-    static char got[64 * 1024];
-    size_t len = 0, more;
-    while ((more = stream_read(&v->stream, &nothing, got + len, sizeof got - len - 1)) > 0) {
-        len += more;
-    }
-    got[len] = '\0';
-    return got;
-}
-
-static void has(const char *text, const char *part)
-{
-    if (!strstr(text, part)) {
-        READS(text, part);
-    }
-}
 
 static void is_told(struct viewer *v, const char *wanted)
 {

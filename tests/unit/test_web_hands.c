@@ -5,6 +5,7 @@
  */
 #include "../support/samples.h"
 #include "../support/suite.h"
+#include "../support/told.h"
 #include "core/clock.h"
 #include "muster/memory.h"
 #include "web/hands.h"
@@ -63,26 +64,6 @@ static const struct seen *seen_await(size_t count)
     }
     CU_ASSERT_EQUAL_FATAL(seen_count, count);
     return &seen[count - 1];
-}
-
-/* @return all that a viewer was told of its own, as it is sent; good until the next call */
-static const char *told(struct viewer *v)
-{
-    static const struct board nothing;
-    static char got[64 * 1024];
-    size_t len = 0, more;
-    while ((more = stream_read(&v->stream, &nothing, got + len, sizeof got - len - 1)) > 0) {
-        len += more;
-    }
-    got[len] = '\0';
-    return got;
-}
-
-static void has(const char *text, const char *part)
-{
-    if (!strstr(text, part)) {
-        READS(text, part);
-    }
 }
 
 static void answer(const char *source, uint64_t seq, muster_RunOutcome result, const char *reason)
