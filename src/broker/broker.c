@@ -125,6 +125,7 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
         return;
     }
     places_set_matched(&b->places, place, matched);
+    circulars_hears(b, place, false);
     if (matched) {
         place_matched(b, place);
         return;
@@ -136,6 +137,19 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
     }
     at->refusals_count = at->agents_count ? at->refusals_count : 0;
     places_tidy(&b->places, place);
+}
+
+void broker_hears(struct broker *b, const char *process)
+{
+    uint32_t place = places_find(&b->places, process);
+    if (place != MU_NONE && b->places.at[place].matched) {
+        circulars_hears(b, place, true);
+    }
+}
+
+void broker_is_read(struct broker *b, uint32_t readers)
+{
+    circulars_read_by(b, readers);
 }
 
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
@@ -208,6 +222,9 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
         depot_answered(b, agent, place);
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
+    }
+    if (act->mails._length > 0) {
+        floods_note_speaker(b, place);
     }
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *letter = &act->mails._buffer[i];

@@ -60,6 +60,12 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
  */
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns);
 
+/** A process that has matched reads circulars, too: Deliveries to many, in partition BUS_TO_ALL. */
+void broker_hears(struct broker *b, const char *process);
+
+/** So many processes read circulars, those of other brokers among them. */
+void broker_is_read(struct broker *b, uint32_t readers);
+
 /** The simulator names the processes of the lock step, or ends it (lockstep false). */
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns);
 

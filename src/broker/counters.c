@@ -85,6 +85,8 @@ static const struct counter counters[] = {
      .drifts = true, .read = oldest_ns},
 
     {PART_COURIER, "deliveries", "samples written to processes", AT(courier.count.deliveries)},
+    {PART_COURIER, "circulars", "of them, those written once for many processes",
+     AT(courier.count.circulars)},
     {PART_COURIER, "parcels", "mails in them", AT(courier.count.parcels)},
     {PART_COURIER, "most-parcels", "mails in the fullest of them", AT(courier.count.most_parcels)},
     {PART_COURIER, "resent", "mails handed out again, for want of an acknowledgement",

@@ -73,6 +73,13 @@ static bool place_hold(struct broker *b, uint32_t place)
     return true;
 }
 
+/* @return whether the process gets no more of a flood for now */
+static bool place_pause(struct broker *b, uint32_t place)
+{
+    bool may = b->clock.now_ns < b->places.at[place].flooded_until_ns;
+    return may && !place_is_urgent(b, place) && floods_hold(b, place);
+}
+
 static void courier_wake(struct broker *b)
 {
     struct courier *c = &b->courier;
@@ -281,7 +288,9 @@ static void delivery_begin(struct broker *b, const struct place *at, muster_Deli
     *d = (muster_Delivery){.broker = b->name,
                            .broker_incarnation = b->incarnation,
                            .step = muster_STEP_NOW,
-                           .roll_call = at->roll_call_due};
+                           .roll_call = at->roll_call_due,
+                           .seat = at->seat,
+                           .serial = at->serial + 1};
     d->process = sample_text(at->name);
     d->parcels._buffer = c->parcels;
     d->receipts._buffer = c->receipts;
@@ -322,7 +331,7 @@ static void parts_take(struct broker *b, uint32_t place)
 static void parts_fill(struct broker *b, muster_Delivery *d)
 {
     struct courier *c = &b->courier;
-    struct courier_room room = {.parcels = MU_WINDOW_MAX, .bytes = COURIER_BYTES};
+    struct courier_room room = {.parcels = floods_room(b, c->open), .bytes = COURIER_BYTES};
     for (uint32_t i = 0; i < c->parts_count; i++) {
         struct courier_part *part = &c->parts[i];
         if (c->open_lockstep) { /* each box has its own room: none can starve another */
@@ -419,6 +428,7 @@ static bool glance_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (c->open_glance) {
         delivery_begin(b, &b->places.at[place], d);
         d->roll_call = false;
+        d->serial = 0; /* it waits for nothing */
         d->glances._buffer = &c->glance;
         d->glances._length = d->glances._maximum = 1;
     }
@@ -430,6 +440,7 @@ static void word_end(struct broker *b)
 {
     struct courier *c = &b->courier;
     if (c->open_trip) {
+        b->places.at[c->open].serial++;
         depot_sent(b);
     } else {
         glances_sent(b);
@@ -443,6 +454,13 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 {
     uint32_t place;
     courier_wake(b);
+    if (circulars_next(b, d)) {
+        b->courier.open = PLACES_ALL;
+        b->courier.open_lockstep = false;
+        b->courier.open_delay_ns = 0;
+        *process = BUS_TO_ALL;
+        return true;
+    }
     while ((place = places_next(&b->places)) != MU_NONE) {
         const struct place *at = &b->places.at[place];
         if (!at->used || !at->matched || at->blocked) {
@@ -453,7 +471,7 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
             *process = at->name;
             return true;
         }
-        if (place_hold(b, place)) {
+        if (place_hold(b, place) || place_pause(b, place)) {
             b->courier.open = MU_NONE;
             continue;
         }
@@ -470,6 +488,15 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
 }
 
 /* --- the network's answer --------------------------------------------------------------------- */
+
+/* @return the place that the last mail of a part came from, or MU_NONE */
+static uint32_t part_from(struct broker *b, const struct courier_part *part)
+{
+    const struct box *box = mailbox_box(&b->mailbox, part->agent);
+    uint32_t post = box->lists[POST_FLIGHT].tail;
+    return post != MU_NONE ? b->registry.agents[b->mailbox.posts[post].mail->sender].process
+                           : MU_NONE;
+}
 
 static void part_delivered(struct broker *b, const struct courier_part *part)
 {
@@ -508,14 +535,23 @@ void courier_delivered(struct broker *b)
         word_end(b);
         return;
     }
+    if (c->open == PLACES_ALL) {
+        delivery_count(c, circulars_sent(b));
+        c->count.circulars++;
+        c->open = MU_NONE;
+        return;
+    }
     struct place *at = &b->places.at[c->open];
-    uint32_t parcels = 0;
+    uint32_t parcels = 0, from = MU_NONE;
     for (uint32_t i = 0; i < c->parts_count; i++) {
         parcels += c->parts[i].parcels;
         part_delivered(b, &c->parts[i]);
+        from = c->parts[i].parcels > 0 ? part_from(b, &c->parts[i]) : from;
     }
     parts_return(b, true);
     delivery_count(c, parcels);
+    floods_note_delivery(b, c->open, parcels, from);
+    at->serial++;
     at->refusals_count = 0;
     at->roll_call_due = false;
     pages_delivered(b, at);
@@ -539,6 +575,11 @@ void courier_undelivered(struct broker *b)
     struct courier *c = &b->courier;
     MU_ASSERT(c->open != MU_NONE);
     c->count.blocked++;
+    if (c->open == PLACES_ALL) {
+        circulars_unsent(b);
+        c->open = MU_NONE;
+        return;
+    }
     for (uint32_t i = 0; i < c->parts_count; i++) {
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
@@ -555,6 +596,7 @@ void courier_undelivered(struct broker *b)
 
 void courier_tick(struct broker *b)
 {
+    floods_tick(b);
     if (b->places.blocked == 0 || b->courier.retry_ns > b->clock.now_ns) {
         return;
     }
@@ -570,5 +612,7 @@ uint64_t courier_deadline_ns(const struct broker *b)
 {
     uint64_t wake_ns = b->courier.held > 0 ? b->courier.wake_ns : UINT64_MAX;
     uint64_t retry_ns = b->places.blocked > 0 ? b->courier.retry_ns : UINT64_MAX;
+    uint64_t flood_ns = floods_deadline_ns(b);
+    retry_ns = flood_ns < retry_ns ? flood_ns : retry_ns;
     return wake_ns < retry_ns ? wake_ns : retry_ns;
 }

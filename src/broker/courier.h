@@ -31,7 +31,7 @@ enum {
 
 /* What it has done; see counters.c. */
 struct courier_counts {
-    uint64_t deliveries, parcels, most_parcels, blocked, wakings, delay_ns;
+    uint64_t deliveries, circulars, parcels, most_parcels, blocked, wakings, delay_ns;
 };
 
 /* What of one agent is in the open Delivery. */
@@ -50,7 +50,7 @@ struct courier_room {
 };
 
 struct courier {
-    uint32_t open; /* whose Delivery is out with the caller, or MU_NONE */
+    uint32_t open; /* whose Delivery is out with the caller; PLACES_ALL: a circular; or MU_NONE */
     bool open_lockstep;
     uint64_t open_version;
     uint64_t open_delay_ns; /* that the interval has added to the mails in it, together */

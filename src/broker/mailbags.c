@@ -5,13 +5,31 @@
 
 #include <string.h>
 
-void mailbags_init(struct mailbags *m, struct bus *bus, const struct bus_reader *ups)
+mu_result mailbags_open(struct mailbags *m, struct bus *bus, const struct bus_reader *ups,
+                        bool once)
 {
     *m = (struct mailbags){.bus = bus, .ups = ups};
     mu_table_init(&m->names, MU_PROCESSES_MAX);
     for (uint32_t i = 0; i < MU_PROCESSES_MAX; i++) {
         m->order[i] = i;
     }
+    return once ? bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->circulars) : MU_OK;
+}
+
+const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process)
+{
+    const struct mailbag *bag = mailbags_find(m, process);
+    return bag ? &bag->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->circulars : NULL;
+}
+
+static bool has_circulars(const struct mailbags *m)
+{
+    return m->circulars.writer > 0;
+}
+
+bool mailbags_circulars_drained(const struct mailbags *m)
+{
+    return !has_circulars(m) || bus_drain(&m->circulars, 0);
 }
 
 struct mailbag *mailbags_find(struct mailbags *m, const char *process)
@@ -78,10 +96,30 @@ static bool bag_stands(const struct mailbags *m, const struct mailbag *bag, cons
                    : bus_reader_hears(m->ups, &bag->writer, bag->process);
 }
 
+static uint32_t hearers_count(const struct mailbags *m)
+{
+    return has_circulars(m) ? bus_writer_matches(&m->circulars) : 0;
+}
+
+/* Who does not hear circulars, such as a simulator, is asked again when somebody more does. */
+static void bag_listen(struct mailbags *m, struct mailbag *bag, struct broker *b, uint32_t hearers)
+{
+    if (!bag->matched || bag->hears || bag->hearers == hearers) {
+        return;
+    }
+    bag->hearers = hearers;
+    bag->hears = bus_writer_shares(&bag->writer, bag->process, &m->circulars);
+    if (bag->hears) {
+        broker_hears(b, bag->process);
+    }
+}
+
 bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
                    uint64_t now_ns)
 {
     bool some_missing = false;
+    uint32_t hearers = hearers_count(m);
+    broker_is_read(b, hearers);
     for (uint32_t i = 0; i < m->count; i++) {
         struct mailbag *bag = &m->at[m->order[i]];
         if (bag->matched && !all) {
@@ -90,8 +128,11 @@ bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool 
         bool matched = bag_stands(m, bag, mute);
         if (matched != bag->matched) {
             bag->matched = matched;
+            bag->hears = false;
+            bag->hearers = 0;
             broker_matched(b, bag->process, matched, now_ns);
         }
+        bag_listen(m, bag, b, hearers);
         some_missing = some_missing || !matched;
     }
     return some_missing;

@@ -14,11 +14,14 @@ struct mailbag {
     char process[MU_PROCESS_MAX + 1];
     struct bus_writer writer;
     bool matched;
-    bool heard; /* an Up of it has come */
+    bool hears;       /* circulars */
+    uint32_t hearers; /* how many of them there were when it was last asked whether it does */
+    bool heard;       /* an Up of it has come */
 };
 
 struct mailbags {
     struct bus *bus;
+    struct bus_writer circulars;
     const struct bus_reader *ups;
     struct mailbag at[MU_PROCESSES_MAX];
     uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */
@@ -29,9 +32,18 @@ struct mailbags {
 /**
  * Takes the memory for the index, at start-up.
  *
- * @param ups  the broker's reader of Ups; stays the caller's
+ * @param ups   the broker's reader of Ups; stays the caller's
+ * @param once  what is for many goes out in circulars.  They have a line for each receiver, which
+ *              on loopback costs nothing, and on a network several packets where one was enough
  */
-void mailbags_init(struct mailbags *m, struct bus *bus, const struct bus_reader *ups);
+MU_MUST_USE mu_result mailbags_open(struct mailbags *m, struct bus *bus,
+                                    const struct bus_reader *ups, bool once);
+
+/** @return the writer to a process, or to all (BUS_TO_ALL); NULL: there is none */
+const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process);
+
+/** @return whether all circulars that were written have arrived */
+bool mailbags_circulars_drained(const struct mailbags *m);
 
 /** @return the bag of a process, or NULL: it has none */
 struct mailbag *mailbags_find(struct mailbags *m, const char *process);

@@ -276,6 +276,27 @@ void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate,
     }
 }
 
+bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail)
+{
+    const struct box *box = mailbox_box(m, agent);
+    int list = POST_URGENT;
+    while (list > POST_LOW && box->lists[list].count == 0) {
+        list--;
+    }
+    uint32_t head = box->lists[list].head;
+    return box->lists[POST_FLIGHT].count < MU_WINDOW_MAX && head != MU_NONE &&
+           m->posts[head].mail == mail;
+}
+
+void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail)
+{
+    struct box *box = mailbox_box(m, agent);
+    uint32_t post = box->lists[mailbox_queue(mail)].head;
+    list_remove(m, box, post);
+    list_append(m, box, post, POST_FLIGHT);
+    box->out = box->out == MU_NONE ? post : box->out;
+}
+
 void mailbox_take_back(struct mailbox *m, uint32_t agent)
 {
     if (!mailbox_is_begun(m, agent)) {
@@ -322,6 +343,12 @@ bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t numb
 {
     const struct box *box = &m->boxes[agent];
     return number <= box->acked || number - box->acked <= box->lists[POST_FLIGHT].count;
+}
+
+uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
+{
+    const struct box *box = &m->boxes[agent];
+    return box->begun ? box->acked + box->lists[POST_FLIGHT].count : m->base;
 }
 
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)

@@ -135,6 +135,12 @@ void mailbox_withdraw(struct mailbox *m, uint32_t post);
  */
 void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written);
 
+/** @return whether this mail is what would be handed out next, if the gate is open */
+bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail);
+
+/** Hands out that mail alone. */
+void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail);
+
 /** Takes back what was handed out but has never gone out. */
 void mailbox_take_back(struct mailbox *m, uint32_t agent);
 
@@ -150,6 +156,9 @@ void mailbox_repeat(struct mailbox *m, uint32_t agent);
 
 /** @return whether the receiver can have had this number */
 bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number);
+
+/** @return the highest number that was handed out, or the one before the first */
+uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent);
 
 /** Takes out the oldest post in flight, as acknowledged.  @return its mail */
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);

@@ -64,7 +64,7 @@ static uint64_t post_now(const struct post *p)
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct post *p, const char *name)
+static mu_result post_open(struct post *p, const char *name, bool on_loopback)
 {
     char partition[sizeof "broker." + MU_NAME_MAX];
     snprintf(partition, sizeof partition, "broker.%s", name);
@@ -73,7 +73,7 @@ static mu_result post_open(struct post *p, const char *name)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    mailbags_init(&p->bags, &p->bus, &p->ups);
+    MU_TRY(mailbags_open(&p->bags, &p->bus, &p->ups, on_loopback));
     MU_TRY(peers_open(&p->peers, &p->bus, partition));
     return health_open(&p->health, &p->bus);
 }
@@ -91,7 +91,7 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
             return false;
         }
     }
-    return true;
+    return !roster->lockstep || mailbags_circulars_drained(&p->bags);
 }
 
 /* The end of a roster has the simulator's name alone. */
@@ -176,8 +176,8 @@ static bool deliveries_write(struct post *p)
     muster_Delivery delivery;
     bool all = true;
     while (broker_next(p->broker, &process, &delivery)) {
-        const struct mailbag *bag = mailbags_find(&p->bags, process);
-        if (!bag || bus_write(&bag->writer, &delivery) != MU_OK) {
+        const struct bus_writer *writer = mailbags_writer(&p->bags, process);
+        if (!writer || bus_write(writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
             all = false;
         } else {
@@ -299,7 +299,8 @@ static int network_join(struct post *p, const struct mu_network *network,
         fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
                 bus.domain);
     }
-    bool joined = opened == MU_OK && post_open(p, broker->name) == MU_OK &&
+    bool on_loopback = !network->interface || strncmp(network->interface, "127.", 4) == 0;
+    bool joined = opened == MU_OK && post_open(p, broker->name, on_loopback) == MU_OK &&
                   herald_open(&p->herald, &p->bus, broker) == MU_OK;
     return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }

@@ -245,6 +245,13 @@ void pages_fill(struct broker *b, const struct place *at, muster_Delivery *d)
     d->offers._maximum = d->offers._length;
 }
 
+bool pages_has_told(const struct broker *b, const struct place *at)
+{
+    const struct pages *p = &b->pages;
+    return changes_after(&p->groups.changes, at->groups_had) == MU_NONE &&
+           changes_after(&p->services.changes, at->services_had) == MU_NONE;
+}
+
 void pages_delivered(struct broker *b, struct place *at)
 {
     at->groups_had = b->pages.groups_open;

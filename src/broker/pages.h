@@ -77,6 +77,9 @@ void pages_trust_attach(struct broker *b);
 /** Lines that have changed since these versions are to be on disk. */
 void pages_journal_mark(struct broker *b, uint64_t groups_since, uint64_t services_since);
 
+/** @return whether there is nothing of it that a place has not been told */
+bool pages_has_told(const struct broker *b, const struct place *at);
+
 /** The Delivery has gone out. */
 void pages_delivered(struct broker *b, struct place *at);
 

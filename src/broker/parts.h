@@ -22,6 +22,9 @@
  *   pages      groups, services, standing queries             groups, services, query
  *   courier    what is ready for a process, as one Delivery   mailbox, receipts, tenants,
  *                                                             pages
+ *   circular   the same mail for many processes at once      mailbox, places, pages
+ *   floods     who gets much mail at once, while others     places
+ *              have some under way, gets it in small pieces
  *   liaison    the other brokers: who lives beyond which;     presence, router, pages
  *              announce says who is known here, relay takes
  *              their mail
@@ -36,11 +39,13 @@
 #include "broker/ages.h"
 #include "broker/audit.h"
 #include "broker/broker.h"
+#include "broker/circular.h"
 #include "broker/claims.h"
 #include "broker/counters.h"
 #include "broker/courier.h"
 #include "broker/depot.h"
 #include "broker/events.h"
+#include "broker/floods.h"
 #include "broker/glances.h"
 #include "broker/journal.h"
 #include "broker/liaison.h"
@@ -89,6 +94,8 @@ struct broker {
     struct receipts receipts;
     struct lockstep lockstep;
     struct courier courier;
+    struct circulars circulars;
+    struct floods floods;
     struct depot depot;
     struct glances glances;
     struct pages pages;

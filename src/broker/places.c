@@ -101,8 +101,13 @@ uint32_t places_get(struct places *p, const char *name)
         return MU_NONE;
     }
     struct place *at = &p->at[place];
-    bool queued = at->queued; /* an earlier process left it in the queue: it stays there */
-    *at = (struct place){.used = true, .queued = queued, .step_had = INT64_MIN};
+    bool queued = at->queued; /* an earlier process left it in the queues: it stays there */
+    bool flood_queued = at->flood_queued;
+    *at = (struct place){.used = true,
+                         .queued = queued,
+                         .flood_queued = flood_queued,
+                         .step_had = INT64_MIN,
+                         .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
     p->used_count++;

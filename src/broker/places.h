@@ -10,7 +10,8 @@
 
 enum {
     PLACES_PARTS = MU_PARTS_MAX,
-    PLACES_REFUSALS = 64, /* that wait for one Delivery */
+    PLACES_REFUSALS = 64,          /* that wait for one Delivery */
+    PLACES_ALL = MU_PROCESSES_MAX, /* no place */
 };
 
 _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole parts");
@@ -30,18 +31,25 @@ struct place {
     char name[MU_PROCESS_MAX + 1];
     bool used;
     bool matched;
-    bool rostered;        /* a lock step waits for it */
-    bool simulator;       /* of the lock step */
-    bool answered;        /* its Up of the current step is in */
-    bool step_due;        /* the Delivery of the last step has not gone out to it */
-    bool queued;          /* in the queue of those to look at */
-    bool held;            /* waits for the courier to wake */
-    bool blocked;         /* the network refused it; waits for the next try */
-    bool lost;            /* nobody has written for it since its liveliness ended */
-    bool roll_call_due;   /* it is to say all its parts again */
-    bool speaks;          /* its registration is just being taken in */
-    bool is_broker;       /* a broker, and its agents live beyond it */
-    uint64_t incarnation; /* of the process */
+    bool rostered;         /* a lock step waits for it */
+    bool simulator;        /* of the lock step */
+    bool answered;         /* its Up of the current step is in */
+    bool step_due;         /* the Delivery of the last step has not gone out to it */
+    bool queued;           /* in the queue of those to look at */
+    bool held;             /* waits for the courier to wake */
+    bool blocked;          /* the network refused it; waits for the next try */
+    bool lost;             /* nobody has written for it since its liveliness ended */
+    bool roll_call_due;    /* it is to say all its parts again */
+    bool speaks;           /* its registration is just being taken in */
+    bool flooded;          /* its last Delivery had many mails: see floods.h */
+    bool flood_queued;     /* among the places that are held for that */
+    bool hears;            /* circulars */
+    bool is_broker;        /* a broker, and its agents live beyond it */
+    uint64_t incarnation;  /* of the process */
+    uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
+    uint64_t flooded_until_ns;
+    uint32_t seat;        /* its number; no other place ever had it */
+    uint64_t serial;      /* of the last Delivery to it */
     int64_t step_had;     /* the step of the last Delivery of this lock step */
     uint64_t version_had; /* of the white pages */
     uint64_t groups_had;
@@ -59,6 +67,7 @@ struct place {
 struct places {
     struct place *at; /* MU_PROCESSES_MAX of them */
     uint32_t top;     /* entries ever used */
+    uint32_t seats;   /* given out */
     uint32_t used_count;
     uint32_t *unmatched; /* indices of those in use that have not matched */
     uint32_t unmatched_count;

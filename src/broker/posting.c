@@ -3,6 +3,7 @@
 
 #include "broker/booking.h"
 #include "broker/boxroom.h"
+#include "broker/circular.h"
 #include "broker/desk.h"
 #include "broker/outcome.h"
 #include "broker/parts.h"
@@ -129,5 +130,6 @@ void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
     } else {
         posting_schedule(b, m, held, m->letter.ttl_ns);
         journal_put(b, m);
+        circulars_note(b, m);
     }
 }

@@ -20,6 +20,12 @@ bool presence_in_lockstep(const struct broker *b, uint32_t agent)
     return place != MU_NONE && b->places.at[place].rostered;
 }
 
+void presence_seated(struct broker *b, uint32_t agent, uint64_t number)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->seated = a->seated || number > a->seated_above;
+}
+
 bool presence_is_beyond(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
@@ -58,6 +64,8 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 static void verdict_owe(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
+    a->seated = false;
+    a->seated_above = mailbox_last_number(&b->mailbox, agent);
     a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
 }
 

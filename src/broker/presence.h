@@ -12,6 +12,13 @@
 /** @return nanoseconds since 1970 */
 uint64_t presence_wall_ns(const struct broker *b);
 
+/**
+ * It has acknowledged a number.  If that was not handed out before the last verdict, its process
+ * knows its seat here, and which number comes next: who has had that number already takes whatever
+ * follows it.
+ */
+void presence_seated(struct broker *b, uint32_t agent, uint64_t number);
+
 /** @return whether the agent's process is in a lock step that is on */
 bool presence_in_lockstep(const struct broker *b, uint32_t agent);
 

@@ -76,7 +76,9 @@ struct agent {
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
+    uint64_t seated_above;  /* the last number of its box before the last verdict */
     bool verdict_due;
+    bool seated;  /* it has acknowledged a later one */
     bool let_go;  /* a lock step waits for it to come back in another process */
     bool gone;    /* its process went in lock step: counts when that ends */
     bool ended;   /* it was disposed of in lock step, whose members are to know */

@@ -174,6 +174,7 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         return;
     }
     bool beyond = presence_is_beyond(b, agent);
+    presence_seated(b, agent, number);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         m->passed_on = m->passed_on || beyond;

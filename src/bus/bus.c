@@ -406,6 +406,27 @@ bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
     return reader_find(writer, partition, &process);
 }
 
+bool bus_writer_shares(const struct bus_writer *writer, const char *partition,
+                       const struct bus_writer *other)
+{
+    dds_instance_handle_t readers[ENDPOINTS_MAX];
+    dds_guid_t process;
+    if (!reader_find(writer, partition, &process)) {
+        return false;
+    }
+    dds_return_t count = dds_get_matched_subscriptions(other->writer, readers, ENDPOINTS_MAX);
+    bool found = false;
+    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
+        dds_builtintopic_endpoint_t *endpoint =
+            dds_get_matched_subscription_data(other->writer, readers[i]);
+        if (endpoint) {
+            found = memcmp(&endpoint->participant_key, &process, sizeof process) == 0;
+            dds_builtintopic_free_endpoint(endpoint);
+        }
+    }
+    return found;
+}
+
 bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *writer,
                       const char *partition)
 {

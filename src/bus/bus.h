@@ -46,6 +46,12 @@ enum bus_topic {
     BUS_TOPICS, /* how many */
 };
 
+/* The partition of circulars: no process can have that name. */
+#define BUS_TO_ALL "to all"
+
+/* A circular has so many letters at most, for so many boxes of one process. */
+enum { BUS_CIRCULAR_LETTERS = 16, BUS_CIRCULAR_BOXES = 64 };
+
 struct bus_options {
     int domain; /* DDS domain id, 0 to 230 */
     enum bus_place place;
@@ -184,6 +190,11 @@ void bus_dispose(const struct bus_writer *writer, const void *sample);
 /** @return whether a writer has found a reader that names this partition: not one that looks at all
  */
 bool bus_writer_reaches(const struct bus_writer *writer, const char *partition);
+
+/** @return whether the process that a writer has found in this partition reads what another writer
+ * of ours writes, too */
+bool bus_writer_shares(const struct bus_writer *writer, const char *partition,
+                       const struct bus_writer *other);
 
 /**
  * Says whether both directions to a process stand.

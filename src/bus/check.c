@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/check.h"
 
+#include "bus/bus.h"
 #include "core/name.h"
 #include "muster/limits.h"
 #include "wire.h"
@@ -292,6 +293,23 @@ bool check_page(const void *sample)
     return fits;
 }
 
+/* Whoever unpacks a circular looks for its own seat among those that ascend. */
+static bool circular_ok(const muster_Delivery *d)
+{
+    uint32_t boxes = d->seats._length;
+    if (d->serials._length != boxes || d->slots._length != boxes || d->numbers._length != boxes) {
+        return false;
+    }
+    for (uint32_t i = 0; i < boxes; i++) {
+        if ((i > 0 && d->seats._buffer[i] < d->seats._buffer[i - 1]) ||
+            !is_count(d->numbers._buffer[i]) || !is_count(d->serials._buffer[i])) {
+            return false;
+        }
+    }
+    return d->letters._length <= BUS_CIRCULAR_LETTERS &&
+           mails_ok(d->letters._buffer, d->letters._length);
+}
+
 bool check_delivery(const void *sample)
 {
     const muster_Delivery *d = sample;
@@ -316,7 +334,8 @@ bool check_delivery(const void *sample)
             return false;
         }
     }
-    return pages_ok(d) && mails_ok(d->outside._buffer, d->outside._length) &&
+    return d->serial <= INT64_MAX && pages_ok(d) && circular_ok(d) &&
+           mails_ok(d->outside._buffer, d->outside._length) &&
            trips_ok(d->trips._buffer, d->trips._length) &&
            glances_ok(d->glances._buffer, d->glances._length);
 }

@@ -227,6 +227,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     }
     bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;
+    a->accepted_serial = a->process->inbox.serial;
     if (a->refused == v->accepted) {
         a->refused = !v->accepted;
         roll_mark(a); /* who comes later is not to hear of a name that was refused */

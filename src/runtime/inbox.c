@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/inbox.h"
 
+#include "core/clock.h"
 #include "runtime/process.h"
+
+#include <string.h>
 
 void inbox_init(struct inbox *box)
 {
@@ -10,9 +13,99 @@ void inbox_init(struct inbox *box)
     }
 }
 
-static void **place_of(struct inbox *box, uint32_t index)
+/* --- circulars -------------------------------------------------------------------------------- */
+
+static bool is_circular(const muster_Delivery *d)
 {
-    return &box->at[(box->first + index) % INBOX_MAX];
+    return d->seats._length > 0;
+}
+
+/* @return the first box of this process in a circular, or its length: there is none */
+static uint32_t first_box(const struct inbox *box, const muster_Delivery *d)
+{
+    uint32_t low = 0, high = d->seats._length;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (d->seats._buffer[middle] < box->seat) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < d->seats._length && d->seats._buffer[low] == box->seat ? low : d->seats._length;
+}
+
+/* The broker writes to a seat what that has acknowledged to have: who knows of none is not meant.
+ * @return whether it is a circular that is for this process, too */
+static bool names_us(const mu_process *p, const muster_Delivery *d)
+{
+    const struct inbox *box = &p->inbox;
+    return box->seat != 0 && d->broker_incarnation == box->incarnation &&
+           strcmp(d->broker, p->link.broker) == 0 && first_box(box, d) < d->seats._length;
+}
+
+/* Who has had a later seat has been told anew what was told an earlier one.
+ * @return whether it is for this process, as it is now */
+static bool is_for_us(const mu_process *p, const muster_Delivery *d)
+{
+    const struct inbox *box = &p->inbox;
+    if (is_circular(d)) {
+        return names_us(p, d);
+    }
+    bool counts = d->serial > 0 && d->broker_incarnation == box->incarnation;
+    return !counts || d->seat >= box->seat;
+}
+
+/* @return who has a slot, and had it when the circular of that serial was written; NULL: nobody.
+ * The slot of one that has left is given away again. */
+static struct mu_agent *tenant_find(const mu_process *p, uint32_t slot, uint64_t serial)
+{
+    struct mu_agent *a = slot < p->agent_count ? &p->agents[slot] : NULL;
+    return a && a->registered && serial > a->accepted_serial ? a : NULL;
+}
+
+/* @return it as a Delivery of parcels, whose letters stay where they are */
+static const muster_Delivery *circular_open(mu_process *p, const muster_Delivery *d)
+{
+    struct inbox *box = &p->inbox;
+    uint32_t count = 0;
+    box->open = (muster_Delivery){.process = p->name,
+                                  .broker = d->broker,
+                                  .broker_incarnation = d->broker_incarnation,
+                                  .step = d->step};
+    uint32_t first = first_box(box, d), boxes = d->seats._length;
+    boxes = boxes - first < BUS_CIRCULAR_BOXES ? boxes : first + BUS_CIRCULAR_BOXES;
+    for (uint32_t i = first; i < boxes && d->seats._buffer[i] == box->seat; i++) {
+        struct mu_agent *a = tenant_find(p, d->slots._buffer[i], d->serials._buffer[i]);
+        for (uint32_t k = 0; a && k < d->letters._length; k++) {
+            box->parcels[count++] = (muster_Parcel){.box = a->name,
+                                                    .number = d->numbers._buffer[i] + k,
+                                                    .letter = d->letters._buffer[k]};
+        }
+    }
+    box->open.parcels._buffer = box->parcels;
+    box->open.parcels._length = box->open.parcels._maximum = count;
+    return &box->open;
+}
+
+/* --- in and out ------------------------------------------------------------------------------- */
+
+static void keep(struct inbox *box, struct bus_reader *from, bool circular)
+{
+    void **place = &box->at[box->count++];
+    *place = bus_keep(from, *place);
+    box->circulars += circular;
+}
+
+static void circulars_fill(mu_process *p)
+{
+    enum bus_life life;
+    const muster_Delivery *d;
+    while (p->inbox.circulars < INBOX_EACH && (d = bus_next(&p->circulars, &life))) {
+        if (life == BUS_DATA && names_us(p, d)) {
+            keep(&p->inbox, &p->circulars, true);
+        }
+    }
 }
 
 void inbox_fill(mu_process *p)
@@ -20,36 +113,141 @@ void inbox_fill(mu_process *p)
     struct inbox *box = &p->inbox;
     const muster_Delivery *d;
     enum bus_life life;
-    while (box->count < INBOX_MAX && (d = bus_next(&p->delivery, &life))) {
+    circulars_fill(
+        p); /* first: those to an old seat count nothing beside a Delivery to a new one */
+    while (box->count - box->circulars < INBOX_EACH && (d = bus_next(&p->delivery, &life))) {
         bool is_glance = life == BUS_DATA && d->glances._length > 0;
         if (is_glance && d->broker_incarnation == p->link.incarnation) {
             glances_take(p, d);
-        } else if (life == BUS_DATA) {
-            void **place = place_of(box, box->count++);
-            *place = bus_keep(&p->delivery, *place);
+        } else if (life == BUS_DATA && !is_circular(d)) {
+            keep(box, &p->delivery, false);
         }
     }
+}
+
+static void remove_at(struct inbox *box, uint32_t index)
+{
+    void *spare = box->at[index];
+    box->circulars -= is_circular(spare);
+    memmove(&box->at[index], &box->at[index + 1], (--box->count - index) * sizeof spare);
+    box->at[box->count] = spare;
 }
 
 void inbox_drop(mu_process *p)
 {
     if (p->mail) {
         p->mail = NULL;
-        p->inbox.first = (p->inbox.first + 1) % INBOX_MAX;
-        p->inbox.count--;
+        remove_at(&p->inbox, 0);
     }
+}
+
+/* --- in order --------------------------------------------------------------------------------- */
+
+/* @return where a Delivery stands among those to this seat; 0: nowhere */
+static uint64_t serial_of(const struct inbox *box, const muster_Delivery *d)
+{
+    if (d->broker_incarnation != box->incarnation) {
+        return 0;
+    }
+    if (is_circular(d)) {
+        uint32_t i = first_box(box, d);
+        return i < d->seats._length ? d->serials._buffer[i] : 0;
+    }
+    return d->seat == box->seat ? d->serial : 0;
+}
+
+/* @return the first that may be handled now; its count: every one has come too early */
+static uint32_t find_next(const struct inbox *box)
+{
+    uint32_t i = 0;
+    while (i < box->count && serial_of(box, box->at[i]) > box->serial + 1) {
+        i++;
+    }
+    return i;
+}
+
+/* @return the one of the first few, at least of one, that is before the others */
+static uint32_t find_earliest(const struct inbox *box, uint32_t count)
+{
+    uint32_t earliest = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        bool before = serial_of(box, box->at[i]) < serial_of(box, box->at[earliest]);
+        earliest = before ? i : earliest;
+    }
+    return earliest;
+}
+
+/* @return whether it is the first to a new seat: what is missing before will not come any more */
+static bool begins_anew(const struct inbox *box, const muster_Delivery *d)
+{
+    return !is_circular(d) && d->serial > 0 && d->broker_incarnation == box->incarnation &&
+           d->seat > box->seat;
+}
+
+/* @return which one is next, or its count: that has not come */
+static uint32_t choose(struct inbox *box)
+{
+    uint32_t next = find_next(box);
+    if (box->count == 0) {
+        box->lacks_ns = 0;
+        return next;
+    }
+    if (next < box->count) {
+        return begins_anew(box, box->at[next]) ? find_earliest(box, next) : next;
+    }
+    uint64_t now_ns = mu_clock_ns();
+    box->lacks_ns = box->lacks_ns ? box->lacks_ns : now_ns;
+    if (now_ns - box->lacks_ns < INBOX_PATIENCE_NS) {
+        return next;
+    }
+    return find_earliest(box, next); /* the others were lost: what they had in a box comes again */
+}
+
+/* It is handled now: what follows it in the count is next, and has a patience of its own. */
+static void serial_note(struct inbox *box, const muster_Delivery *d)
+{
+    uint64_t serial = is_circular(d) ? serial_of(box, d) : d->serial;
+    bool counts = serial_of(box, d) > 0;
+    if (serial == 0 || (counts && serial <= box->serial)) {
+        return;
+    }
+    box->serial = serial;
+    box->lacks_ns = 0;
+    if (!is_circular(d)) {
+        box->seat = d->seat;
+        box->incarnation = d->broker_incarnation;
+    }
+}
+
+static void put_first(struct inbox *box, uint32_t index)
+{
+    void *chosen = box->at[index];
+    memmove(&box->at[1], &box->at[0], index * sizeof chosen);
+    box->at[0] = chosen;
 }
 
 void inbox_next(mu_process *p)
 {
+    struct inbox *box = &p->inbox;
     inbox_drop(p);
-    if (p->inbox.count == 0) {
+    if (box->count == 0 || box->lacks_ns) {
         inbox_fill(p);
     }
-    while (!p->mail && p->inbox.count > 0) {
-        p->mail = *place_of(&p->inbox, 0);
-        if (!link_is_ours(p, p->mail)) {
+    uint32_t index;
+    while (!p->mail && (index = choose(box)) < box->count) {
+        put_first(box, index);
+        const muster_Delivery *d = box->at[0];
+        p->mail = d;
+        if (!is_for_us(p, d) || !link_is_ours(p, d)) {
             inbox_drop(p);
+            continue;
         }
+        serial_note(box, d);
+        p->mail = is_circular(d) ? circular_open(p, d) : d;
     }
+}
+
+bool inbox_lacks(const mu_process *p)
+{
+    return p->inbox.lacks_ns != 0;
 }

@@ -5,7 +5,8 @@
  *
  * They wait a little, outside of lock step: most find company in an Up that goes out anyway, and
  * the answers to a broadcast do not get in the way of the broadcast.  Who takes one mail after the
- * other says so ten times a second; who takes one now and then says so soon.
+ * other says so ten times a second, at no fixed interval, so that the hundred whom a broadcast has
+ * reached do not all speak at once; who takes one now and then says so soon.
  */
 #ifndef MUSTER_RUNTIME_OWED_H
 #define MUSTER_RUNTIME_OWED_H
@@ -17,7 +18,7 @@
 
 enum {
     OWED_DELAY_NS = 5000000,          /* by the wall, */
-    OWED_PAUSE_NS = 100000000,        /* and so long after the last ones */
+    OWED_PAUSE_NS = 100000000,        /* and on average so long after the last ones */
     OWED_PARCELS = MU_WINDOW_MAX / 4, /* so many wait no longer: the broker's window fills up */
 };
 

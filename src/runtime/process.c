@@ -43,6 +43,7 @@ static mu_result endpoints_open(mu_process *p)
 {
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
+    MU_TRY(bus_reader_open_deep(&p->bus, BUS_DELIVERY, BUS_TO_ALL, INBOX_DEPTH, &p->circulars));
     inbox_init(&p->inbox);
     if (process_takes_steps(p)) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
@@ -242,7 +243,7 @@ static bool mail_is_held(const mu_process *p)
 /* How many samples are worth waking up for. */
 static uint64_t samples_wanted(const mu_process *p)
 {
-    if (p->mail && mail_is_held(p)) {
+    if (inbox_lacks(p) || (p->mail && mail_is_held(p))) {
         return 0; /* more mail may lie in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
@@ -345,7 +346,7 @@ static bool handle_next(mu_process *p)
  * before that would keep the broker from answering. */
 static int64_t patience_ns(mu_process *p)
 {
-    if (!step_retry(p)) {
+    if (!step_retry(p) || inbox_lacks(p)) {
         return IMPATIENT_NS;
     }
     if (!mu_process_broker(p)) {

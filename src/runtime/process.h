@@ -55,6 +55,7 @@ struct mu_agent {
     uint32_t box_mails;            /* which holds so many mails, */
     uint64_t box_bytes;            /* of so many bytes; 0: the broker's own limit */
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
+    uint64_t accepted_serial;      /* of the Delivery that has said so last, or what came before */
     struct queue_link links[QUEUES];
     bool replays;             /* its mails are a recording's, from now on */
     bool gone;                /* takes no part any more */
@@ -91,7 +92,7 @@ struct mu_process {
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */
-    struct bus_reader delivery, sense;
+    struct bus_reader delivery, circulars, sense;
     uint64_t incarnation;
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;

@@ -3,7 +3,8 @@
  * @file broker_net.h
  * Several brokers and their agents in one process: a network that passes samples on, drops them, or
  * is cut between two brokers.  An agent's process here does what the runtime does: it drops numbers
- * that it has had, and mails that may be a repetition and that it has taken before.
+ * that it has had, and mails that may be a repetition and that it has taken before; of circulars it
+ * takes what is for the seat that it knows.
  */
 #ifndef MUSTER_TESTS_BROKER_NET_H
 #define MUSTER_TESTS_BROKER_NET_H
@@ -35,6 +36,10 @@ struct net_agent {
     int at; /* its broker; -1: it is not there */
     uint64_t since_wall_ns, incarnation, seq, last_number;
     bool in_order, no_broadcasts;
+    bool hears;    /* circulars of its broker */
+    bool accepted; /* by it */
+    uint32_t seat; /* there; 0: it has heard of none */
+    uint64_t serial;
     struct net_taken taken[NET_TAKEN];
     uint32_t taken_count;
     char heard[4096], told[4096], refused[128];
@@ -47,11 +52,13 @@ static struct net {
     bool deaf[NET_BROKERS];  /* what others acknowledge to it is lost */
     bool twice[NET_BROKERS]; /* what it delivers to others arrives twice */
     bool mute[NET_BROKERS];  /* others do not hear it, and it does not know */
+    bool faint[NET_BROKERS]; /* its circulars are lost */
     uint64_t now_ns;
     struct net_agent agents[NET_AGENTS];
     uint32_t agents_count;
     uint32_t announcements;
     uint32_t repeats; /* mails that agents dropped, having had them */
+    uint32_t circulars;
 } net;
 
 static const char *const net_names[NET_BROKERS] = {"a", "b", "c"};
@@ -165,10 +172,17 @@ static inline void net_enter(struct net_agent *a, int broker)
 {
     a->at = broker;
     a->incarnation++;
-    a->in_order = false;
-    a->last_number = 0;
+    a->in_order = a->hears = a->accepted = false;
+    a->last_number = a->serial = a->seat = 0;
     net_register(a, muster_STATE_RUNNING);
     broker_matched(net.b[broker], a->process, true, net.now_ns);
+}
+
+/* It reads its broker's circulars from now on. */
+static inline void net_hear(struct net_agent *a)
+{
+    a->hears = true;
+    broker_hears(net.b[a->at], a->process);
 }
 
 /* A new agent; of two with one name, tag tells them apart. */
@@ -263,6 +277,53 @@ static inline void net_parcel(struct net_agent *a, const muster_Parcel *p)
     net_note(a->heard, sizeof a->heard, m->content);
 }
 
+/* What a broker sends an agent's process is counted. */
+static inline void net_count(struct net_agent *a, uint32_t seat, uint64_t serial)
+{
+    CU_ASSERT_TRUE_FATAL(seat > 0 && (seat != a->seat || serial == a->serial + 1));
+    a->seat = seat;
+    a->serial = serial;
+}
+
+static inline void net_one_of_many(struct net_agent *a, const muster_Delivery *d, uint32_t index)
+{
+    CU_ASSERT_TRUE_FATAL(a->hears && d->slots._buffer[index] == 0);
+    net_count(a, a->seat, d->serials._buffer[index]);
+    for (uint32_t i = 0; a->accepted && i < d->letters._length; i++) {
+        muster_Parcel p = {.number = d->numbers._buffer[index] + i,
+                           .letter = d->letters._buffer[i]};
+        net_parcel(a, &p);
+    }
+}
+
+/* Each process is one agent's here.  Who has moved on, or whose seat is another one by now, does
+ * not take it for his. */
+static inline void net_to_many(int broker, const muster_Delivery *d)
+{
+    uint64_t before[NET_AGENTS];
+    bool lost = net.faint[broker];
+    net.circulars++;
+    for (uint32_t i = 0; i < net.agents_count; i++) {
+        struct net_agent *a = &net.agents[i];
+        before[i] = a->last_number;
+        for (uint32_t k = 0; k < d->seats._length; k++) {
+            bool is_its_own = a->at == broker && a->seat == d->seats._buffer[k];
+            if (is_its_own && lost) {
+                a->serial = d->serials._buffer[k]; /* it has waited for that long enough */
+            } else if (is_its_own) {
+                net_one_of_many(a, d, k);
+            }
+        }
+    }
+    broker_delivered(net.b[broker], net.now_ns);
+    for (uint32_t i = 0; i < net.agents_count; i++) {
+        struct net_agent *a = &net.agents[i];
+        if (a->last_number > before[i]) {
+            net_up(a, NULL, a->last_number);
+        }
+    }
+}
+
 static inline void net_to_agent(int broker, const muster_Delivery *d)
 {
     char line[160];
@@ -272,6 +333,7 @@ static inline void net_to_agent(int broker, const muster_Delivery *d)
             continue;
         }
         uint64_t before = a->last_number;
+        net_count(a, d->seat, d->serial);
         for (uint32_t k = 0; k < d->parcels._length; k++) {
             net_parcel(a, &d->parcels._buffer[k]);
         }
@@ -282,7 +344,8 @@ static inline void net_to_agent(int broker, const muster_Delivery *d)
             net_note(a->told, sizeof a->told, line);
         }
         for (uint32_t k = 0; k < d->verdicts._length; k++) {
-            if (!d->verdicts._buffer[k].accepted) {
+            a->accepted = d->verdicts._buffer[k].accepted;
+            if (!a->accepted) {
                 (void)mu_text_copy(a->refused, sizeof a->refused, d->verdicts._buffer[k].reason);
             }
         }
@@ -333,6 +396,10 @@ static inline bool net_deliver(int i)
     bool any = false;
     while (broker_next(net.b[i], &process, &d)) {
         any = true;
+        if (strcmp(process, BUS_TO_ALL) == 0) {
+            net_to_many(i, &d);
+            continue;
+        }
         int j = strncmp(process, "broker.", 7) == 0 ? net_index(process + 7) : -1;
         if (j < 0) {
             net_to_agent(i, &d);

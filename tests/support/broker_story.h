@@ -16,6 +16,10 @@
  *     roll call
  *     PROCESS: NAME WORD EPOCH [REASON] [TEXT]   to a process, of an agent on its way
  *     PROCESS: ASKER/NUMBER NAME WORD TEXT       to a process, of a glance at an agent
+ *
+ * And of a circular, with the boxes by name:
+ *
+ *     all: NAME #NUMBER, NAME #NUMBER | SRC/SEQ CONTENT, SRC/SEQ CONTENT
  */
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
@@ -33,11 +37,22 @@
 
 #define MS 1000000ull
 
+enum { STORY_SEATS = 1024 };
+
+/* What a process knows of the seat that the broker has given it. */
+struct story_seat {
+    char process[MU_PROCESS_MAX + 1];
+    uint64_t serial; /* of what came last */
+};
+
 struct story {
     struct broker *b;
     uint64_t now_ns;
     uint32_t members; /* lines of the white pages that the last story_collect saw */
     uint32_t again;   /* mails that it saw and that may have come before */
+    uint32_t gaps;    /* times that something to a process was not the next by its serial */
+    const struct broker *seats_of;
+    struct story_seat seats[STORY_SEATS];
     struct mu_text text;
     char buffer[1 << 16];
 };
@@ -55,6 +70,8 @@ static inline void story_begin_with(uint64_t delivery_interval_ns, bool audit)
                                      .audit = audit};
     story.b = broker_kept(&options);
     story.now_ns = 0;
+    story.gaps = 0;
+    story.seats_of = NULL;
     mu_text_init(&story.text, story.buffer, sizeof story.buffer);
 }
 
@@ -63,10 +80,11 @@ static inline void story_begin(void)
     story_begin_with(0, false);
 }
 
+static char story_names[2 * MU_AGENTS_MAX][MU_PROCESS_MAX + 1]; /* by slot */
+
 /* Each name has the same slot in whatever process it is. */
 static inline uint32_t story_slot(const char *name)
 {
-    static char names[2 * MU_AGENTS_MAX][MU_PROCESS_MAX + 1];
     static struct mu_table slots;
     if (!slots.slots) {
         mu_table_init(&slots, 2 * MU_AGENTS_MAX);
@@ -74,8 +92,8 @@ static inline uint32_t story_slot(const char *name)
     uint32_t slot = name ? mu_table_find(&slots, name) : 0;
     if (slot == MU_NONE) {
         slot = slots.count;
-        (void)mu_text_copy(names[slot], sizeof names[slot], name);
-        CU_ASSERT_EQUAL_FATAL(mu_table_put(&slots, names[slot], slot), MU_OK);
+        (void)mu_text_copy(story_names[slot], sizeof story_names[slot], name);
+        CU_ASSERT_EQUAL_FATAL(mu_table_put(&slots, story_names[slot], slot), MU_OK);
     }
     return slot % MU_LOCAL_AGENTS_MAX;
 }
@@ -166,9 +184,83 @@ static inline void story_line(const char *line)
     mu_text_add(&story.text, line);
 }
 
+/* Something has come to a process. */
+static inline void story_serial(struct story_seat *seat, uint64_t serial)
+{
+    story.gaps += serial != seat->serial + 1;
+    seat->serial = serial;
+}
+
+/* A Delivery tells its process the seat; a glance counts for nothing. */
+static inline void story_seat(const muster_Delivery *d)
+{
+    if (story.seats_of != story.b) {
+        story.seats_of = story.b;
+        memset(story.seats, 0, sizeof story.seats);
+    }
+    CU_ASSERT_TRUE(d->seat > 0);
+    if (d->seat >= STORY_SEATS) { /* nobody asks for it */
+        return;
+    }
+    struct story_seat *seat = &story.seats[d->seat];
+    if (seat->process[0] == '\0') {
+        (void)mu_text_copy(seat->process, sizeof seat->process, d->process);
+    }
+    CU_ASSERT_STRING_EQUAL(seat->process, d->process);
+    if (d->glances._length == 0) {
+        story_serial(seat, d->serial);
+    } else {
+        CU_ASSERT_EQUAL(d->serial, 0);
+    }
+}
+
+/* The boxes of a circular are in order of seats, and those of one seat have one serial. */
+static inline void story_boxes(const muster_Delivery *d, struct mu_text *line)
+{
+    uint32_t count = d->seats._length;
+    CU_ASSERT_TRUE_FATAL(d->serials._length == count && d->slots._length == count &&
+                         d->numbers._length == count && d->letters._length > 0);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t seat = d->seats._buffer[i], before = i ? d->seats._buffer[i - 1] : 0;
+        CU_ASSERT_TRUE_FATAL(seat >= before && seat < STORY_SEATS);
+        CU_ASSERT_TRUE(story.seats[seat].process[0] != '\0'); /* it knows its seat */
+        if (seat > before) {
+            story_serial(&story.seats[seat], d->serials._buffer[i]);
+        } else {
+            CU_ASSERT_EQUAL(d->serials._buffer[i], d->serials._buffer[i - 1]);
+        }
+        mu_text_format(line, "%s%s #%llu", i ? ", " : "", story_names[d->slots._buffer[i]],
+                       (unsigned long long)d->numbers._buffer[i]);
+    }
+}
+
+static inline void story_circular(const muster_Delivery *d)
+{
+    static char buffer[1 << 16];
+    struct mu_text line;
+    mu_text_init(&line, buffer, sizeof buffer);
+    mu_text_add(&line, "all: ");
+    story_boxes(d, &line);
+    for (uint32_t i = 0; i < d->letters._length; i++) {
+        const muster_Mail *m = &d->letters._buffer[i];
+        mu_text_format(&line, "%s%s/%llu %s", i ? ", " : " | ", m->src, (unsigned long long)m->seq,
+                       m->content);
+    }
+    CU_ASSERT_TRUE(d->parcels._length + d->receipts._length + d->verdicts._length == 0);
+    CU_ASSERT_TRUE(d->members._length + d->memberships._length + d->offers._length == 0);
+    CU_ASSERT_TRUE(d->seat == 0 && d->serial == 0 && d->step == muster_STEP_NOW && !d->roll_call);
+    story_line(line.at);
+}
+
 static inline void story_note(const muster_Delivery *d)
 {
     char line[MU_CONTENT_MAX + 128];
+    CU_ASSERT_STRING_EQUAL(d->broker, "alpha");
+    if (d->seats._length > 0) {
+        story_circular(d);
+        return;
+    }
+    story_seat(d);
     if (d->step != muster_STEP_NOW) {
         snprintf(line, sizeof line, "%s@%lld", d->process, (long long)d->step);
         story_line(line);
@@ -217,7 +309,6 @@ static inline void story_note(const muster_Delivery *d)
                  (unsigned long long)g->number, g->agent, glance_word(g->word), g->text);
         story_line(line);
     }
-    CU_ASSERT_STRING_EQUAL(d->broker, "alpha");
     story.members += d->members._length;
 }
 

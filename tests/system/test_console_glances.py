@@ -173,7 +173,7 @@ def test_a_mind_at_work_is_looked_at_when_it_is_through():
             answer(domain, "red", "(grow)")
             at_work = processes.start(
                 MUSTER, "console", "red", "--wait", 30, "--domain", domain, "-c",
-                "(loop-for-count 8000 (str-length (str-cat ?*text* x)))")
+                "(loop-for-count 20000 (str-length (str-cat ?*text* x)))")
             wait_for(lambda: members(domain)["red"].get("reason"), 10, "it is busy")
             done = console(domain, "red", "(my-name)", "--wait", 30)
             check_equal((done.returncode, done.stdout), (0, "red\n"), done.stderr)

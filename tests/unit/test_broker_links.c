@@ -2,7 +2,7 @@
 /*
  * Random histories of three brokers whose links are cut and lose what crosses them, while agents
  * move, against what docs/broker.md promises as long as the brokers live: each mail arrives, once,
- * and nobody is told `delivered` before.
+ * and nobody is told `delivered` before.  Some agents hear circulars, from some time on.
  *
  *     MUSTER_SEED=N       that history alone; MUSTER_TELL=1 tells it while it goes on
  *     MUSTER_SECONDS=N    so long, with other seeds than by default
@@ -12,6 +12,7 @@
 #include "core/random.h"
 
 #include <stdarg.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,12 +22,14 @@ static struct mu_random dice;
 static uint64_t seed;
 
 static struct letter {
-    struct net_agent *from, *to;
+    struct net_agent *from, *to; /* the first of those whom it is for */
     uint64_t seq;
-    bool heard, told;
+    uint32_t meant, heard; /* sets of agents: a bit for each */
+    bool told;
 } letters[MAILS];
 static uint32_t letters_count;
-static bool was_mute; /* receipts were lost */
+static uint64_t *circulars; /* of all histories: shared with them */
+static bool was_mute;       /* receipts were lost */
 
 static uint32_t roll(uint32_t sides)
 {
@@ -64,20 +67,47 @@ static struct net_agent *any_agent(void)
     return &net.agents[roll(net.agents_count)];
 }
 
+/* Sends to all of a set. */
+static void letter_send(uint32_t meant)
+{
+    char content[16], dst[256] = "";
+    struct letter *l = &letters[letters_count];
+    *l = (struct letter){.from = any_agent(), .meant = meant};
+    for (uint32_t i = net.agents_count; i > 0; i--) {
+        struct net_agent *a = &net.agents[i - 1];
+        if (meant & 1u << (i - 1)) {
+            size_t len = strlen(dst);
+            snprintf(dst + len, sizeof dst - len, "%s%s", len ? "," : "", a->name);
+            l->to = a;
+        }
+    }
+    l->seq = l->from->seq + 1;
+    snprintf(content, sizeof content, "%lu", (unsigned long)letters_count);
+    note("%s at %d sends %s to %s", l->from->name, l->from->at, content, dst);
+    letters_count++;
+    net_send(l->from->name, dst, content);
+}
+
 static void act_send(void)
 {
-    char content[16];
-    struct letter *l = &letters[letters_count];
     for (uint32_t many = 1 + roll(3); many > 0 && letters_count < MAILS; many--) {
-        l = &letters[letters_count];
-        *l = (struct letter){.from = any_agent(), .to = any_agent()};
-        l->seq = l->from->seq + 1;
-        snprintf(content, sizeof content, "%lu", (unsigned long)letters_count);
-        note("%s at %d sends %s to %s at %d", l->from->name, l->from->at, content, l->to->name,
-             l->to->at);
-        letters_count++;
-        net_send(l->from->name, l->to->name, content);
+        letter_send(1u << roll(net.agents_count));
     }
+}
+
+static void act_send_many(void)
+{
+    uint32_t all = (1u << net.agents_count) - 1;
+    for (uint32_t many = 1 + roll(2); many > 0 && letters_count < MAILS; many--) {
+        letter_send(roll(2) ? all : all & ~(1u << roll(net.agents_count)));
+    }
+}
+
+static void act_hear(void)
+{
+    struct net_agent *a = any_agent();
+    note("%s hears the circulars of %d", a->name, a->at);
+    net_hear(a);
 }
 
 static void act_link(void)
@@ -89,11 +119,11 @@ static void act_link(void)
 
 static void act_disturb(void)
 {
-    bool *const what[] = {net.deaf, net.twice};
-    bool *one = &what[roll(2)][roll(NET_BROKERS)];
+    bool *const what[] = {net.deaf, net.twice, net.faint};
+    bool *one = &what[roll(3)][roll(NET_BROKERS)];
     *one = !*one;
-    note("deaf %d%d%d twice %d%d%d", net.deaf[0], net.deaf[1], net.deaf[2], net.twice[0],
-         net.twice[1], net.twice[2]);
+    note("deaf %d%d%d twice %d%d%d faint %d%d%d", net.deaf[0], net.deaf[1], net.deaf[2],
+         net.twice[0], net.twice[1], net.twice[2], net.faint[0], net.faint[1], net.faint[2]);
 }
 
 static void act_mute(void)
@@ -120,19 +150,28 @@ static void act_move(void)
 static void heard_take(struct net_agent *a)
 {
     char *at = a->heard;
+    uint32_t one = 1u << (a - net.agents);
     while (*at) {
         uint32_t letter = (uint32_t)strtoul(at, &at, 10);
         note("%s hears %lu", a->name, (unsigned long)letter);
-        if (letter >= letters_count || letters[letter].to != a) {
+        if (letter >= letters_count || !(letters[letter].meant & one)) {
             fail("came to another one", letter);
         }
-        if (letters[letter].heard) {
+        if (letters[letter].heard & one) {
             fail("came twice", letter);
         }
-        letters[letter].heard = true;
+        letters[letter].heard |= one;
         at += strspn(at, "; ");
     }
     a->heard[0] = '\0';
+}
+
+/* @return whether it may be told to be delivered; of one to many, whoever has taken over some of
+ * them says so for these */
+static bool has_arrived(const struct letter *l)
+{
+    bool is_to_one = (l->meant & (l->meant - 1)) == 0;
+    return is_to_one ? l->heard == l->meant : l->heard != 0;
 }
 
 static void outcome_take(const struct net_agent *a, uint64_t first, uint64_t last, const char *word)
@@ -145,7 +184,7 @@ static void outcome_take(const struct net_agent *a, uint64_t first, uint64_t las
             continue;
         }
         l->told = true;
-        if (delivered && !l->heard) {
+        if (delivered && !has_arrived(l)) {
             fail("was told to be delivered", i);
         }
         if (!delivered && !waits) {
@@ -183,6 +222,7 @@ static void grow_quiet(void)
     note("it grows quiet");
     memset(net.deaf, 0, sizeof net.deaf);
     memset(net.twice, 0, sizeof net.twice);
+    memset(net.faint, 0, sizeof net.faint);
     for (int i = 0; i < NET_BROKERS; i++) {
         int j = (i + 1) % NET_BROKERS;
         if (net.mute[i]) {
@@ -196,7 +236,7 @@ static void grow_quiet(void)
         pass(200 * MS);
     }
     for (uint32_t i = 0; i < letters_count; i++) {
-        if (!letters[i].heard) {
+        if (letters[i].heard != letters[i].meant) {
             fail("never came", i);
         }
         if (!letters[i].told && !was_mute) {
@@ -204,7 +244,7 @@ static void grow_quiet(void)
         }
     }
     for (int i = 0; i < NET_BROKERS; i++) {
-        if (net.b[i]->mailbox.posts_live > 0) {
+        if (net.b[i]->mailbox.posts_live > 0 || net.b[i]->circulars.count > 0) {
             fail("is the last, and some mail stays", letters_count - 1);
         }
     }
@@ -212,17 +252,22 @@ static void grow_quiet(void)
 
 static void history_live(void)
 {
-    static void (*const acts[])(void) = {act_send, act_send, act_send, act_send, act_send,
-                                         act_send, act_link, act_move, act_mute, act_disturb};
-    static const char *const names[] = {"red", "green", "blue", "white", "grey"};
+    static void (*const acts[])(void) = {act_send, act_send,      act_send, act_send,   act_send,
+                                         act_send, act_send_many, act_hear, act_hear,   act_hear,
+                                         act_link, act_move,      act_mute, act_disturb};
+    static const char *const names[] = {"red",  "green", "blue",  "white",
+                                        "grey", "black", "brown", "pink"};
     static const uint64_t passes_ms[] = {0, 1, 5, 20, 100, 300, 1100};
     mu_random_seed(&dice, seed, "links");
     net_begin();
     for (int i = 0; i < NET_BROKERS; i++) {
         net_link(i, (i + 1) % NET_BROKERS, true);
     }
-    for (int i = 0; i < 5; i++) {
-        (void)net_join(names[i], i % NET_BROKERS);
+    for (int i = 0; i < NET_AGENTS; i++) {
+        struct net_agent *a = net_join(names[i], i < NET_AGENTS - 2 ? 0 : i % NET_BROKERS);
+        if (roll(4)) {
+            net_hear(a);
+        }
     }
     pass(1000 * MS);
     for (uint32_t i = 0; i < STEPS; i++) {
@@ -230,6 +275,7 @@ static void history_live(void)
         pass(passes_ms[roll(7)] * MS);
     }
     grow_quiet();
+    *circulars += net.circulars;
 }
 
 /* Each history is a process of its own.  @return whether all was as promised */
@@ -254,6 +300,9 @@ static void test_links(void)
     uint64_t wanted = suite_setting("MUSTER_SEED", 0), seconds = suite_setting("MUSTER_SECONDS", 0);
     uint64_t until_ns = mu_clock_ns() + (seconds ? seconds : 3) * 1000 * MS;
     uint32_t histories = 0, failures = 0;
+    circulars =
+        mmap(NULL, sizeof *circulars, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_TRUE_FATAL(circulars != MAP_FAILED);
     seed = wanted ? wanted : seconds ? mu_clock_wall_ns() / 1000 : 1;
     do {
         failures += !live();
@@ -261,7 +310,9 @@ static void test_links(void)
         seed++;
     } while (!wanted && mu_clock_ns() < until_ns && failures < 3);
     CU_ASSERT_EQUAL(failures, 0);
-    printf("\n  %lu histories\n", (unsigned long)histories);
+    CU_ASSERT_TRUE(wanted || *circulars > 0);
+    printf("\n  %lu histories, %llu circulars\n", (unsigned long)histories,
+           (unsigned long long)*circulars);
 }
 
 int main(void)

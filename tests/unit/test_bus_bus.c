@@ -163,6 +163,50 @@ static void test_one_writer_into_two_partitions(void)
     CU_ASSERT_EQUAL(life, BUS_LOST);
 }
 
+static void partition_write(const struct bus_writer *to, int64_t step)
+{
+    muster_Delivery d = delivery(step);
+    CU_ASSERT_EQUAL(bus_write(to, &d), MU_OK);
+}
+
+/* Takes what the ends of writers have left. */
+static void reader_empty(struct bus_reader *reader)
+{
+    enum bus_life life;
+    while (bus_next(reader, &life)) {
+        CU_ASSERT_NOT_EQUAL(life, BUS_DATA);
+    }
+}
+
+/* A process reads its own partition and everybody's. */
+static void test_writers_share_a_process(void)
+{
+    static struct bus_reader own, everybodys;
+    struct bus_writer to_all, to_p3, to_p4;
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_DELIVERY, "p3", &own), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &to_all), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p3", NULL, &to_p3), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p4", NULL, &to_p4), MU_OK);
+    CU_ASSERT_FALSE(bus_writer_shares(&to_p3, "p3", &to_all));
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open_deep(&bus, BUS_DELIVERY, BUS_TO_ALL, 8, &everybodys),
+                          MU_OK);
+    CU_ASSERT_TRUE(bus_writer_shares(&to_p3, "p3", &to_all));
+    CU_ASSERT_FALSE(bus_writer_shares(&to_p4, "p4", &to_all));
+    CU_ASSERT_FALSE(bus_writer_shares(&to_p3, "p4", &to_all)); /* it reaches nobody there */
+    CU_ASSERT_FALSE(bus_writer_shares(&to_p3, "p3", &to_p4));
+    partition_write(&to_p3, 1);
+    expect_steps(&own, 1, 1);
+    partition_write(&to_all, 2);
+    expect_steps(&everybodys, 2, 2);
+    expect_nothing(&own);
+    bus_writer_close(&to_all);
+    CU_ASSERT_FALSE(bus_writer_shares(&to_p3, "p3", &to_all));
+    bus_writer_close(&to_p3);
+    bus_writer_close(&to_p4);
+    reader_empty(&own);
+    reader_empty(&everybodys);
+}
+
 /* More than one batch, all of them kept. */
 static void test_batches_in_order(void)
 {
@@ -504,6 +548,7 @@ int main(void)
         {"a place is taken once", test_a_place_is_taken_once},
         {"partitions are apart", test_partitions_are_apart},
         {"one writer into two partitions", test_one_writer_into_two_partitions},
+        {"writers share a process", test_writers_share_a_process},
         {"batches in order", test_batches_in_order},
         {"what breaks a rule is dropped and counted",
          test_what_breaks_a_rule_is_dropped_and_counted},

@@ -4,6 +4,7 @@
  * way that its kind knows.
  */
 #include "../support/suite.h"
+#include "bus/bus.h"
 #include "bus/check.h"
 #include "bus/topics.h"
 #include "muster/limits.h"
@@ -98,6 +99,17 @@ static muster_Delivery delivery = {.process = W("p1"),
                                    .outside = LIST(outside),
                                    .broker = W("b1"),
                                    .glances = LIST(glances)};
+
+static uint32_t seats[FEW] = {1, 4, 4}, slots[FEW] = {0, 0, 7};
+static uint64_t serials[FEW] = {1, 2, 2}, numbers[FEW] = {1, 2, 3};
+static muster_Mail letters[BUS_CIRCULAR_LETTERS + 1] = {A_MAIL, A_MAIL, A_MAIL};
+static muster_Delivery circular = {.process = W(BUS_TO_ALL),
+                                   .broker = W("b1"),
+                                   .seats = LIST(seats),
+                                   .serials = LIST(serials),
+                                   .slots = LIST(slots),
+                                   .numbers = LIST(numbers),
+                                   .letters = LIST(letters)};
 
 static muster_Entry entries[MU_PART_AGENTS + 1] = {
     {.name = W("red"), .home = W("")},
@@ -313,6 +325,14 @@ static const struct field {
      MU_ATTRIBUTES_MAX},
     {"delivery.offer.origin", check_delivery, &delivery, &offers[2].origin, A_TEXT, MU_FIELD_MAX},
     MAIL("delivery.outside", check_delivery, &delivery, outside[2]),
+    {"delivery.serial", check_delivery, &delivery, &delivery.serial, A_LAST, 0},
+    {"circular.serial", check_delivery, &circular, &serials[2], A_COUNT, 0},
+    {"circular.first serial", check_delivery, &circular, &serials[0], A_COUNT, 0},
+    {"circular.number", check_delivery, &circular, &numbers[2], A_COUNT, 0},
+    {"circular.first number", check_delivery, &circular, &numbers[0], A_COUNT, 0},
+    {"circular.letters", check_delivery, &circular, &circular.letters._length, A_LENGTH,
+     BUS_CIRCULAR_LETTERS},
+    MAIL("circular.letter", check_delivery, &circular, letters[2]),
 
     {"roster.simulator", check_roster, &roster, &roster.simulator, A_WORD, MU_PROCESS_MAX},
     {"roster.broker", check_roster, &roster, &roster.broker, A_TEXT, MU_NAME_MAX},
@@ -518,6 +538,9 @@ static int lists_fill(void)
     for (size_t i = FEW; i <= MU_OUTBOX_MAX; i++) {
         mails[i] = mails[0];
     }
+    for (size_t i = FEW; i <= BUS_CIRCULAR_LETTERS; i++) {
+        letters[i] = letters[0];
+    }
     for (size_t i = FEW; i <= MU_LOCAL_AGENTS_MAX; i++) {
         acts[i] = acts[0];
         acks[i] = acks[0];
@@ -617,6 +640,41 @@ static void test_words_about_trips(void)
     up.trips._length = up.trips._maximum = 0;
 }
 
+/* The lists of a circular are of the same boxes, and whoever looks for its seat finds all of it. */
+static void test_boxes_of_circulars(void)
+{
+    uint32_t *const lengths[] = {&circular.seats._length, &circular.serials._length,
+                                 &circular.slots._length, &circular.numbers._length};
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        *lengths[i] = FEW - 1;
+        CU_ASSERT_FALSE(check_delivery(&circular));
+        *lengths[i] = 0;
+        CU_ASSERT_FALSE(check_delivery(&circular));
+        *lengths[i] = FEW;
+        CU_ASSERT_TRUE(check_delivery(&circular));
+    }
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        *lengths[i] = 0;
+    }
+    CU_ASSERT_TRUE(check_delivery(&circular)); /* for nobody */
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        *lengths[i] = FEW;
+    }
+    static const struct {
+        uint32_t seats[FEW];
+        bool good;
+    } rows[] = {{{0, 0, 0}, true},
+                {{1, 2, UINT32_MAX}, true},
+                {{2, 1, 3}, false},
+                {{1, 3, 2}, false},
+                {{UINT32_MAX, 0, 1}, false}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        circular.seats._buffer = (uint32_t *)(uintptr_t)rows[i].seats;
+        CU_ASSERT_EQUAL(check_delivery(&circular), rows[i].good);
+    }
+    circular.seats._buffer = seats;
+}
+
 /* Corners come in pairs, and an outline has no more than 64. */
 static void test_outlines(void)
 {
@@ -672,6 +730,7 @@ int main(void)
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
         {"words about trips", test_words_about_trips},
+        {"boxes of circulars", test_boxes_of_circulars},
         {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},
         CU_TEST_INFO_NULL,

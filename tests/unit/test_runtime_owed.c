@@ -53,16 +53,24 @@ static void test_what_is_out_is_not_owed(void)
     CU_ASSERT_TRUE(owed_due(&o, T_NS + OWED_PAUSE_NS + OWED_DELAY_NS));
 }
 
+/* @return how long who has spoken at that time, and takes one parcel after the other, is silent */
+static uint64_t pause_after(uint64_t said_ns)
+{
+    struct owed o = {0};
+    owed_add(&o, said_ns);
+    owed_clear(&o, said_ns);
+    owed_add(&o, said_ns + 1);
+    uint64_t pause_ns = 1 + (uint64_t)owed_wait_ns(&o, said_ns + 1);
+    CU_ASSERT_FALSE(owed_due(&o, said_ns + pause_ns - 1));
+    CU_ASSERT_TRUE(owed_due(&o, said_ns + pause_ns));
+    return pause_ns;
+}
+
 static void test_a_steady_taker_speaks_at_intervals(void)
 {
     struct owed o = {0};
     owed_add(&o, T_NS);
     owed_clear(&o, T_NS);
-    owed_add(&o, T_NS + 1);
-    CU_ASSERT_FALSE(owed_due(&o, T_NS + OWED_PAUSE_NS - 1));
-    CU_ASSERT_EQUAL(owed_wait_ns(&o, T_NS + OWED_PAUSE_NS - 7), 7);
-    CU_ASSERT_TRUE(owed_due(&o, T_NS + OWED_PAUSE_NS));
-    owed_clear(&o, T_NS + OWED_PAUSE_NS);
     owed_clear(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS); /* nothing was said */
     owed_add(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS);
     CU_ASSERT_TRUE(owed_due(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS + OWED_DELAY_NS));
@@ -70,6 +78,22 @@ static void test_a_steady_taker_speaks_at_intervals(void)
         owed_add(&o, T_NS + OWED_PAUSE_NS);
     }
     CU_ASSERT_TRUE(owed_due(&o, T_NS + 2 * (uint64_t)OWED_PAUSE_NS)); /* the window fills up */
+}
+
+/* A hundred that have answered a broadcast within a millisecond do not do so together again. */
+static void test_a_crowd_speaks_at_different_times(void)
+{
+    enum { CROWD = 100, TENTHS = 10 };
+    unsigned in_tenth[TENTHS] = {0};
+    for (uint64_t i = 0; i < CROWD; i++) {
+        uint64_t said_ns = T_NS + 9973 * i;
+        uint64_t pause_ns = pause_after(said_ns);
+        CU_ASSERT_FATAL(pause_ns >= OWED_PAUSE_NS / 2 && pause_ns < OWED_PAUSE_NS * 3 / 2);
+        in_tenth[(pause_ns - OWED_PAUSE_NS / 2) * TENTHS / OWED_PAUSE_NS]++;
+    }
+    for (int i = 0; i < TENTHS; i++) {
+        CU_ASSERT(in_tenth[i] < CROWD / 4);
+    }
 }
 
 int main(void)
@@ -82,6 +106,7 @@ int main(void)
          test_what_is_due_and_cannot_go_is_no_busy_loop},
         {"what is out is not owed", test_what_is_out_is_not_owed},
         {"a steady taker speaks at intervals", test_a_steady_taker_speaks_at_intervals},
+        {"a crowd speaks at different times", test_a_crowd_speaks_at_different_times},
         CU_TEST_INFO_NULL,
     };
     return suite_run("runtime/owed", tests);

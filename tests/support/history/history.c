@@ -75,8 +75,7 @@ static void processes_live(void)
             continue;
         }
         process_beat(p);
-        while (p->deliveries_count > 0 && !history_chance(3)) {
-            process_take(p);
+        while (!history_chance(3) && inbox_take(p)) {
         }
         if (!history_chance(3)) {
             process_flush(p);

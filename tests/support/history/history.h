@@ -11,6 +11,8 @@
  *   history_acts.c    what happens, by the dice
  *   history_agent.c   processes and agents: numbers, sending again, taking, acknowledging
  *   history_net.c     registrations, Ups and Deliveries on their way
+ *   history_many.c    circulars on their way
+ *   history_inbox.c   what has come to a process, and in which order it takes that
  *   history_life.c    the lives of a broker
  *   history_disk.c    its disk
  *   history_ledger.c  every mail: who is to have it, who has it, what its sender was told
@@ -37,7 +39,9 @@ enum {
     LIVES = 2048, /* of agents */
     OUTBOX = 40,
     TAKEN = 256,
-    QUEUE = 6, /* Ups, or Deliveries, on their way to or from a process */
+    QUEUE = 6,     /* Ups, or Deliveries, on their way to or from a process */
+    INBOX = 16,    /* Deliveries and circulars together */
+    CHAIRS = 4096, /* what the broker calls seats: of processes, in one life of it */
     UP_MAILS = 12,
     PARCELS = MU_WINDOW_MAX,
     RECEIPTS = 256,
@@ -105,7 +109,8 @@ struct actor {
     bool registered, refused, leaving;
     muster_BoxPolicy policy;
     uint32_t box_mails;
-    uint64_t incarnation; /* of the broker that has accepted it */
+    uint64_t incarnation;     /* of the broker that has accepted it */
+    uint64_t accepted_serial; /* of the Delivery that said so */
     struct slot outbox[OUTBOX];
     uint32_t waiting, unsent; /* mails in it; the first that is to go out */
     uint64_t first_seq, next_seq, own_seq, earlier_end;
@@ -141,7 +146,8 @@ struct up {
 };
 
 struct parcel {
-    int box, src; /* src NOBODY: the broker */
+    int box, src; /* src NOBODY: the broker; box NOBODY: a circular's, */
+    int seat;     /* where it has this instead */
     uint64_t number, seq;
     uint32_t mail;
     int32_t priority;
@@ -152,6 +158,11 @@ struct parcel {
 
 struct delivery {
     uint32_t life; /* of the broker */
+    uint64_t incarnation;
+    uint32_t chair; /* the process, by the broker's count */
+    uint64_t serial;
+    uint64_t comes_ns;
+    bool has_come, is_circular;
     struct parcel parcels[PARCELS];
     uint32_t parcels_count;
     struct {
@@ -177,8 +188,16 @@ struct process {
     struct actor seats[SEATS];
     struct up ups[QUEUE];
     uint32_t ups_count;
-    struct delivery deliveries[QUEUE];
+    bool has_ears; /* for circulars */
+    bool hears;    /* and the broker knows */
+    struct delivery deliveries[INBOX];
     uint32_t deliveries_count;
+    uint64_t comes_ns; /* the last Delivery */
+    struct {
+        uint64_t incarnation, serial;
+        uint32_t chair;
+        uint64_t lacks_ns; /* since when something is missing */
+    } inbox;
     uint64_t copied_from;     /* the broker's incarnation */
     muster_State seen[NAMES]; /* its copy of the white pages */
     names members[GROUPS];    /* its copies of groups and services */
@@ -206,6 +225,10 @@ struct life {
     uint64_t incarnation, began_ns;
     uint64_t highest[NAMES]; /* number handed out */
     uint64_t acked[NAMES];   /* number acknowledged */
+    struct chair {
+        const struct process *of;
+        uint64_t serial; /* of what went there last */
+    } chairs[CHAIRS];
     bool disk_fails;
 };
 
@@ -231,6 +254,7 @@ struct history {
                               are not theirs alone */
     struct {
         uint64_t taken, receipts, kills, repeats, again, expired, dropped, refused;
+        uint64_t circulars, by_circular, early, late, lost;
     } seen; /* that the history was worth something */
 };
 
@@ -262,7 +286,7 @@ void agent_join(struct process *p, int seat, int name);
 bool agent_send(struct actor *a, uint32_t mail);
 void process_begin(struct process *p);
 void process_forget(struct process *p);
-void process_take(struct process *p);
+void process_take(struct process *p, const struct delivery *d);
 void process_flush(struct process *p);
 void process_beat(struct process *p);
 struct actor *process_agent(struct process *p, int name);
@@ -275,6 +299,23 @@ void net_feed(struct process *p);
 void net_match(void);
 void net_lose(struct process *p, bool crashed);
 void net_deliver(void);
+void net_parcel_copy(const muster_Mail *from, uint64_t number, struct parcel *to);
+/** A number goes out to a box for the first time, or as it was. */
+void net_parcel_check(const struct process *p, int box, const struct parcel *parcel);
+
+/* history_many.c */
+void many_hear(void);
+void many_deliver(const muster_Delivery *d);
+/** Something with that serial goes to a process. */
+void many_count(struct process *p, uint32_t chair, uint64_t serial);
+
+/* history_inbox.c */
+/** @return room for one more; it comes later, perhaps; NULL: there is none */
+struct delivery *inbox_add(struct process *p, bool is_circular);
+/** The broker is dead: what has not come never will. */
+void inbox_orphan(struct process *p);
+/** Takes what is next.  @return whether there was any */
+bool inbox_take(struct process *p);
 
 /* history_life.c */
 void life_begin(void);

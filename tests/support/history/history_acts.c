@@ -64,6 +64,7 @@ static void act_cut(void)
         history_note("%s is cut off", p->name);
         p->reaches = false;
         p->ups_count = 0;
+        p->deliveries_count = history_chance(2) ? p->deliveries_count : 0;
         for (int seat = 0; seat < SEATS; seat++) {
             history.cut[p->seats[seat].life] = true;
         }

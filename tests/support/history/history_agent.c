@@ -66,7 +66,9 @@ void process_begin(struct process *p)
     }
     process_forget(p);
     p->copied_from = 0;
-    history_note("%s begins", p->name);
+    p->has_ears = !history_chance(5);
+    memset(&p->inbox, 0, sizeof p->inbox);
+    history_note("%s begins%s", p->name, p->has_ears ? "" : " and hears no circulars");
 }
 
 void process_beat(struct process *p)
@@ -181,6 +183,17 @@ static bool ring_has(const struct actor *a, int src, uint64_t seq)
     return false;
 }
 
+/* @return for whom a parcel is; of a circular, who was in that seat when it was written; or NULL */
+static struct actor *parcel_agent(struct process *p, const struct delivery *d,
+                                  const struct parcel *parcel)
+{
+    if (!d->is_circular) {
+        return process_agent(p, parcel->box);
+    }
+    struct actor *a = &p->seats[parcel->seat];
+    return a->name != NOBODY && a->registered && a->accepted_serial < d->serial ? a : NULL;
+}
+
 static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
 {
     if (p->number <= a->last_number || (a->in_order && p->number != a->last_number + 1)) {
@@ -207,9 +220,8 @@ static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
     ledger_hand(a, p, life);
 }
 
-void process_take(struct process *p)
+void process_take(struct process *p, const struct delivery *d)
 {
-    const struct delivery *d = &p->deliveries[0];
     for (uint32_t i = 0; i < d->verdicts_count; i++) {
         struct actor *a = process_agent(p, d->verdicts[i].name);
         if (a) {
@@ -217,6 +229,7 @@ void process_take(struct process *p)
                          d->verdicts[i].accepted ? "accepted" : "refused");
             verdict_take(p, a, d->verdicts[i].accepted, d->verdicts[i].last_seq,
                          d->verdicts[i].incarnation);
+            a->accepted_serial = d->serial;
         }
     }
     for (uint32_t i = 0; i < d->receipts_count; i++) {
@@ -233,13 +246,12 @@ void process_take(struct process *p)
         }
     }
     for (uint32_t i = 0; i < d->parcels_count; i++) {
-        struct actor *a = process_agent(p, d->parcels[i].box);
+        const struct parcel *parcel = &d->parcels[i];
+        struct actor *a = parcel_agent(p, d, parcel);
         if (a && !a->leaving) {
-            parcel_take(a, &d->parcels[i], d->life);
+            parcel_take(a, parcel, d->life);
         }
     }
-    p->deliveries_count--;
-    memmove(&p->deliveries[0], &p->deliveries[1], p->deliveries_count * sizeof p->deliveries[0]);
 }
 
 /* --- what it says ----------------------------------------------------------------------------- */

@@ -241,8 +241,8 @@ void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t 
     if (e->accepted == 0 && history.hasty[a->life]) {
         return;
     }
-    history_note("%s hears %d of #%lu", history_name(a->name), (int)result,
-                 (unsigned long)(e - history.ledger));
+    history_note("%s hears %d of #%lu: live %x taken %x", history_name(a->name), (int)result,
+                 (unsigned long)(e - history.ledger), e->live, e->taken);
     history.seen.receipts++;
     history.seen.expired += result == muster_OUTCOME_EXPIRED;
     history.seen.dropped += result == muster_OUTCOME_DROPPED;

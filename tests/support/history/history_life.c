@@ -71,7 +71,9 @@ void life_kill(void)
     for (int i = 0; i < PROCESSES; i++) {
         struct process *p = &history.processes[i];
         p->ups_count = 0;
+        p->hears = false;
         p->deliveries_count = history_chance(2) ? p->deliveries_count : 0;
+        inbox_orphan(p);
         p->registration_due = true;
     }
     if (history.has_store) {
@@ -85,6 +87,7 @@ void life_round(void)
 {
     broker_tick(history.life.b, life_now_ns());
     book_expire();
+    many_hear();
     if (history.has_store) {
         disk_write();
     }
@@ -147,6 +150,7 @@ void life_check_empty(void)
     HOLD(b->due.count == 0 && b->expiry.count == 0);
     HOLD(b->ages.oldest == NULL);
     HOLD(b->claims.count == 0);
+    HOLD(b->circulars.count == 0);
     HOLD(b->mailbox.watch_head == MU_NONE);
     for (int side = 0; side < SHARE_SIDES; side++) {
         HOLD(b->shares.all[side].mails == 0 && b->shares.all[side].bytes == 0 &&

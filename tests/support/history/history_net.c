@@ -50,6 +50,7 @@ void net_match(void)
         for (uint32_t k = 0; (wanted = broker_process(history.life.b, k)); k++) {
             if (strcmp(wanted, p->name) == 0 && p->alive && p->reaches && !history_chance(3)) {
                 history_note("%s has matched", p->name);
+                p->hears = false;
                 broker_matched(history.life.b, p->name, true, life_now_ns());
                 break;
             }
@@ -59,6 +60,7 @@ void net_match(void)
 
 void net_lose(struct process *p, bool crashed)
 {
+    p->hears = false;
     if (!history.life.b) {
         return;
     }
@@ -196,32 +198,30 @@ void net_feed(struct process *p)
 
 /* --- Deliveries ------------------------------------------------------------------------------- */
 
-static void parcel_copy(const muster_Parcel *from, struct parcel *to)
+void net_parcel_copy(const muster_Mail *m, uint64_t number, struct parcel *to)
 {
-    const muster_Mail *m = &from->letter;
-    *to = (struct parcel){.box = history_name_index(from->box),
+    *to = (struct parcel){.box = NOBODY,
                           .src = history_name_index(m->src),
-                          .number = from->number,
+                          .number = number,
                           .seq = m->seq,
                           .priority = m->priority,
                           .layer = m->layer,
                           .again = m->again,
                           .text = mu_hash_string(m->content)};
     bool of_broker = to->src == NOBODY;
-    HOLD(to->box != NOBODY && (!of_broker || strcmp(m->src, "broker") == 0));
+    HOLD(!of_broker || strcmp(m->src, "broker") == 0);
     to->mail = (uint32_t)strtoul(of_broker ? m->in_reply_to : m->content, NULL, 10);
     HOLD(to->mail < history.mails);
 }
 
-/* A number goes out for the first time, or as it was. */
-static void parcel_check(const struct process *p, const struct parcel *parcel)
+void net_parcel_check(const struct process *p, int box, const struct parcel *parcel)
 {
     struct life *l = &history.life;
     muster_Member m;
-    HOLD(life_member(parcel->box, &m) && strcmp(m.process, p->name) == 0);
-    uint64_t *highest = &l->highest[parcel->box];
+    HOLD(box != NOBODY && life_member(box, &m) && strcmp(m.process, p->name) == 0);
+    uint64_t *highest = &l->highest[box];
     if (*highest != 0 && parcel->number <= *highest) {
-        HOLD(parcel->number > l->acked[parcel->box]);
+        HOLD(parcel->number > l->acked[box]);
         return;
     }
     HOLD(*highest == 0 || parcel->number == *highest + 1);
@@ -261,16 +261,20 @@ static void news_copy(struct process *p, const muster_Delivery *from)
 
 static void delivery_copy(struct process *p, const muster_Delivery *from)
 {
-    struct delivery *to = &p->deliveries[p->deliveries_count++];
+    struct delivery *to = inbox_add(p, false);
     HOLD(from->parcels._length <= PARCELS && from->receipts._length <= RECEIPTS &&
          from->verdicts._length <= VERDICTS);
-    to->life = history.life.number;
+    to->chair = from->seat;
+    to->serial = from->serial;
+    many_count(p, from->seat, from->serial);
     to->parcels_count = from->parcels._length;
     to->receipts_count = from->receipts._length;
     to->verdicts_count = from->verdicts._length;
     for (uint32_t i = 0; i < to->parcels_count; i++) {
-        parcel_copy(&from->parcels._buffer[i], &to->parcels[i]);
-        parcel_check(p, &to->parcels[i]);
+        const muster_Parcel *parcel = &from->parcels._buffer[i];
+        net_parcel_copy(&parcel->letter, parcel->number, &to->parcels[i]);
+        to->parcels[i].box = history_name_index(parcel->box);
+        net_parcel_check(p, to->parcels[i].box, &to->parcels[i]);
     }
     for (uint32_t i = 0; i < to->receipts_count; i++) {
         const muster_Receipt *r = &from->receipts._buffer[i];
@@ -297,10 +301,14 @@ void net_deliver(void)
     const char *name;
     muster_Delivery d;
     while (broker_next(history.life.b, &name, &d)) {
+        if (strcmp(name, BUS_TO_ALL) == 0) {
+            many_deliver(&d);
+            continue;
+        }
         struct process *p = &history.processes[strtol(name + 1, NULL, 10)];
         HOLD(strcmp(name, p->name) == 0);
         bool lost = history.loses && !history.is_quiet && history_chance(6);
-        if (lost || !p->alive || p->deliveries_count == QUEUE) {
+        if (lost || !p->alive || p->deliveries_count >= QUEUE) {
             broker_undelivered(history.life.b);
             continue;
         }
