@@ -214,6 +214,25 @@ static void test_who_is_blocked(void)
     CU_ASSERT_EQUAL(story.gaps, 0);
 }
 
+static void test_who_is_blocked_and_has_nothing_before(void)
+{
+    const char *process;
+    muster_Delivery d;
+    crowd_of(5);
+    muster_Mail m = letter("red", 0, "a", "brief");
+    m.ttl_ns = COURIER_RETRY_NS / 2;
+    say_as(m);
+    CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
+    broker_undelivered(story.b);
+    story_tick(COURIER_RETRY_NS / 2);
+    EXPECT("red 6-6 expired");
+    say("all", "hi");
+    EXPECT("all: " REST(2) " | red/7 hi");
+    story_tick(COURIER_RETRY_NS);
+    EXPECT("a #2 red/7 hi");
+    CU_ASSERT_EQUAL(story.gaps, 0);
+}
+
 static void test_who_is_suspended(void)
 {
     crowd_of(5);
@@ -437,17 +456,21 @@ static void test_the_network_refuses(void)
     CU_ASSERT_TRUE_FATAL(broker_next(story.b, &process, &d));
     CU_ASSERT_STRING_EQUAL(process, BUS_TO_ALL);
     broker_undelivered(story.b);
-    EXPECT("a #2 red/5 one; a #3 red/6 two; b #2 red/5 one; b #3 red/6 two; "
+    muster_Mail urgent = letter("red", 0, "a", "urgent");
+    urgent.priority = 1;
+    say_as(urgent); /* what is not out yet makes way for it */
+    EXPECT("a #2 red/7 urgent; a #3 red/5 one; a #4 red/6 two; b #2 red/5 one; b #3 red/6 two; "
            "c #2 red/5 one; c #3 red/6 two; d #2 red/5 one; d #3 red/6 two");
     CU_ASSERT_EQUAL(story.b->courier.count.blocked, 1);
     say("all", "three"); /* there is no hurry to try again */
-    EXPECT("a #4 red/7 three; b #4 red/7 three; c #4 red/7 three; d #4 red/7 three");
+    EXPECT("a #5 red/8 three; b #4 red/8 three; c #4 red/8 three; d #4 red/8 three");
     story_tick(CIRCULAR_PAUSE_NS);
     say("all", "four");
-    EXPECT("all: a #5, b #5, c #5, d #5 | red/8 four");
+    EXPECT("all: a #6, b #5, c #5, d #5 | red/9 four");
     CU_ASSERT_EQUAL(story.again, 0);
     acknowledge(5);
-    EXPECT("red 5-8 delivered");
+    story_ack("a", 6);
+    EXPECT("red 7-7 delivered; red 5-6 delivered; red 8-9 delivered");
     all_is_over();
 }
 
@@ -596,6 +619,7 @@ int main(void)
         {"who is new in a process", test_who_is_new_in_a_process},
         {"who comes back", test_who_comes_back},
         {"who is blocked", test_who_is_blocked},
+        {"who is blocked and has nothing before", test_who_is_blocked_and_has_nothing_before},
         {"who is suspended", test_who_is_suspended},
         {"who has pages to come", test_who_has_pages_to_come},
         {"who is refused", test_who_is_refused_or_welcomed},
