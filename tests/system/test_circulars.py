@@ -101,6 +101,22 @@ def test_one_that_is_stopped_is_in_nobodys_way():
         check(circulars(domain) > 0, "circulars")
 
 
+def test_one_that_is_stopped_until_it_is_missed():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker_start(processes, domain, "--store", "none")
+        crowd = crowd_start(processes, domain, out)
+        caller_start(processes, domain, ",".join(CROWD), 3000)
+        wait_for(lambda: len(heard(out, "r0")) > 200, 20, "mail comes")
+        crowd["r0"].send_signal(signal.SIGSTOP)
+        wait_for(lambda: members(domain)["r0"]["state"] == "absent", 20, "it is missed")
+        had = len(heard(out, "r1"))
+        wait_for(lambda: len(heard(out, "r1")) > had + 300, 20, "mail waits for it")
+        crowd["r0"].send_signal(signal.SIGCONT)
+        wait_for(lambda: members(domain)["r0"]["state"] == "running", 20, "it is back")
+        all_heard(out, CROWD, 3000)
+
+
 def test_a_broker_that_is_killed_amid_them_is_back():
     domain = new_domain()
     with folder() as out, Processes() as processes:
