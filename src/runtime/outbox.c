@@ -186,19 +186,47 @@ void outbox_sent(struct outbox *box, uint32_t count)
     }
 }
 
-void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
+/* @return the end of those of the numbers that are in the box, which begin at *first */
+static uint64_t range_of(const struct outbox *box, uint64_t *first, uint64_t last_seq)
 {
-    uint64_t first = first_seq > box->first_seq ? first_seq : box->first_seq;
-    uint64_t end = last_seq < box->next_seq ? last_seq + 1 : box->next_seq;
-    for (uint64_t seq = first; seq < end; seq++) {
-        slot_of(box, seq)->confirmed = true;
-    }
+    *first = *first > box->first_seq ? *first : box->first_seq;
+    return last_seq < box->next_seq ? last_seq + 1 : box->next_seq;
+}
+
+static void confirmed_drop(struct outbox *box)
+{
     while (box->first_seq < box->next_seq && slot_of(box, box->first_seq)->confirmed) {
         box->text_tail = slot_of(box, box->first_seq)->text_end;
         box->first_seq++;
     }
     if (box->unsent_seq < box->first_seq) {
         box->unsent_seq = box->first_seq;
+    }
+}
+
+void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
+{
+    uint64_t end = range_of(box, &first_seq, last_seq);
+    for (uint64_t seq = first_seq; seq < end; seq++) {
+        slot_of(box, seq)->confirmed = true;
+    }
+    confirmed_drop(box);
+}
+
+void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
+{
+    uint64_t end = range_of(box, &first_seq, last_seq);
+    for (uint64_t seq = first_seq; seq < end; seq++) {
+        struct outbox_slot *slot = slot_of(box, seq);
+        slot->confirmed = slot->confirmed || ++slot->had >= OUTBOX_HAD;
+    }
+    confirmed_drop(box);
+}
+
+void outbox_forget_had(struct outbox *box)
+{
+    for (uint64_t seq = box->first_seq; seq < box->next_seq; seq++) {
+        slot_of(box, seq)->had = 0;
     }
 }
 

@@ -17,10 +17,13 @@ enum { WIRE_DIRECTIVE = 0 };
 /* Text of the mails in an outbox, in bytes: for each mail, and at least the largest one. */
 enum { OUTBOX_TEXT_EACH = 512, OUTBOX_TEXT_MIN = MU_CONTENT_MAX + 4096 };
 
+enum { OUTBOX_HAD = 4 };
+
 struct outbox_slot {
     muster_Mail mail; /* its strings point into the text ring */
     size_t text_end;  /* where its text ends in the ring */
     bool confirmed;   /* the broker has answered */
+    uint8_t had;      /* how often this life of the broker has said that it has it */
     bool sent;        /* it has gone out */
 };
 
@@ -70,6 +73,16 @@ void outbox_sent(struct outbox *box, uint32_t count);
 
 /** The broker has answered for these. */
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
+
+/**
+ * The broker has had these, and says no more of them now.  They are kept: it may die before it has
+ * answered, and the next one has not had them.  After OUTBOX_HAD times its answer is taken for
+ * lost.
+ */
+void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
+
+/** It is another broker, or another life of it: what was had is to be had again. */
+void outbox_forget_had(struct outbox *box);
 
 /** Everything unanswered goes out again, marked as such if it was out: the broker may be another
  *  one, and the mail may have reached its receiver. */

@@ -128,13 +128,14 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
         if (!a) {
             continue;
         }
-        outbox_confirm(&a->outbox, r->first_seq, r->last_seq);
+        bool is_answer = r->result != muster_OUTCOME_DUPLICATE;
+        (is_answer ? outbox_confirm : outbox_had)(&a->outbox, r->first_seq, r->last_seq);
         resolver_retry(a);
         agent_progress(a);
         /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
          * earlier process of that name has sent is no business of this one. */
         bool ours = a->outbox.begun && r->last_seq >= a->outbox.own_seq;
-        if (a->handlers.on_receipt && ours && r->result != muster_OUTCOME_DUPLICATE) {
+        if (a->handlers.on_receipt && ours && is_answer) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
                                    (enum mu_outcome)r->result);
         }

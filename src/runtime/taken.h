@@ -6,8 +6,10 @@
  * A box's numbers tell what has been had within one life of a broker.  Where a mail says that it
  * may have come before (Mail.again), through another broker or an earlier life of this one, it is
  * looked up here.  A broker hands out at most a window of mails ahead of what has been
- * acknowledged, and begins each priority again with the first of them: so a few more than a window
- * are enough, of each priority, however many of a higher one come in between.
+ * acknowledged, and begins each priority again with the first of them.  And a mail to several is
+ * answered when the last of them has it: of one sender, an agent may have taken as many as its
+ * outbox holds, which come again.  So a few more than both are enough, of each priority, however
+ * many of a higher one come in between.
  *
  * Who goes back to a broker in the same life of it goes on in the box where it was: what it took
  * elsewhere meanwhile may be more than is remembered here.
@@ -15,12 +17,13 @@
 #ifndef MUSTER_RUNTIME_TAKEN_H
 #define MUSTER_RUNTIME_TAKEN_H
 
+#include "muster/limits.h"
 #include "wire.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { TAKEN_MAX = 256, TAKEN_QUEUES = 4, TAKEN_BROKERS = 4 };
+enum { TAKEN_MAX = MU_WINDOW_MAX + MU_OUTBOX_MAX + 32, TAKEN_QUEUES = 4, TAKEN_BROKERS = 4 };
 
 struct taken {
     struct {

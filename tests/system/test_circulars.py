@@ -135,6 +135,24 @@ def test_a_broker_that_is_killed_amid_them_is_back():
         check(circulars(domain) > 0, "circulars of the last life")
 
 
+def test_mail_to_many_comes_once_from_a_broker_that_is_killed():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = ("--store", out / "store.db")
+        broker = broker_start(processes, domain, *store)
+        crowd_start(processes, domain, out)
+        sender = processes.start(program("mail_sender"), domain, "tx", ",".join(CROWD), 3000, 60,
+                                 "logged")
+        for _ in range(2):  # as fast as it goes: some receivers are far ahead of others
+            had = len(heard(out, "r0"))
+            wait_for(lambda: len(heard(out, "r0")) > had + 600, 20, "mail comes")
+            broker.kill()
+            broker.wait()
+            broker = processes.start(MUSTER, "broker", "main", "--domain", domain, *store)
+        all_heard(out, CROWD, 3000)
+        check_equal(sender.wait(60), 0, "the sender has an answer for each")
+
+
 def test_one_that_comes_and_goes():
     domain = new_domain()
     with folder() as out, Processes() as processes:

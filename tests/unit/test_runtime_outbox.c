@@ -129,6 +129,32 @@ static void test_again(void)
     expect_waiting(6, 6, 0);
 }
 
+/* The broker has it, and may die before it answers. */
+static void test_what_was_had_is_kept_for_the_next_broker(void)
+{
+    put_numbered(3);
+    outbox_sent(&box, 3);
+    for (int i = 1; i < OUTBOX_HAD; i++) {
+        outbox_had(&box, 1, 2);
+    }
+    CU_ASSERT_EQUAL(box.first_seq, 1);
+    outbox_forget_had(&box);
+    outbox_again(&box);
+    expect_waiting(1, 1, 3);
+    outbox_sent(&box, 3);
+    for (int i = 1; i < OUTBOX_HAD; i++) {
+        outbox_had(&box, 0, UINT64_MAX);
+    }
+    CU_ASSERT_EQUAL(box.first_seq, 1);
+    outbox_confirm(&box, 2, 2);
+    outbox_had(&box, 1, 1);
+    CU_ASSERT_EQUAL(box.first_seq, 3);
+    outbox_had(&box, 3, 3);
+    CU_ASSERT_EQUAL(box.first_seq, 4);
+    outbox_had(&box, 1, 3); /* too late */
+    expect_waiting(4, 4, 0);
+}
+
 static void test_what_was_out_says_so_when_it_goes_again(void)
 {
     put_numbered(4);
@@ -467,6 +493,7 @@ int main(void)
         {"NULL strings become empty", test_null_strings_become_empty},
         {"going out in order", test_going_out_in_order},
         {"again", test_again},
+        {"what was had is kept for the next broker", test_what_was_had_is_kept_for_the_next_broker},
         {"what was out says so", test_what_was_out_says_so_when_it_goes_again},
         {"confirmed out of order", test_confirmed_out_of_order},
         {"continue numbers what waits", test_continue_numbers_what_waits},

@@ -337,12 +337,15 @@ static void test_receipts_confirm(void)
     receipts(some, 3);
     expect("red 1-2 delivered; red 5-5 box-full; ");
     CU_ASSERT_EQUAL(red->outbox.first_seq, 3);
-    /* A mail that the runtime sent twice is answered for, but the agent hears only once. */
+    /* Of a mail that the runtime sent twice the broker says so, and still has to answer. */
     muster_Receipt twice[] = {
         {.agent = words("red"), .first_seq = 3, .last_seq = 4, .result = muster_OUTCOME_DUPLICATE}};
-    receipts(twice, 1);
-    expect("");
-    CU_ASSERT_EQUAL(red->outbox.first_seq, 6);
+    for (int i = 1; i <= OUTBOX_HAD; i++) {
+        CU_ASSERT_EQUAL(red->outbox.first_seq, 3);
+        receipts(twice, 1);
+        expect("");
+    }
+    CU_ASSERT_EQUAL(red->outbox.first_seq, 6); /* its answer must be lost */
 }
 
 static muster_Verdict verdict(const char *agent, uint64_t broker, uint64_t last_seq)
