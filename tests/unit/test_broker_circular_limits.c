@@ -76,17 +76,17 @@ static void test_few_have_a_delivery_each(void)
 /* Agents of a process, from m0 on, which hears circulars. */
 static void many_join(const char *process, uint32_t first, uint32_t count)
 {
-    char name[16];
+    char name[32];
     story_match(process);
     for (uint32_t i = first; i < first + count; i++) {
-        snprintf(name, sizeof name, "m%lu", (unsigned long)i);
+        snprintf(name, sizeof name, "m%u", (unsigned)i);
         story_register(name, process);
     }
     (void)story_collect();
     broker_hears(story.b, process);
     for (uint32_t i = first; i < first + count; i++) {
         struct one_up u;
-        snprintf(name, sizeof name, "m%lu", (unsigned long)i);
+        snprintf(name, sizeof name, "m%u", (unsigned)i);
         say(name, "hello");
         (void)story_collect();
         one_up(&u, name, process, NULL, 0, 1);
