@@ -33,9 +33,8 @@ struct floods_speaker {
 };
 
 struct floods {
-    struct floods_speaker
-        speakers[FLOODS_SPEAKERS];   /* who sent last, each once, the last one first */
-    uint32_t ring[MU_PROCESSES_MAX]; /* places that are held, each once */
+    struct floods_speaker speakers[FLOODS_SPEAKERS]; /* each once, who sent last first */
+    uint32_t ring[MU_PROCESSES_MAX];                 /* places that are held, each once */
     uint32_t head, count;
 };
 

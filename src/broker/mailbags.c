@@ -102,9 +102,10 @@ static uint32_t hearers_count(const struct mailbags *m)
 }
 
 /* Who does not hear circulars, such as a simulator, is asked again when somebody more does. */
-static void bag_listen(struct mailbags *m, struct mailbag *bag, struct broker *b, uint32_t hearers)
+static void bag_listen(struct mailbags *m, struct mailbag *bag, struct broker *b)
 {
-    if (!bag->matched || bag->hears || bag->hearers == hearers) {
+    uint32_t hearers = bag->matched && !bag->hears ? hearers_count(m) : bag->hearers;
+    if (hearers == bag->hearers) {
         return;
     }
     bag->hearers = hearers;
@@ -118,8 +119,9 @@ bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool 
                    uint64_t now_ns)
 {
     bool some_missing = false;
-    uint32_t hearers = hearers_count(m);
-    broker_is_read(b, hearers);
+    if (all) {
+        broker_is_read(b, hearers_count(m));
+    }
     for (uint32_t i = 0; i < m->count; i++) {
         struct mailbag *bag = &m->at[m->order[i]];
         if (bag->matched && !all) {
@@ -132,7 +134,7 @@ bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool 
             bag->hearers = 0;
             broker_matched(b, bag->process, matched, now_ns);
         }
-        bag_listen(m, bag, b, hearers);
+        bag_listen(m, bag, b);
         some_missing = some_missing || !matched;
     }
     return some_missing;
