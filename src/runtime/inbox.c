@@ -113,8 +113,8 @@ void inbox_fill(mu_process *p)
     struct inbox *box = &p->inbox;
     const muster_Delivery *d;
     enum bus_life life;
-    circulars_fill(
-        p); /* first: those to an old seat count nothing beside a Delivery to a new one */
+    /* First: beside a Delivery to a new seat, what went to the old one counts for nothing. */
+    circulars_fill(p);
     while (box->count - box->circulars < INBOX_EACH && (d = bus_next(&p->delivery, &life))) {
         bool is_glance = life == BUS_DATA && d->glances._length > 0;
         if (is_glance && d->broker_incarnation == p->link.incarnation) {
