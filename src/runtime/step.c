@@ -69,17 +69,45 @@ static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
     return count;
 }
 
+/* @return whether a directive behind parcel has been carried out already */
+static bool is_overtaken(const muster_Delivery *d, const muster_Parcel *parcel)
+{
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        const muster_Parcel *other = &d->parcels._buffer[i];
+        if (other->letter.layer == WIRE_DIRECTIVE && other->number > parcel->number &&
+            strcmp(other->box, parcel->box) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Who left in the middle of its mail has not taken the rest: that waits for its next life.  What a
+ * directive has overtaken has gone with it, or the next life would be directed, too. */
+static void parcel_give_back(struct mu_agent *a, const muster_Delivery *d,
+                             const muster_Parcel *parcel)
+{
+    if (is_overtaken(d, parcel)) {
+        return;
+    }
+    a->handed--;
+    if (parcel->number <= a->last_number) {
+        a->last_number = parcel->number - 1;
+    }
+}
+
 /* Hands over the marked directives, or the marked mails. */
 static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count, bool directives)
 {
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *parcel = &d->parcels._buffer[i];
         struct mu_agent *a = agent_find(p, parcel->box);
-        if (!p->fresh[i] || !a || a->gone ||
-            (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
+        if (!p->fresh[i] || !a || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
-        if (directives) {
+        if (a->gone) {
+            parcel_give_back(a, d, parcel);
+        } else if (directives) {
             agent_directive(a, parcel);
         } else {
             agent_mail(a, parcel);

@@ -12,10 +12,15 @@
 static mu_process process;
 static char heard_buffer[1024];
 static struct mu_text heard;
+static uint64_t last_wish; /* the number of the mail with which it leaves; 0: none */
+static uint64_t disposal;  /* the number of a directive that disposes of it; 0: none */
 
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
+    if (mail->number == last_wish) {
+        mu_agent_set_state(a, MU_GONE);
+    }
     mu_text_format(&heard, "%s#%llu; ", a->name, (unsigned long long)mail->number);
 }
 
@@ -46,6 +51,10 @@ static void accept_at(uint64_t incarnation, uint64_t last_seq, const uint64_t *n
     for (uint32_t i = 0; i < count; i++) {
         parcels[i] = (muster_Parcel){.box = words("red"), .number = numbers[i]};
         parcels[i].letter = letter("blue", numbers[i], "red", "x");
+        if (numbers[i] == disposal) {
+            parcels[i].letter.layer = WIRE_DIRECTIVE;
+            parcels[i].letter.performative = words("dispose");
+        }
     }
     d.verdicts._buffer = &v;
     d.verdicts._length = 1;
@@ -127,6 +136,46 @@ static void test_what_is_pending_does_not_move(void)
     CU_ASSERT(mails[0].seq == 3 && !mails[0].again);
 }
 
+static void expect_taken(const struct mu_agent *a, uint64_t number)
+{
+    CU_ASSERT_EQUAL(a->handed, number);
+    CU_ASSERT_EQUAL(mu_agent_passage(a).last_number, number);
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_EQUAL_FATAL(process.out.acks._length, number > 0);
+    if (number > 0) {
+        CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, number);
+    }
+}
+
+/* It has not taken what lies behind the mail with which it leaves. */
+static void test_who_leaves_gives_the_rest_back(void)
+{
+    struct mu_agent *red = join("red");
+    last_wish = 2;
+    accept(0, (const uint64_t[]){1, 2, 3, 4}, 4);
+    last_wish = 0;
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#1; red#2; ");
+    expect_taken(red, 2);
+}
+
+/* Else its next life would be disposed of, too. */
+static void test_what_a_directive_has_overtaken_is_taken(void)
+{
+    struct mu_agent *red = join("red");
+    disposal = 2;
+    accept(0, (const uint64_t[]){1, 2}, 2);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    expect_taken(red, 2);
+    red = join("red");
+    disposal = 1;
+    accept(0, (const uint64_t[]){1, 2, 3}, 3);
+    disposal = 0;
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    expect_taken(red, 1);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -134,6 +183,8 @@ int main(void)
         {"what has no answer", test_what_has_no_answer_goes_out_again},
         {"going back to a broker", test_going_back_to_a_broker},
         {"what is pending does not move", test_what_is_pending_does_not_move},
+        {"who leaves gives the rest back", test_who_leaves_gives_the_rest_back},
+        {"what a directive has overtaken is taken", test_what_a_directive_has_overtaken_is_taken},
         CU_TEST_INFO_NULL,
     };
     return suite_run("runtime/cut", tests);
