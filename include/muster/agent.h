@@ -5,8 +5,12 @@
  *
  * A process opens a connection to the bus (mu_process), lets one or more agents join, and spins.
  * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there,
- * must not block, and may send and drive.  Registering, leaving, acknowledging, resending and the
- * answers to directives are the runtime's: a controller has no line of code for them.
+ * must not block, and may send, drive, join and leave.  Registering, leaving, acknowledging,
+ * resending and the answers to directives are the runtime's: a controller has no line of code for
+ * them.
+ *
+ * One thread at a time calls what has to do with one process; mu_process_stop alone may be called
+ * from anywhere.  A child of fork has no connection: there, mu_process_close does nothing.
  *
  * Units: metres, radians (counter-clockwise, 0 along +x), seconds, or nanoseconds where the name
  * says so.
@@ -165,7 +169,8 @@ struct mu_member {
 
 struct mu_service; /* directory.h */
 
-/* What an agent wants to hear about; any may be NULL. */
+/* What an agent wants to hear about; any may be NULL.  What they are given is valid in the handler
+ * only. */
 struct mu_handlers {
     void *self;
     /** The broker has said yes or no; no is for ever, and reason says why. */
@@ -206,26 +211,33 @@ struct mu_process_options {
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
                               step wait for them, too */
     uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
-    uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX */
+    uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
+                           MU_OUTBOX_MOST at most */
     const char *broker; /* name of the broker to begin with, which is waited for; NULL: the
                            first one of this host, else of another */
 };
 
 /**
- * Connects to the bus; a program can be in a domain once at a time.
+ * Connects to the bus; a program can be in a domain once at a time.  Comes before mu_memory_seal;
+ * its memory is the program's for good, so that it is no call for a loop.
  *
+ * @param options  copied; NULL: all 0
  * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or the program is in that domain already;
  *         MU_FAULT_DDS
  */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
 
-/** Lets every agent leave and disconnects; NULL: nothing to do. */
+/**
+ * Lets every agent leave and disconnects; p and its agents are no more.  Not for handlers: there,
+ * mu_process_stop.  NULL, or in a child of the program that opened it: nothing to do.
+ */
 void mu_process_close(mu_process *p);
 
 /**
  * Waits for at most timeout_ns and handles what is there.
  *
- * @return MU_OK; MU_DONE when the run is over
+ * @return MU_OK; MU_DONE when the run is over; MU_BUSY: a handler called it, and nothing is done;
+ *         MU_FAULT_DDS; MU_FAULT_USAGE: in a child of the program that opened it
  */
 MU_MUST_USE mu_result mu_process_spin(mu_process *p, int64_t timeout_ns);
 
@@ -241,11 +253,12 @@ int mu_process_wake_fd(mu_process *p);
 /**
  * Spins until the run is over, mu_process_stop is called, or SIGINT or SIGTERM arrives.
  *
- * @return MU_OK: it has ended, for whatever reason; MU_FAULT_DDS
+ * @return MU_OK: it has ended, for whatever reason; MU_BUSY and faults as mu_process_spin
  */
 MU_MUST_USE mu_result mu_process_run(mu_process *p);
 
-/** Ends mu_process_run; may be called from handlers and signal handlers. */
+/** Ends mu_process_run, now and whenever it is called again; may be called from handlers, signal
+ *  handlers and other threads. */
 void mu_process_stop(mu_process *p);
 
 /** Has round called after each round of mu_process_run, at least every 300 ms; NULL: no more. */
@@ -254,7 +267,8 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 /** @return whether the simulator's steps wait for this process */
 bool mu_process_in_lockstep(const mu_process *p);
 
-/** Spins until a broker has answered.  @return MU_OK, MU_DONE, or MU_TIMEOUT after patience_ns */
+/** Spins until a broker has answered.  @return MU_OK, MU_TIMEOUT after patience_ns, or what
+ *  mu_process_spin says else */
 MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns);
 
 /** @return whether a broker is connected */
@@ -274,11 +288,12 @@ const char *mu_process_broker(const mu_process *p);
  *
  * An agent with body starts in standby, others are running.
  *
+ * @param handlers     copied; NULL: none
  * @param last_number  the last mail number that an earlier life of this agent has dealt with: what
  *                     comes again up to it is dropped.  0 when it keeps no record.
- * @return MU_OK; MU_MALFORMED: not a name; MU_EXISTS: an agent of this process bears it; MU_FULL:
- *         the process has room for no more.  The place of an agent that has left is taken when no
- *         other is free; from then on what pointed to it points to the new one
+ * @return MU_OK; MU_MALFORMED: not a name, or no kind; MU_EXISTS: an agent of this process bears
+ * it; MU_FULL: the process has room for no more.  The place of an agent that has left is taken when
+ * no other is free; from then on what pointed to it points to the new one
  */
 MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
                                     enum mu_kind kind, uint64_t last_number,
@@ -325,8 +340,9 @@ void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, 
  *
  * @param seq  out: its number, for on_receipt; may be NULL.  Before on_registered it is not final:
  *             an earlier agent of that name may have sent mails, and the count goes on after them.
- * @return MU_OK; MU_MALFORMED: a field is missing or too long; MU_FULL: as many mails as
- *         the process's options allow are not answered for yet
+ * @return MU_OK; MU_MALFORMED: a field is missing or too long, or priority or level are none;
+ *         MU_FULL: as many mails as the process's options allow, or as many bytes as they are given
+ *         room for, are not answered for yet; MU_REFUSED: the agent has left
  */
 MU_MUST_USE mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq);
 
@@ -377,7 +393,7 @@ const char *mu_agent_name(const mu_agent *a);
 /** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);
 
-/** Changes the state, as a directive would; the white pages follow. */
+/** Changes the state, as a directive would; the white pages follow.  Who is MU_GONE stays so. */
 void mu_agent_set_state(mu_agent *a, enum mu_state state);
 
 /**

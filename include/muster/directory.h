@@ -54,9 +54,11 @@ struct mu_service {
 /**
  * Offers a service; offering it again replaces the attributes and renews the lease.
  *
- * @param attributes  key=value, separated by spaces: "role=scout battery=0.8"; NULL: none
- * @param lease_ns    how long it is offered unless it is renewed; 0: until withdrawn.  In lock step
- *                    by simulated time.
+ * @param attributes  key=value, separated by spaces: "role=scout battery=0.8"; a value has at most
+ *                    MU_FIELD_MAX bytes; NULL: none
+ * @param lease_ns    how long it is offered unless it is renewed, a hundred years at most; 0: until
+ *                    withdrawn.  In lock step by simulated time.
+ * @return as all changes; MU_MALFORMED also of attributes or a lease that are not such
  */
 MU_MUST_USE mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attributes,
                                          uint64_t lease_ns);

@@ -72,8 +72,8 @@ void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
  * MU_MOVING until it is accepted and its owner sets another.
  *
  * @param from   how far it had come; NULL: it has taken no mail
- * @param event  MU_ON_ARRIVE or MU_ON_CLONE: what happens when it is accepted, instead of
- *               MU_ON_CREATE
+ * @param event  what happens when it is accepted: MU_ON_ARRIVE, MU_ON_CLONE, or MU_ON_CREATE
+ * @return as mu_agent_join; MU_MALFORMED also of what is no event
  */
 MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
                                       const struct mu_passage *from, enum mu_event event,

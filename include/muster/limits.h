@@ -15,6 +15,9 @@
 /** Longest name of a process, which is also its DDS partition, in bytes. */
 #define MU_PROCESS_MAX 63
 
+/** Highest DDS domain: the ports of those above it end too soon for all processes. */
+#define MU_DOMAIN_MAX 230
+
 /** Bytes that a recording keeps of what an agent notes in a step. */
 #ifndef MU_NOTE_MAX
 #define MU_NOTE_MAX 16384
@@ -31,7 +34,7 @@
 /** Longest list of receivers that a mail can name, in bytes. */
 #define MU_DST_MAX 1023
 
-/** Longest attributes of a service, in bytes. */
+/** Longest attributes of a service, in bytes; one value has MU_FIELD_MAX at most. */
 #define MU_ATTRIBUTES_MAX 255
 
 /** Groups that a network of brokers can know. */
@@ -167,6 +170,11 @@
 /** Mails that an agent has sent and the broker has not yet answered for. */
 #ifndef MU_OUTBOX_MAX
 #define MU_OUTBOX_MAX 1024
+#endif
+
+/** As many as a process can ask for instead, for each of its agents. */
+#ifndef MU_OUTBOX_MOST
+#define MU_OUTBOX_MOST 65536
 #endif
 
 /** Mails that wait until an address is resolved: of members of a lock step, and of others. */

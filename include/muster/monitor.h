@@ -142,14 +142,15 @@ MU_MUST_USE mu_result mu_watch_open(mu_watch **out, mu_process *p,
  * Waits for at most timeout_ns and hands out what is there.
  *
  * @return MU_OK; MU_DONE: a run has ended, and on_end was called; it may be called again, for the
- *         next run
+ *         next run; MU_BUSY: a handler of this watch called it; MU_FAULT_USAGE: in a child of the
+ *         program that opened it
  */
 MU_MUST_USE mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns);
 
 /**
  * Spins until a run has ended, mu_watch_stop is called, or SIGINT or SIGTERM arrives.
  *
- * @return MU_OK: it has ended, for whatever reason; MU_FAULT_DDS
+ * @return MU_OK: it has ended, for whatever reason; otherwise as mu_watch_spin
  */
 MU_MUST_USE mu_result mu_watch_run(mu_watch *w);
 
@@ -165,7 +166,8 @@ uint64_t mu_watch_refused(const mu_watch *w);
 /** @return as mu_process_wake_fd: readable when there is something for mu_watch_spin(w, 0) */
 int mu_watch_wake_fd(mu_watch *w);
 
-/** Ends the watch; its process stays.  NULL: nothing to do. */
+/** Ends the watch; its process stays.  Not for handlers.  NULL, or in a child of the program that
+ *  opened it: nothing to do. */
 void mu_watch_close(mu_watch *w);
 
 #ifdef __cplusplus

@@ -174,6 +174,11 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
                 MU_PEERS_MAX);
         return MU_FAULT_USAGE;
     }
+    if (options->domain < 0 || options->domain > MU_DOMAIN_MAX) {
+        fprintf(stderr, "there is no domain %d: they are 0 to %d\n", options->domain,
+                MU_DOMAIN_MAX);
+        return MU_FAULT_USAGE;
+    }
     traffic_join();
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {

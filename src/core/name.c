@@ -18,7 +18,7 @@ static bool name_goes_on(char c)
 
 bool mu_name_valid(const char *name)
 {
-    if (!name_starts(name[0])) {
+    if (!name || !name_starts(name[0])) {
         return false;
     }
     size_t len = 1;

@@ -7,6 +7,7 @@
 #define MUSTER_CORE_NETWORK_H
 
 #include "core/options.h"
+#include "muster/limits.h"
 
 struct mu_network {
     int64_t domain;
@@ -24,7 +25,7 @@ struct mu_network {
      .help = "DDS domain",                                                                    \
      .target = &(network).domain,                                                             \
      .min = 0,                                                                                \
-     .max = 230},                                                                             \
+     .max = MU_DOMAIN_MAX},                                                                   \
         {.name = "interface",                                                                 \
          .kind = MU_OPTION_STRING,                                                            \
          .unit = "ADDRESS",                                                                   \

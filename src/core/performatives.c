@@ -103,5 +103,5 @@ bool mu_performative_answers(const char *word)
 
 bool mu_performative_known(const char *performative)
 {
-    return mu_performative_find(performative) != NULL;
+    return performative && mu_performative_find(performative) != NULL;
 }

@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The public enumerations are those of the wire, so that they can be cast. */
@@ -71,10 +70,16 @@ static struct mu_agent *place_take(mu_process *p)
     return a;
 }
 
+/* What comes from another program may be any number. */
+static bool kind_is_one(enum mu_kind kind)
+{
+    return (unsigned)kind <= MU_KIND_SPECIAL;
+}
+
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
                         uint64_t last_number, const struct mu_handlers *handlers)
 {
-    if (!mu_name_valid(name)) {
+    if (!mu_name_valid(name) || !kind_is_one(kind)) {
         return MU_MALFORMED;
     }
     if (name_is_held(p, name)) {
@@ -90,7 +95,7 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     (void)mu_table_put(&p->names, a->name, index);
     a->kind = kind;
     a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
-    a->handlers = *handlers;
+    a->handlers = handlers ? *handlers : (struct mu_handlers){0};
     a->senses = kind == MU_KIND_ROBOT ? MU_SENSE_SONAR : 0;
     a->since_wall_ns = mu_clock_wall_ns();
     a->last_number = a->acked_number = last_number;
@@ -112,6 +117,9 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
                           const struct mu_handlers *handlers)
 {
     uint64_t last = from ? from->last_number : 0;
+    if ((unsigned)event >= MU_EVENTS) {
+        return MU_MALFORMED;
+    }
     mu_result joined = mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers);
     if (joined != MU_OK) {
         return joined;
@@ -286,13 +294,14 @@ void mu_agent_suspend(mu_agent *a, const char *reason)
 {
     if (a->state == MU_RUNNING) {
         mu_agent_set_state(a, MU_SUSPENDED);
-        mu_text_copy(a->reason, sizeof a->reason, reason);
+        mu_text_copy(a->reason, sizeof a->reason, reason ? reason : "");
     }
 }
 
 void mu_agent_set_state(mu_agent *a, enum mu_state state)
 {
-    if (state == a->state) {
+    MU_ASSERT((unsigned)state <= MU_GONE);
+    if (state == a->state || a->gone) {
         return;
     }
     a->reason[0] = '\0';
@@ -322,6 +331,7 @@ void mu_agent_decline_broadcasts(mu_agent *a)
 
 void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, uint64_t bytes)
 {
+    MU_ASSERT((unsigned)policy <= MU_BOX_DROP_LOWEST);
     a->box_policy = policy;
     a->box_mails = mails;
     a->box_bytes = bytes;
@@ -330,6 +340,9 @@ void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, 
 
 mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
 {
+    if (a->gone && !a->leaving) {
+        return MU_REFUSED; /* its last words are out, and the name may be another's */
+    }
     mu_result put = outbox_put(&a->outbox, a->name, mail);
     if (put == MU_OK && a->registered) {
         queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
@@ -383,7 +396,8 @@ void mu_agent_senses(mu_agent *a, uint32_t senses)
 
 mu_result mu_agent_grip(mu_agent *a, enum mu_paddles paddles, enum mu_lift lift)
 {
-    if (abs((int)paddles) > 1 || abs((int)lift) > 1) {
+    if (paddles < MU_PADDLES_OPEN || paddles > MU_PADDLES_CLOSE || lift < MU_LIFT_DOWN ||
+        lift > MU_LIFT_UP) {
         return MU_MALFORMED;
     }
     a->paddles = paddles == MU_PADDLES_KEEP ? a->paddles : paddles;
@@ -395,7 +409,7 @@ void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules)
 {
     a->firings = firings;
     if (a->rules) {
-        mu_text_copy(a->rules, PROCESS_RULES_MAX + 1, rules);
+        mu_text_copy(a->rules, PROCESS_RULES_MAX + 1, rules ? rules : "");
     }
 }
 
@@ -403,7 +417,7 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules)
 {
     struct mu_text t;
     a->firings += firings;
-    if (a->rules && rules[0]) {
+    if (a->rules && rules && rules[0]) {
         mu_text_init(&t, a->rules + strlen(a->rules), PROCESS_RULES_MAX + 1 - strlen(a->rules));
         mu_text_format(&t, "%s%s", a->rules[0] ? " " : "", rules);
     }
@@ -411,14 +425,14 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules)
 
 void mu_agent_note(mu_agent *a, const char *text)
 {
-    if (a->note.at) {
+    if (a->note.at && text) {
         mu_text_add(&a->note, text);
     }
 }
 
 void mu_agent_want(mu_agent *a, const char *goal)
 {
-    mu_text_copy(a->goal, sizeof a->goal, goal);
+    mu_text_copy(a->goal, sizeof a->goal, goal ? goal : "");
 }
 
 const char *mu_agent_name(const mu_agent *a)

@@ -12,6 +12,9 @@
  */
 static const char CHANGE_MARK[] = "muster change ";
 
+/* A hundred years; a broker takes no longer lease. */
+static const uint64_t LEASE_MAX_NS = 3200000000000000000u;
+
 /* Sends a change.  An answer is wanted by those alone who hear refusals. */
 static mu_result change_send(mu_agent *a, const char *performative, const char *name,
                              const char *content)
@@ -82,7 +85,8 @@ mu_result mu_agent_advertise(mu_agent *a, const char *service, const char *attri
     char content[MU_NAME_MAX + 2 * MU_ATTRIBUTES_MAX + 40];
     struct mu_text t;
     attributes = attributes ? attributes : "";
-    if (!service || !mu_name_valid(service) || !mu_attributes_valid(attributes)) {
+    if (!service || !mu_name_valid(service) || !mu_attributes_valid(attributes) ||
+        lease_ns > LEASE_MAX_NS) {
         return MU_MALFORMED;
     }
     mu_text_init(&t, content, sizeof content);

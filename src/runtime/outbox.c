@@ -89,6 +89,19 @@ static uint32_t wire_layer(const struct mu_mail *mail)
     return mail->layer ? mail->layer : MU_LAYER_SPEECH;
 }
 
+/* A time that the wire has no number for never comes. */
+static int64_t wire_due_ns(uint64_t due_ns)
+{
+    return due_ns < INT64_MAX ? (int64_t)due_ns : INT64_MAX;
+}
+
+/* What is none of these the broker would refuse, with all that the process says beside it. */
+static bool numbers_fit(const struct mu_mail *mail)
+{
+    return mail->priority >= MU_PRIORITY_LOW && mail->priority <= MU_PRIORITY_HIGH &&
+           (unsigned)mail->level <= MU_LEVEL_SYNCED;
+}
+
 /* The strings of a mail that is to be sent, and how many bytes each takes with its zero. */
 struct strings {
     const char *from[OUTBOX_STRINGS];
@@ -138,7 +151,7 @@ static muster_Mail wire_mail(const struct mu_mail *mail, uint64_t seq,
                          .reply_by_ns = mail->reply_by_ns,
                          .priority = mail->priority,
                          .level = (muster_Level)mail->level,
-                         .due_ns = mail->timed ? (int64_t)mail->due_ns : -1,
+                         .due_ns = mail->timed ? wire_due_ns(mail->due_ns) : -1,
                          .ttl_ns = mail->ttl_ns,
                          .content = strings[8]};
 }
@@ -150,7 +163,7 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
                                  or_empty(mail->reply_with), or_empty(mail->in_reply_to),
                                  or_empty(mail->conversation), or_empty(mail->content)}};
     char *copy[OUTBOX_STRINGS];
-    if (!strings_measure(&s)) {
+    if (!numbers_fit(mail) || !strings_measure(&s)) {
         return MU_MALFORMED;
     }
     char *at = box->next_seq - box->first_seq == box->mails ? NULL : text_take(box, s.bytes);

@@ -39,8 +39,9 @@ bool process_takes_steps(const mu_process *p)
     return p->with_body || p->watches;
 }
 
-static mu_result endpoints_open(mu_process *p)
+static mu_result endpoints_open(mu_process *p, const char *broker)
 {
+    MU_TRY(link_open(p, broker));
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
     MU_TRY(bus_reader_open_deep(&p->bus, BUS_DELIVERY, BUS_TO_ALL, INBOX_DEPTH, &p->circulars));
@@ -76,14 +77,39 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
     members_init(&p->members);
 }
 
+static bool options_fit(const struct mu_process_options *options)
+{
+    return options->agents <= MU_LOCAL_AGENTS_MAX && options->outbox <= MU_OUTBOX_MOST &&
+           !(options->with_body && options->watches);
+}
+
+/* @return as mu_process_open; what it opened and cannot use is closed again */
+static mu_result bus_enter(mu_process *p, const struct mu_process_options *options)
+{
+    struct bus_options bus = {.domain = options->domain,
+                              .place = BUS_AGENT,
+                              .name = options->name ? options->name : program_invocation_short_name,
+                              .interface = options->interface,
+                              .hub = options->peer};
+    MU_TRY(bus_open(&p->bus, &bus));
+    mu_result opened = endpoints_open(p, options->broker);
+    if (opened != MU_OK) {
+        bus_close(&p->bus);
+    }
+    return opened;
+}
+
 mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
 {
+    static const struct mu_process_options usual;
+    options = options ? options : &usual;
+    if (!options_fit(options)) {
+        return MU_FAULT_USAGE;
+    }
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->with_body = options->with_body;
     p->watches = options->watches;
-    if (options->agents > MU_LOCAL_AGENTS_MAX || (p->with_body && p->watches)) {
-        return MU_FAULT_USAGE;
-    }
+    p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);
     directory_init(&p->directory);
     p->incarnation = mu_clock_wall_ns();
@@ -91,14 +117,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     /* The clock makes it unique where process ids are reused. */
     snprintf(p->name, sizeof p->name, "p%ld.%llx", (long)getpid(),
              (unsigned long long)(mu_clock_wall_ns() / 1000u));
-    struct bus_options bus = {.domain = options->domain,
-                              .place = BUS_AGENT,
-                              .name = options->name ? options->name : program_invocation_short_name,
-                              .interface = options->interface,
-                              .hub = options->peer};
-    MU_TRY(bus_open(&p->bus, &bus));
-    MU_TRY(link_open(p, options->broker));
-    MU_TRY(endpoints_open(p));
+    MU_TRY(bus_enter(p, options));
     *out = p;
     return MU_OK;
 }
@@ -122,9 +141,10 @@ static void agents_leave(mu_process *p)
 
 void mu_process_close(mu_process *p)
 {
-    if (!p) {
-        return;
+    if (!p || p->pid != getpid()) {
+        return; /* what DDS runs in is not copied by fork */
     }
+    MU_ASSERT(!p->spins);
     p->before_up = NULL; /* how they end is not what they come back as */
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
@@ -356,7 +376,7 @@ static int64_t patience_ns(mu_process *p)
     return settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
 }
 
-mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
+static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
     MU_TRY(link_look(p));
     registrations_keep(p);
@@ -378,6 +398,20 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     agents_leave(p);
     roll_write(p);
     return p->done ? MU_DONE : MU_OK;
+}
+
+mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
+{
+    if (p->spins) {
+        return MU_BUSY; /* what is being handed out would be lost */
+    }
+    if (p->pid != getpid()) {
+        return MU_FAULT_USAGE;
+    }
+    p->spins = true;
+    mu_result spun = spin(p, timeout_ns);
+    p->spins = false;
+    return spun;
 }
 
 int mu_process_wake_fd(mu_process *p)
@@ -420,7 +454,7 @@ mu_result mu_process_run(mu_process *p)
             p->round(p->round_self);
         }
     }
-    return spun < 0 ? spun : MU_OK;
+    return spun < 0 || spun == MU_BUSY ? spun : MU_OK;
 }
 
 void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
@@ -447,7 +481,7 @@ void mu_process_stop(mu_process *p)
 
 const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 {
-    return members_find(&p->members, name);
+    return name ? members_find(&p->members, name) : NULL;
 }
 
 const struct mu_member *mu_process_member(const mu_process *p, size_t index)

@@ -26,6 +26,7 @@
 #include "wire.h"
 
 #include <stdatomic.h>
+#include <sys/types.h>
 
 enum {
     PROCESS_UP_MAILS = 256,       /* mails in one Up; in the answer to a step, of each agent */
@@ -94,6 +95,8 @@ struct mu_process {
     struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, circulars, sense;
     uint64_t incarnation;
+    pid_t pid;               /* that opened it: a child has no threads of DDS */
+    bool spins;              /* in mu_process_spin, and so in handlers */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;
     struct mu_table names; /* of agents */

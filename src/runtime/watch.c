@@ -52,6 +52,8 @@ struct mu_watch {
     bool ended; /* in this call */
     bool told;  /* the end of the run whose status still stands */
     volatile sig_atomic_t stopped;
+    pid_t pid;  /* that opened it */
+    bool spins; /* in mu_watch_spin, and so in handlers */
 };
 
 static mu_result readers_open(mu_watch *w, bool latest)
@@ -71,9 +73,17 @@ static void run_forget(mu_watch *w)
     w->simulator[0] = w->hash[0] = w->reason[0] = '\0';
 }
 
+static void bus_leave(mu_watch *w)
+{
+    if (!w->process) {
+        bus_close(&w->own);
+    }
+}
+
 mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_options *options)
 {
     mu_watch *w = mu_startup_alloc(sizeof *w);
+    w->pid = getpid();
     w->process = p;
     w->bus = p ? &p->bus : &w->own;
     w->handlers = options->handlers;
@@ -87,7 +97,11 @@ mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_opt
                                   .hub = options->peer};
         MU_TRY(bus_open(&w->own, &bus));
     }
-    MU_TRY(readers_open(w, options->latest));
+    mu_result opened = readers_open(w, options->latest);
+    if (opened != MU_OK) {
+        bus_leave(w);
+        return opened;
+    }
     *out = w;
     return MU_OK;
 }
@@ -239,7 +253,7 @@ static void end_look(mu_watch *w)
     w->met = w->met && here;
 }
 
-mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
+static mu_result spin(mu_watch *w, int64_t timeout_ns)
 {
     int64_t most_ns = timeout_ns < ROUND_NS ? timeout_ns : ROUND_NS;
     most_ns = w->more ? 0 : most_ns;
@@ -262,6 +276,20 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
     return w->ended ? MU_DONE : MU_OK;
 }
 
+mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
+{
+    if (w->spins) {
+        return MU_BUSY;
+    }
+    if (w->pid != getpid()) {
+        return MU_FAULT_USAGE;
+    }
+    w->spins = true;
+    mu_result spun = spin(w, timeout_ns);
+    w->spins = false;
+    return spun;
+}
+
 /* --- alone ------------------------------------------------------------------------------------ */
 
 static volatile sig_atomic_t signal_came;
@@ -281,7 +309,7 @@ mu_result mu_watch_run(mu_watch *w)
     while (spun == MU_OK && !w->stopped && !signal_came) {
         spun = mu_watch_spin(w, ROUND_NS);
     }
-    return spun < 0 ? spun : MU_OK;
+    return spun < 0 || spun == MU_BUSY ? spun : MU_OK;
 }
 
 void mu_watch_stop(mu_watch *w)
@@ -306,7 +334,8 @@ int mu_watch_wake_fd(mu_watch *w)
 
 void mu_watch_close(mu_watch *w)
 {
-    if (w && !w->process) {
-        bus_close(&w->own);
+    if (w && w->pid == getpid()) { /* what DDS runs in is not copied by fork */
+        MU_ASSERT(!w->spins);
+        bus_leave(w);
     }
 }

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 
 from support import (BUILD, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
@@ -191,6 +192,20 @@ def test_the_library_takes_no_memory_after_joining():
                               capture_output=True, text=True, timeout=60)
         check_equal((done.returncode, done.stdout.strip()), (0, "1000 mails, 0 calls"),
                     f"calls of an allocator: {done.stderr}")
+
+
+def test_what_handlers_must_not_do_is_refused():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        done = subprocess.run([program("misuser"), str(domain)], capture_output=True, text=True,
+                              timeout=60)
+        check_equal((done.returncode, done.stdout), (0, "20 mails, 20 times busy\n"),
+                    f"handlers that spin: {done.stderr}")
+        done = subprocess.run([program("misuser"), str(domain), "close"], capture_output=True,
+                              text=True, timeout=60)
+        check_equal(done.returncode, -signal.SIGABRT, "a handler that closes its process")
+        check("mu_process_close" in done.stderr, f"what is wrong with it: {done.stderr}")
 
 
 def example_start(processes, domain, name, *words):
