@@ -3,7 +3,10 @@
 #include "bus/bus.h"
 #include "core/exits.h"
 #include "core/log.h"
+#include "core/options.h"
 #include "core/paths.h"
+#include "core/spell.h"
+#include "core/text.h"
 #include "ctl/verbs.h"
 #include "desk/runs.h"
 
@@ -58,8 +61,14 @@ static int record_verb(int argc, char **argv)
 
 static int topics_verb(int argc, char **argv)
 {
-    (void)argc;
-    (void)argv;
+    static struct mu_options o = {.program = "muster topics",
+                                  .usage = "[OPTION...]",
+                                  .about = "Prints the table of DDS topics, as Markdown.",
+                                  .no_words = true};
+    mu_result parsed = mu_options_parse(&o, argc, argv);
+    if (parsed != MU_OK) {
+        return mu_exit_for(parsed);
+    }
     bus_print_topics();
     return MU_EXIT_DONE;
 }
@@ -123,13 +132,50 @@ static int output_end(int code)
     return code == MU_EXIT_DONE ? MU_EXIT_WRITE : code;
 }
 
+static int verb_miss(const char *word)
+{
+    char shown[MU_TEXT_SHOWN];
+    struct mu_spell meant;
+    mu_spell_init(&meant, word);
+    for (size_t i = 0; i < VERBS; i++) {
+        mu_spell_offer(&meant, verbs[i].name);
+    }
+    fprintf(stderr, "muster: there is no verb '%s'; ", mu_text_show(shown, word));
+    if (meant.nearest) {
+        fprintf(stderr, "did you mean '%s'? ", meant.nearest);
+    }
+    fputs("muster --help lists them\n", stderr);
+    return MU_EXIT_USAGE;
+}
+
+/* @param words  the verb and what follows */
+static int verb_call(int count, char **words)
+{
+    for (size_t i = 0; i < VERBS; i++) {
+        if (strcmp(words[0], verbs[i].name) == 0) {
+            return verbs[i].run ? verbs[i].run(count, words)
+                                : program_become(verbs[i].program, words);
+        }
+    }
+    return verb_miss(words[0]);
+}
+
+static bool is_help(const char *word)
+{
+    return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0;
+}
+
 static int verb_run(int argc, char **argv)
 {
+    static char help[] = "--help";
     if (argc < 2) {
         help_print(stderr);
         return MU_EXIT_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+    if (is_help(argv[1]) && argc > 2) {
+        return verb_call(2, (char *[]){argv[2], help, NULL});
+    }
+    if (is_help(argv[1])) {
         help_print(stdout);
         return MU_EXIT_DONE;
     }
@@ -137,14 +183,7 @@ static int verb_run(int argc, char **argv)
         printf("muster %s\n", MU_VERSION);
         return MU_EXIT_DONE;
     }
-    for (size_t i = 0; i < VERBS; i++) {
-        if (strcmp(argv[1], verbs[i].name) == 0) {
-            return verbs[i].run ? verbs[i].run(argc - 1, argv + 1)
-                                : program_become(verbs[i].program, argv + 1);
-        }
-    }
-    fprintf(stderr, "muster: there is no verb '%s'; muster --help lists them\n", argv[1]);
-    return MU_EXIT_USAGE;
+    return verb_call(argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv)

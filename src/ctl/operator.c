@@ -4,6 +4,7 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/fields.h"
+#include "core/json.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "ctl/receivers.h"
@@ -266,15 +267,38 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
     }
 }
 
+static void outcome_print(const struct operator* o, const char *to)
+{
+    struct mu_json j;
+    mu_json_to_file(&j, stdout, MU_JSON_LINE);
+    mu_json_object(&j, NULL);
+    mu_json_string(&j, "to", to);
+    mu_json_uint(&j, "seq", o->seq);
+    mu_json_string(&j, "outcome", mu_outcome_text(o->outcome));
+    mu_json_end(&j);
+}
+
 /* Says what became of the mail, if that is no good.  @return the exit code */
 static int outcome_tell(const struct operator* o, const char *to)
 {
     int code = answer_outcome_exit(o->outcome);
+    if (code != MU_EXIT_DONE && o->json) {
+        outcome_print(o, to);
+    }
     if (code != MU_EXIT_DONE) {
         fprintf(stderr, "muster: to %s: %s%s\n", to, mu_outcome_text(o->outcome),
                 answer_outcome_advice(o->outcome, to));
     }
     return code;
+}
+
+static void outcome_say(const struct operator* o, const char *to)
+{
+    if (o->json) {
+        outcome_print(o, to);
+    } else {
+        printf("%s\n", mu_outcome_text(o->outcome));
+    }
 }
 
 /* @return the exit code */
@@ -324,7 +348,7 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
         return answers_take(o, mail->dst, answers_wanted, wait_s);
     }
     if (code == MU_EXIT_DONE && !o->quiet) {
-        printf("%s\n", mu_outcome_text(o->outcome));
+        outcome_say(o, mail->dst);
     }
     return code;
 }

@@ -281,7 +281,7 @@ static int verb_run(const struct verb *v, int argc, char **argv)
         OPERATOR_OPTIONS(options),
         {.name = "json",
          .kind = MU_OPTION_FLAG,
-         .help = "answers as objects, one a line",
+         .help = "answers, or what became of the mail, as objects, one a line",
          .target = &options.json},
         {.name = "quiet",
          .letter = 'q',

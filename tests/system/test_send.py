@@ -79,6 +79,13 @@ def test_what_became_of_it_is_said_and_is_the_exit_code():
                 (("ann", "tell", "--as", "carl"), (0, "delivered\n", ""))):
             done = send(domain, *words)
             check_equal((done.returncode, done.stdout, done.stderr), want, f"{words}")
+        for to, outcome, code in (("ann", "delivered", 0), ("bob", "stored", 0),
+                                  ("nobody", "unknown-name", 7)):
+            done = send(domain, to, "tell", "--json")
+            said = json.loads(done.stdout)
+            check_equal((done.returncode, said["to"], said["outcome"]), (code, to, outcome),
+                        "the same as an object")
+            check(said["seq"] > 0, f"its number: {said}")
         for to in ("nobody", "group:nobody", "role:nobody", "ann,nobody"):
             done = send(domain, to, "tell")
             check_equal(done.returncode, 7, f"{to}: {done.stderr}")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Commands that are typed wrong, or ask for what is not there: each says what it wanted."""
 import os
+import re
 
 from support import (ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
@@ -10,7 +11,11 @@ LONG = ",".join(f"receiver{i:03}" for i in range(100))  # 1199 bytes
 
 # The words, and a part of what is said; nobody is on the network, and nobody is asked.
 WRONG = (
-    (("fly",), "there is no verb 'fly'"),
+    (("fly",), "there is no verb 'fly'; muster --help lists them"),
+    (("lokup", "red"), "there is no verb 'lokup'; did you mean 'lookup'?"),
+    (("fly\n",), "there is no verb 'fly"),
+    (("help", "fly"), "there is no verb 'fly'"),
+    (("topics", "Pages"), "muster topics: expected options alone, not 'Pages'"),
     (("ps", "red"), "muster ps: expected options alone, not 'red'"),
     (("top", "red"), "muster top: expected options alone, not 'red'"),
     (("monitor", "red", "--rules", FOLLOWER), "expected options alone, not 'red'"),
@@ -54,6 +59,18 @@ def test_wrong_words_are_explained():
         done = muster(*words)
         check_equal((done.returncode, done.stdout), (2, ""), f"{words}: {done.stderr}")
         check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_help_is_there_in_each_way_that_people_ask_for_it():
+    whole = muster("--help")
+    check_equal(whole.returncode, 0, "help")
+    for words in (("-h",), ("help",)):
+        done = muster(*words)
+        check_equal((done.returncode, done.stdout), (0, whole.stdout), f"help by {words}")
+    for verb in re.findall(r"^  (\w+) ", whole.stdout, re.M):
+        done = muster(verb, "--help")
+        check_equal((done.returncode, done.stderr), (0, ""), f"help of {verb}")
+        check_equal(muster("help", verb).stdout, done.stdout, f"help by help {verb}")
 
 
 def test_files_that_are_not_there_are_named():
