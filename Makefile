@@ -31,7 +31,8 @@ CLIPS_VERSION := $(shell sed -n 's/^#define VERSION_STRING "\(.*\)"/\1/p' /usr/i
 override CPPFLAGS += -DMU_CLIPS_VERSION='"$(CLIPS_VERSION)"'  -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
-FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno
+# Tables for unwinding are with the debug information alone: nothing of ours throws.
+FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno -fno-asynchronous-unwind-tables
 FLAGS_asan     := -O1 -g -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
@@ -145,16 +146,18 @@ $(O)/libclips.a: Makefile | deps
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
 $(patsubst %.c,$(O)/%.o,$(wildcard src/agent/clips_*.c)): CFLAGS += -fno-strict-aliasing # as it
 
-$(O)/libmuster.a: $$(call module_objs,runtime)
+# Both libraries have the same in them: what is exported, and what that needs.
+$(O)/libmuster.a: $(O)/libmuster.so.0 $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  AR    $@"
-	$(Q)$(CC) -r -nostdlib -o $(O)/libmuster.o $^
+	$(Q)$(CC) -r -nostdlib -Wl,--gc-sections -o $(O)/libmuster.o $(filter %.o,$^) \
+	  $$(nm -D --defined-only $< | sed -n 's/.* [TDRB] \([^@]*\).*/-Wl,-u,\1/p')
 	$(Q)objcopy --localize-hidden $(O)/libmuster.o # a program may have a bus_open of its own
 	$(Q)rm -f $@ && ar rcs $@ $(O)/libmuster.o
 
 $(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
-	  $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
+	  -Wl,-z,pack-relative-relocs $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
