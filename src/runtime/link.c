@@ -44,12 +44,19 @@ static void beacons_take(struct link *l)
     }
 }
 
+/* Higher than before, even when the clock on the wall is set back. */
+static uint64_t incarnation_next(const mu_process *p)
+{
+    uint64_t wall_ns = mu_clock_wall_ns();
+    return wall_ns > p->incarnation ? wall_ns : p->incarnation + 1;
+}
+
 /* Says all agents.  A later life of the same broker answers of itself: it has heard them for the
  * first time.  Another broker may know them from before, and not have missed them: a higher
  * incarnation makes it answer, though it forgets what it had to tell them. */
 static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
 {
-    p->incarnation = anew ? mu_clock_wall_ns() : p->incarnation;
+    p->incarnation = anew ? incarnation_next(p) : p->incarnation;
     p->link.asked_ns = now_ns;
     process_register(p);
 }
