@@ -80,6 +80,7 @@ static size_t options_name_distance(const char *a, const char *b)
 
 static mu_result options_unknown(const struct mu_options *o, const char *argument, const char *name)
 {
+    char shown[MU_TEXT_SHOWN];
     const char *best = NULL;
     size_t best_distance = 3;
     for (size_t i = 0; i < o->count; i++) {
@@ -89,7 +90,7 @@ static mu_result options_unknown(const struct mu_options *o, const char *argumen
             best_distance = distance;
         }
     }
-    fprintf(stderr, "%s: unknown option '%s'", o->program, argument);
+    fprintf(stderr, "%s: unknown option '%s'", o->program, mu_text_show(shown, argument));
     if (best) {
         fprintf(stderr, "; did you mean '--%s'?\n", best);
     } else {
@@ -100,14 +101,15 @@ static mu_result options_unknown(const struct mu_options *o, const char *argumen
 
 static mu_result options_take(struct options_reader *r, struct mu_option *option, const char *value)
 {
-    char why[MU_OPTION_WHY_MAX];
+    char why[MU_OPTION_WHY_MAX], shown[MU_TEXT_SHOWN];
     if (option->kind == MU_OPTION_LIST && option->source != MU_OPTION_COMMAND_LINE) {
         ((struct mu_option_list *)option->target)->count = 0;
     }
     option->source = MU_OPTION_COMMAND_LINE;
     option->place[0] = '\0';
     if (!mu_option_set(option, value, why)) {
-        fprintf(stderr, "%s: --%s %s: %s\n", r->options->program, option->name, value, why);
+        fprintf(stderr, "%s: --%s %s: %s\n", r->options->program, option->name,
+                mu_text_show(shown, value), why);
         return options_wrong(r->options);
     }
     return MU_OK;
@@ -186,7 +188,9 @@ static mu_result options_read_letters(struct options_reader *r, const char *argu
         }
         struct mu_option *option = options_find_letter(r->options, *letter);
         if (!option) {
-            fprintf(stderr, "%s: unknown option '-%c'; ", r->options->program, *letter);
+            char shown[MU_TEXT_SHOWN];
+            fprintf(stderr, "%s: unknown option '-%s'; ", r->options->program,
+                    mu_text_show(shown, (char[]){*letter, '\0'}));
             return options_wrong(r->options);
         }
         bool last = option->kind != MU_OPTION_FLAG;
@@ -208,7 +212,9 @@ static bool options_is_word(const char *argument)
 static mu_result options_read_word(struct mu_options *o, const char *word)
 {
     if (o->no_words) {
-        fprintf(stderr, "%s: expected options alone, not '%s'; ", o->program, word);
+        char shown[MU_TEXT_SHOWN];
+        fprintf(stderr, "%s: expected options alone, not '%s'; ", o->program,
+                mu_text_show(shown, word));
         return options_wrong(o);
     }
     if (o->words_count == MU_OPTION_WORDS_MAX) {
@@ -260,7 +266,7 @@ static void options_set_defaults(struct mu_options *o)
 
 static mu_result options_read_environment(struct mu_options *o)
 {
-    char why[MU_OPTION_WHY_MAX];
+    char why[MU_OPTION_WHY_MAX], shown[MU_TEXT_SHOWN];
     for (size_t i = 0; i < o->count; i++) {
         struct mu_option *option = &o->table[i];
         const char *value = option->environment ? getenv(option->environment) : NULL;
@@ -269,7 +275,7 @@ static mu_result options_read_environment(struct mu_options *o)
         }
         if (!mu_option_set(option, value, why)) {
             fprintf(stderr, "%s: environment variable %s=%s: %s\n", o->program, option->environment,
-                    value, why);
+                    mu_text_show(shown, value), why);
             return options_wrong(o);
         }
         option->source = MU_OPTION_ENVIRONMENT;

@@ -2,8 +2,9 @@
 """Commands that are typed wrong, or ask for what is not there: each says what it wanted."""
 import os
 import re
+import subprocess
 
-from support import (ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
 
 FOLLOWER = str(ROOT / "rules" / "follower.clp")
@@ -59,6 +60,21 @@ def test_wrong_words_are_explained():
         done = muster(*words)
         check_equal((done.returncode, done.stdout), (2, ""), f"{words}: {done.stderr}")
         check(why in done.stderr, f"{words}: {done.stderr}")
+
+
+def test_what_was_typed_is_shown_short_and_printable():
+    bad = os.fsdecode(b"a\n\x1b\xff") + "x" * 10000
+    for words in (("ps", "--domain", bad), ("ps", f"--{bad}"), ("ps", f"-{bad}"), ("ps", "-\n"),
+                  ("ps", bad), (bad,), ("lookup", bad), ("send", bad, "x"), ("group", "join", bad),
+                  ("service", "find", bad), ("send", "red", "x", "--level", bad)):
+        done = subprocess.run([MUSTER, *words], capture_output=True, timeout=60,
+                              env={**os.environ, "LC_ALL": "C"})
+        said = done.stderr.decode()  # it is UTF-8
+        check_equal((done.returncode, done.stdout), (2, b""), f"{words}: {said}")
+        check(len(said) < 600 and "\x1b" not in said and said.count("\n") <= 2, f"{words}: {said}")
+    done = muster("ps", env={**os.environ, "MUSTER_DOMAIN": bad})
+    check_equal(done.returncode, 2, "a variable of the environment")
+    check(len(done.stderr) < 600 and "\x1b" not in done.stderr, done.stderr)
 
 
 def test_help_is_there_in_each_way_that_people_ask_for_it():
