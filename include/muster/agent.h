@@ -267,8 +267,8 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 /** @return whether the simulator's steps wait for this process */
 bool mu_process_in_lockstep(const mu_process *p);
 
-/** Spins until a broker has answered.  @return MU_OK, MU_TIMEOUT after patience_ns, or what
- *  mu_process_spin says else */
+/** Spins until a broker has answered: to the first agent, as nobody is asked before.  @return
+ * MU_OK, MU_TIMEOUT after patience_ns, or what mu_process_spin says else */
 MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns);
 
 /** @return whether a broker is connected */

@@ -172,6 +172,18 @@ static bool names_check(const struct verb *v, const struct mu_options *o, size_t
     return true;
 }
 
+/* The broker would take it, and nothing would come of it.  @return whether it can be done; said if
+ * not */
+static bool receiver_check(const struct verb *v, const char *program, const char *to)
+{
+    bool broker = strcmp(to, "broker") == 0 || strncmp(to, "broker.", strlen("broker.")) == 0;
+    if (v->unanswered && broker) {
+        fprintf(stderr, "%s: %s is no agent that can be told so\n", program, to);
+        return false;
+    }
+    return true;
+}
+
 /* @return whether the words are what the verb takes; said if not */
 static bool words_check(const struct verb *v, const struct mu_options *o)
 {
@@ -201,7 +213,8 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
         fprintf(stderr, "%s: expected receivers of at most %d bytes\n", program, MU_DST_MAX);
         return false;
     }
-    return v->names_max == 0 || names_check(v, o, v->names_max);
+    return receiver_check(v, program, o->words[0]) &&
+           (v->names_max == 0 || names_check(v, o, v->names_max));
 }
 
 /* @return whether the content fits a mail; said if not */
