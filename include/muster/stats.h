@@ -16,6 +16,9 @@
 #pragma GCC visibility push(default)
 #ifdef __cplusplus
 extern "C" {
+/* Some functions bear the name of what they return, which hides its constructor. */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 #endif
 
 /* One robot; shares are 0 to 1. */
@@ -111,6 +114,7 @@ bool mu_stats_pair(const mu_stats *s, size_t index, struct mu_stats_pair *pair);
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s);
 
 #ifdef __cplusplus
+#pragma GCC diagnostic pop
 }
 #endif
 #pragma GCC visibility pop

@@ -122,7 +122,9 @@ def build(source, target, environment, static, compiler="gcc"):
         flags = [*output_of("pkg-config", "--cflags", "muster", env=environment).split(),
                  f"{root}/usr/lib/libmuster.a", *private[1:]]
     sanitize = ["-fsanitize=address,undefined"] if BUILD.name == "asan" else []
-    built = subprocess.run([compiler, "-o", str(target), str(source), *flags, *sanitize],
+    strict = ["-Wall", "-Wextra", "-Wno-unused-parameter", "-Wpedantic", "-Wconversion", "-Wshadow",
+              "-Werror"]
+    built = subprocess.run([compiler, *strict, "-o", str(target), str(source), *flags, *sanitize],
                            capture_output=True, text=True, cwd=target.parent)
     check_equal(built.returncode, 0, f"a build of {source.name}: {built.stderr}")
 
