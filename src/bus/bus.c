@@ -508,6 +508,18 @@ static void samples_empty(struct bus_reader *r)
     }
 }
 
+void bus_reader_close(struct bus_reader *r)
+{
+    if (r->reader <= 0) {
+        return;
+    }
+    dds_delete(dds_get_parent(r->reader)); /* its subscriber, and it: nothing arrives any more */
+    r->reader = 0;
+    reader_drained(r, r->arrived); /* nobody will look at what lies there */
+    samples_empty(r);
+    r->count = r->next = 0;
+}
+
 /* What one sample of a batch says.  When its writer went while it lay unread, DDS has no other
  * sample to say so: then the last one of its instance is handed out once more, as its end. */
 static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_t *info)

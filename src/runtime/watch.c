@@ -77,7 +77,11 @@ static void bus_leave(mu_watch *w)
 {
     if (!w->process) {
         bus_close(&w->own);
+        return;
     }
+    bus_reader_close(&w->scenes);
+    bus_reader_close(&w->frames);
+    bus_reader_close(&w->statuses);
 }
 
 mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_options *options)

@@ -43,6 +43,7 @@ static void on_step(void *self, const struct mu_frame *frame)
     seen.frames++;
     seen.step = frame->step;
     seen.missed = frame->missed;
+    CU_ASSERT_EQUAL(mu_watch_spin(watch, 0), MU_BUSY);
     if (stops) {
         mu_watch_stop(watch);
     }
@@ -72,7 +73,6 @@ static int begin(void)
 
 static int end(void)
 {
-    mu_watch_close(watch);
     mu_process_close(process);
     return 0;
 }
@@ -181,6 +181,32 @@ static void test_a_simulator_that_is_lost(void)
     CU_ASSERT_EQUAL(seen.step, 0); /* what lay there was looked at first */
 }
 
+/* @return whether the process's descriptor says that there is something to do */
+static bool is_woken(void)
+{
+    struct pollfd wake = {.fd = mu_process_wake_fd(process), .events = POLLIN};
+    return poll(&wake, 1, 0) == 1;
+}
+
+/* What the watch would have looked at is no reason to wake its process for ever. */
+static void test_a_closed_watch_leaves_its_process_alone(void)
+{
+    struct bus *bus = &process->bus;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_FRAME, "every", "latest", &frames), MU_OK);
+    frame_say(0);
+    frame_say(1);
+    uint64_t before = bus->arrived;
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (bus->arrived == before && mu_clock_ns() < until_ns) {
+        bus_wait(bus, 2, WAIT_NS);
+    }
+    mu_watch_close(watch);
+    frame_say(2);
+    CU_ASSERT_EQUAL(bus->arrived, bus->taken);
+    CU_ASSERT_EQUAL(mu_process_spin(process, WAIT_NS), MU_OK);
+    CU_ASSERT_FALSE(is_woken());
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -189,6 +215,7 @@ int main(void)
         {"a handler ends it", test_a_handler_ends_it},
         {"the end", test_the_end},
         {"a simulator that is lost", test_a_simulator_that_is_lost},
+        {"a closed watch leaves its process alone", test_a_closed_watch_leaves_its_process_alone},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"runtime/watching", begin, end, NULL, NULL, tests},
