@@ -70,7 +70,13 @@ def test_a_robot_passes_the_policy_or_does_not():
                     "red is told")
         wait_for(lambda: any((r["sender"], r["receiver"], r["allowed"]) == ("red", "blue", True)
                              for r in records(audit)), 10, "red directs blue")
+        muster("do", "red", "(defrule told (event refused $?) =>)", "--domain", domain)
         muster("do", "red", "(you-do operator wander)", "--domain", domain)
+        muster("do", "red", "(send nobody hello)", "--domain", domain)
+        for fact in ("(event refused you-do operator refused)",
+                     "(event refused send nobody unknown-name)"):
+            wait_for(lambda f=fact: f in muster("do", "red", "(facts)", "--domain", domain).stdout, 10,
+                     f"red's rules are told: {fact}")
         wait_for(lambda: any((r["sender"], r["receiver"], r["allowed"]) ==
                              ("red", "operator", False) for r in records(audit)), 10, "but no other")
 
