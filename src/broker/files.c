@@ -17,10 +17,10 @@ static mu_result policy_read(const char *path, char *text, struct mu_fault *faul
         return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(errno));
     }
     size_t len = fread(text, 1, FILES_POLICY_BYTES + 1, file);
-    bool failed = ferror(file) != 0;
+    int failed = ferror(file) ? errno : 0;
     fclose(file);
     if (failed) {
-        return mu_fault_at(fault, path, 0, 0, "cannot read the policy");
+        return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(failed));
     }
     if (len > FILES_POLICY_BYTES) {
         return mu_fault_at(fault, path, 0, 0, "expected at most %d bytes of policy",

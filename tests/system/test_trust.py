@@ -102,6 +102,13 @@ def test_mistakes_are_named_with_their_place():
         check(f"{policy}:2:17: expected direct, not 'command'" in done.stderr, done.stderr)
         done = muster("broker", "main", "--policy", out / "none.policy")
         check_equal(done.returncode, 3, "no policy there")
+        done = muster("broker", "main", "--policy", out)
+        check_equal(done.returncode, 3, "a folder")
+        check("cannot read the policy: Is a directory" in done.stderr, done.stderr)
+        policy.write_bytes(b"deny operator \x1b[2J red\n")
+        done = muster("broker", "main", "--policy", policy)
+        check_equal(done.returncode, 3, "a word to the terminal")
+        check(f"{policy}:1:15: expected direct, not '?[2J'" in done.stderr, repr(done.stderr))
         done = muster("broker", "main", "--audit", out / "none" / "audit")
         check_equal(done.returncode, 9, "an audit log that cannot be")
 
