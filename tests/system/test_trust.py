@@ -3,6 +3,8 @@
 import json
 import pathlib
 import re
+import resource
+import signal
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, Skip, check, check_equal, folder, members, muster,
                      new_domain, wait_for)
@@ -91,6 +93,32 @@ def test_a_full_disk_stops_nothing():
             check_equal(muster("do", "broker", "(delivery-interval 0)", "--domain",
                                domain).returncode, 0, "a directive")
         wait_for(lambda: counters(domain, "broker.trust")["audit-failed"] == 3, 5, "it is counted")
+
+
+def file_size_limit():
+    """A disk that is full behind 4 KiB, for a program and all that it starts."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
+
+
+def test_a_record_that_fits_in_part():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        with open(out / "log", "wb") as log:
+            processes.start(MUSTER, "broker", "main", "--domain", domain, "--audit", out / "audit",
+                            stderr=log, preexec_fn=file_size_limit)
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        robots_start(processes, domain, "red")
+        for _ in range(30):
+            check_equal(muster("suspend", "red", "--domain", domain).returncode, 0, "a directive")
+        check("audit-failed" in counters(domain, "broker.trust"), "a counter")
+        check(counters(domain, "broker.trust")["audit-failed"] > 0, "records are lost")
+        said = (out / "log").read_text()
+        check('audit-not-written reason="File too large"' in said, said)
+        lines = (out / "audit").read_bytes().split(b"\n")
+        check(len(lines) > 10 and lines[-1], "it ends in the midst of a record")
+        for line in lines[:-1]:
+            json.loads(line)
 
 
 def test_mistakes_are_named_with_their_place():
