@@ -209,11 +209,16 @@ uint64_t liaison_deadline_ns(const struct broker *b)
 /* --- numbers ------------------------------------------------------------------------------------
  */
 
+uint64_t liaison_lane(const struct broker *b)
+{
+    return mu_hash_number(mu_hash_string(b->name)) % LIAISON_LANES;
+}
+
 /* @return the last number before the next lane of this broker, or last if that is in one */
 static uint64_t lane_after(const struct broker *b, uint64_t last)
 {
     const uint64_t all = (uint64_t)LIAISON_LANES * LIAISON_LANE_NUMBERS;
-    uint64_t lane = mu_hash_number(mu_hash_string(b->name)) % LIAISON_LANES;
+    uint64_t lane = liaison_lane(b);
     uint64_t lane_at = lane * LIAISON_LANE_NUMBERS, in_round = last % all;
     if (in_round / LIAISON_LANE_NUMBERS == lane) {
         return last;

@@ -121,6 +121,9 @@ void liaison_review(struct broker *b, uint32_t agent);
 /** @return the reason of a refusal: somebody at that broker holds the name */
 const char *liaison_holder(struct broker *b, const char *home);
 
+/** @return the lane of this broker, below LIAISON_LANES */
+uint64_t liaison_lane(const struct broker *b);
+
 /** @return the number behind which a new process of that agent begins to number its mail */
 uint64_t liaison_begin_seq(const struct broker *b, uint32_t agent);
 

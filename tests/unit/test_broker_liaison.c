@@ -491,6 +491,34 @@ static void test_numbers_of_one_broker_begin_at_one(void)
     CU_ASSERT_EQUAL(registry_last_seq(&net.b[A]->registry.agents[white]), 2);
 }
 
+/* Whoever may be spoken for is said by the policy of his own broker, whichever one is asked. */
+static void test_a_change_in_the_name_of_one_at_another_broker(void)
+{
+    struct mu_fault fault;
+    chain();
+    CU_ASSERT_EQUAL_FATAL(broker_policy(net.b[C], "allow red direct all", "c.policy", &fault),
+                          MU_OK);
+    net_join("blue", A);
+    net_settle();
+    net_ask("red", "group-join", "scouts green"); /* the default policy of A lets nobody */
+    net_ask("blue", "group-join", "cooks green");
+    net_settle();
+    HEARD("red", "");
+    CU_ASSERT_EQUAL(net.b[A]->counters.unspoken, 0);
+    CU_ASSERT_EQUAL(net.b[C]->counters.unspoken, 1);
+    CU_ASSERT_EQUAL(net.b[C]->counters.directed, 1);
+    for (int i = A; i <= C; i++) {
+        CU_ASSERT_TRUE(groups_has(&net.b[i]->pages.groups, "scouts", "green", false));
+        CU_ASSERT_FALSE(groups_has(&net.b[i]->pages.groups, "cooks", "green", false));
+        CU_ASSERT_EQUAL(net.b[i]->store.mails, 0);
+    }
+    net_ask("blue", "group-join", "cooks"); /* for himself he may */
+    net_ask("blue", "group-join", "cooks blue");
+    net_settle();
+    CU_ASSERT_TRUE(groups_has(&net.b[C]->pages.groups, "cooks", "blue", false));
+    CU_ASSERT_EQUAL(net.b[A]->counters.unspoken, 0);
+}
+
 static muster_Delivery delivery_to_b(muster_Parcel *parcel)
 {
     muster_Delivery d = {.process = words("broker.b"),
@@ -682,6 +710,7 @@ int main(void)
         {"a name held elsewhere", test_a_name_that_is_held_elsewhere},
         {"a name on both sides of a cut", test_a_name_that_sends_on_both_sides_of_a_cut},
         {"a new name on both sides", test_a_new_name_on_both_sides_of_a_cut},
+        {"a change for one elsewhere", test_a_change_in_the_name_of_one_at_another_broker},
         {"numbers of one broker", test_numbers_of_one_broker_begin_at_one},
         {"numbers go on", test_numbers_of_a_name_go_on_at_another_broker},
         {"limit: hops", test_limit_hops},
