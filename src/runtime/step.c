@@ -157,6 +157,7 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
             continue;
         }
         bool is_answer = r->result != muster_OUTCOME_DUPLICATE;
+        returns_take(a, r);
         (is_answer ? outbox_confirm : outbox_had)(&a->outbox, r->first_seq, r->last_seq);
         resolver_retry(a);
         agent_progress(a);
