@@ -196,6 +196,14 @@ $(O)/%.o: %.c Makefile | $(GEN:.o=.h) deps
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
+# In the library, and not where time is spent: small, not fast.
+COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
+  runtime/watch runtime/watch_sample runtime/resolver runtime/directory_changes runtime/trips \
+  runtime/glances runtime/kind_base runtime/link runtime/choice)
+ifeq ($(BUILD),release)
+$(COLD): CFLAGS += -Os
+endif
+
 # What casts rays is worth more of the compiler's time.  No result may depend on the trap flags.
 RAYS := $(patsubst %,$(O)/src/sim/%.o,grid fan_portable fan_sse2 fan_avx2 fan_avx512)
 ifeq ($(BUILD),release)
