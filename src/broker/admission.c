@@ -37,6 +37,13 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
     return true;
 }
 
+/* Its sender has had the last word on it, of another broker or an earlier life of this one.
+ * @return whether its number alone counts: what follows it is not taken before */
+static bool is_over(const muster_Mail *letter)
+{
+    return letter->again && letter->dst && letter->dst[0] == '\0';
+}
+
 /* There is no room for it, whoever it is for. */
 static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *letter,
                       uint64_t *counter, muster_Outcome outcome)
@@ -54,6 +61,11 @@ struct mail *admission_take(struct broker *b, uint32_t sender, const muster_Mail
     struct agent *a = &b->registry.agents[sender];
     if (!border_string(letter->src, MU_NAME_MAX) || strcmp(letter->src, a->name) != 0) {
         b->counters.malformed++;
+        return NULL;
+    }
+    if (is_over(letter)) {
+        a->seen_seq = letter->seq > a->seen_seq ? letter->seq : a->seen_seq;
+        journal_seq(b, sender);
         return NULL;
     }
     muster_Outcome had;

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The last word on a mail is the last, whatever becomes of the broker that said it."""
+import signal
+
+from actors import Actor
+from support import (MUSTER, Processes, broker_start, check_equal, folder, members, new_domain,
+                     wait_for)
+
+
+def broker_again(processes, domain, broker, store="none"):
+    broker.kill()
+    broker.wait()
+    return processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", store)
+
+
+def test_what_a_box_refused_stays_refused():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker = broker_start(processes, domain, "--store", "none")
+        rx, slow, tx = (Actor(processes, domain, out / name) for name in ("rx", "slow", "tx"))
+        rx.join("rx", 0, 0, 5)
+        slow.join("slow")
+        tx.join("tx")
+        rx.tell("state", "rx", "suspended")
+        wait_for(lambda: members(domain)["rx"]["state"] == "suspended", 20, "it is suspended")
+        tx.send("tx", "rx", 5)
+        wait_for(lambda: len(tx.told("tx")) == 5, 20, "it is full")
+        slow.process.send_signal(signal.SIGSTOP)
+        tx.send("tx", "slow", 1)  # keeps what comes behind it in the outbox
+        tx.send("tx", "rx", 10)
+        wait_for(lambda: len(tx.told("tx")) == 15, 20, "the others are refused")
+        check_equal(set(map(tuple, list(tx.told("tx").values())[5:])), {("box-full",)}, "told")
+        rx.tell("state", "rx", "running")
+        broker_again(processes, domain, broker)
+        slow.process.send_signal(signal.SIGCONT)
+        wait_for(lambda: slow.taken("slow", "tx"), 20, "mail for whom was stopped")
+        tx.send("tx", "rx", 1)
+        wait_for(lambda: 17 in rx.taken("rx", "tx"), 20, "a later mail")
+        taken = rx.taken("rx", "tx")
+        check_equal([n for n in taken if 6 < n < 17], [], "taken of what was refused")
+        check_equal(sorted(set(taken)), taken, "each once, and in order")
+        told = tx.told("tx")
+        check_equal([told[n] for n in range(7, 17)], [["box-full"]] * 10, "one word on each")
