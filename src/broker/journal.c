@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/journal.h"
 
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -16,15 +17,13 @@ static const uint64_t AWAIT_NS = 10000000000;
 
 enum { BUCKETS_RUN = 64 };
 
-enum { WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) };
-
 void journal_init(struct journal *j, bool on)
 {
     *j = (struct journal){.on = on};
     if (on) {
         j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
         j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);
-        j->text = mu_startup_alloc(WAITING_BYTES);
+        j->text = mu_startup_alloc(JOURNAL_WAITING_BYTES);
     }
 }
 
@@ -281,15 +280,18 @@ bool journal_wanted(struct broker *b, muster_Level *level)
     return true;
 }
 
-/* The names of those that a mail still waits for. */
+/* The names of those that a mail still waits for, and behind a slash what of its end is certain. */
 static const char *waiting_of(struct broker *b, const struct mail *m)
 {
     struct mu_text t;
-    mu_text_init(&t, b->journal.text, WAITING_BYTES);
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
     for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }
+    const char *so_far = outcome_so_far(m);
+    mu_text_add(&t, so_far[0] ? "/" : "");
+    mu_text_add(&t, so_far);
     return t.at;
 }
 

@@ -21,6 +21,7 @@
 #ifndef MUSTER_BROKER_JOURNAL_H
 #define MUSTER_BROKER_JOURNAL_H
 
+#include "broker/registry.h"
 #include "broker/store.h"
 #include "wire.h"
 
@@ -28,6 +29,7 @@ struct broker;
 
 enum {
     JOURNAL_BUCKETS = 65536,
+    JOURNAL_WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) + 32,
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
 
@@ -74,7 +76,7 @@ struct journal_entry {
     uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
-    const char *waiting;      /* names, joined by commas */
+    const char *waiting;      /* names, joined by commas; behind a slash, outcome_so_far */
     uint64_t expires_wall_ns; /* nanoseconds since 1970; 0: never */
     enum journal_lines lines;
     uint32_t slot;

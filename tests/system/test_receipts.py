@@ -34,6 +34,7 @@ def test_what_a_box_refused_stays_refused():
         broker_again(processes, domain, broker)
         slow.process.send_signal(signal.SIGCONT)
         wait_for(lambda: slow.taken("slow", "tx"), 20, "mail for whom was stopped")
+        wait_for(lambda: "rx" in members(domain), 20, "the new broker knows it")
         tx.send("tx", "rx", 1)
         wait_for(lambda: 17 in rx.taken("rx", "tx"), 20, "a later mail")
         taken = rx.taken("rx", "tx")

@@ -196,6 +196,55 @@ static void test_duplicates_across_a_restart(void)
     EXPECT("red 4-4 stored");
 }
 
+/* What it was told before the broker died stands. */
+static void test_a_last_word_is_not_followed_by_another(void)
+{
+    team();
+    log_mail(1, "green,nobody", "one");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 1-1 unknown-name");
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "green/unknown-name");
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    story_register("red", "p-red");
+    story_match("p-red");
+    (void)story_collect();
+    again(1, muster_LEVEL_LOGGED); /* it has not heard of it */
+    EXPECT("red 1-1 unknown-name");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    EXPECT("");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+}
+
+static void test_what_one_box_dropped_stays_dropped(void)
+{
+    team();
+    muster_Registration r = registration("blue", "p-blue");
+    entry_of(&r)->full = muster_BOX_DROP_OLDEST;
+    entry_of(&r)->box_mails = 1;
+    broker_registration(story.b, &r, story.now_ns);
+    story_gone("p-blue");
+    log_mail(1, "green,blue", "one");
+    CU_ASSERT_TRUE(commit(true));
+    log_mail(2, "blue", "two");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 1-2 stored");
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "green/dropped");
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    story_register("red", "p-red");
+    story_match("p-red");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    EXPECT("red 1-1 dropped");
+}
+
 static void test_a_failed_commit_is_undone(void)
 {
     team();
@@ -333,6 +382,11 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad(e);
     e = good;
     e.waiting = "nobody,,";
+    restore_bad(e);
+    e = good;
+    e.waiting = "green/delivered";
+    restore_bad(e);
+    e.waiting = "green/";
     restore_bad(e);
     e = good;
     e.letter.seq = 0;
@@ -491,6 +545,8 @@ int main(void)
         {"stored mail may have come before", test_stored_mail_says_that_it_may_have_come_before},
         {"who does not come back", test_receipts_of_who_does_not_come_back_are_dropped},
         {"duplicates across a restart", test_duplicates_across_a_restart},
+        {"a last word is not followed by another", test_a_last_word_is_not_followed_by_another},
+        {"what one box dropped stays dropped", test_what_one_box_dropped_stays_dropped},
         {"a failed commit is undone", test_a_failed_commit_is_undone},
         {"without a store", test_without_a_store},
         {"time goes on by the wall", test_time_goes_on_by_the_wall},
