@@ -10,8 +10,8 @@
 
 #include <string.h>
 
-/* Has the broker had this mail before?  What an earlier life of it has had is known of durable mail
- * alone, and asked only of what may have come to that life. */
+/* Has the broker had this mail before?  What an earlier life of it has had is known up to the last
+ * durable mail alone, and asked only of what may have come to that life. */
 static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *letter,
                     muster_Outcome *outcome)
 {
@@ -26,7 +26,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
         }
         return true;
     }
-    if (!letter->again || letter->level == muster_LEVEL_RAM || letter->seq > a->durable_seq) {
+    if (!letter->again || letter->seq > a->durable_seq) {
         return false;
     }
     if (m) {

@@ -23,7 +23,8 @@ enum {
     "  j.value ->> 0 AS sender, j.value ->> 1 AS seq,\n"                                       \
     "  coalesce(w.waiting, j.value ->> 2) AS waiting, -- who has not acknowledged it;\n"       \
     "    -- behind a slash, what its sender was told for good, or will be\n"                   \
-    "  j.value ->> 3 AS level,           -- 1 logged, 2 synced\n"                              \
+    "  j.value ->> 3 AS level,           -- 1 logged, 2 synced;\n"                             \
+    "    -- 0 ram: sent before one of those\n"                                                 \
     "  j.value ->> 8 AS expires_wall_ns, -- since 1970\n"                                      \
     "  j.value ->> 4 AS dst, j.value ->> 5 AS layer, j.value ->> 6 AS performative,\n"         \
     "  j.value ->> 9 AS language, j.value ->> 10 AS ontology, j.value ->> 11 AS reply_with,\n" \

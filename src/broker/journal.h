@@ -129,7 +129,8 @@ void journal_init(struct journal *j, bool on);
 /** @return whether durable mail can be taken now */
 bool journal_takes(const struct broker *b);
 
-/** A durable mail stands in boxes.  Other mail is passed over. */
+/** A mail stands in boxes.  It is marked if it is durable, and with it what its sender has sent
+ * before, and still waits; other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
 /** An agent has acknowledged a mail. */

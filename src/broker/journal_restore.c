@@ -85,9 +85,8 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
-    if (sender == MU_NONE || e->letter.level == muster_LEVEL_RAM || !border_mail(&e->letter) ||
-        e->letter.seq == 0 || !is_count(e->letter.seq) ||
-        !border_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
+    if (sender == MU_NONE || !border_mail(&e->letter) || e->letter.seq == 0 ||
+        !is_count(e->letter.seq) || !border_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }

@@ -3,8 +3,8 @@
 import signal
 
 from actors import Actor
-from support import (MUSTER, Processes, broker_start, check_equal, folder, members, new_domain,
-                     wait_for)
+from support import (MUSTER, Processes, broker_start, check_equal, folder, members, muster,
+                     new_domain, wait_for)
 
 
 def broker_again(processes, domain, broker, store="none"):
@@ -42,3 +42,33 @@ def test_what_a_box_refused_stays_refused():
         check_equal(sorted(set(taken)), taken, "each once, and in order")
         told = tx.told("tx")
         check_equal([told[n] for n in range(7, 17)], [["box-full"]] * 10, "one word on each")
+
+
+def waiting(domain):
+    """How many mails wait in boxes."""
+    done = muster("lookup", "broker.postmaster", "--domain", domain)
+    words = [line.split() for line in done.stdout.splitlines()]
+    return sum(int(w[1]) for w in words if w[0] == "waiting")
+
+
+def test_mail_of_all_levels_stays_in_order():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        broker = broker_start(processes, domain, "--store", out / "main.db")
+        rx, tx = (Actor(processes, domain, out / name) for name in ("rx", "tx"))
+        rx.join("rx")
+        tx.join("tx")
+        for _ in range(2):
+            rx.process.send_signal(signal.SIGSTOP)
+            tx.send("tx", "rx", 300, 0, "rrrls", "012")
+            wait_for(lambda: waiting(domain) == 300, 20, "the broker has them")
+            durable = [int(line[0]) for line in tx.lines("S", "tx") if line[2] != "r"]
+            broker = broker_again(processes, domain, broker, out / "main.db")
+            wait_for(lambda: all(tx.told("tx").get(n) for n in durable), 20, "they are safe")
+            rx.process.send_signal(signal.SIGCONT)
+            wait_for(lambda: tx.settled("tx"), 20, "all answered")
+        taken = [(int(line[2]), line[3]) for line in rx.lines("M", "rx")]
+        check_equal(sorted(n for n, _ in taken), tx.sent("tx"), "each once")
+        for priority in ("-1", "0", "1"):
+            numbers = [n for n, p in taken if p == priority]
+            check_equal(numbers, sorted(numbers), f"in order, of priority {priority}")
