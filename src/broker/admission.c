@@ -44,6 +44,16 @@ static bool is_over(const muster_Mail *letter)
     return letter->again && letter->dst && letter->dst[0] == '\0';
 }
 
+/* What is said of it is said once: who asks again has a duplicate. */
+static void seen_note(struct broker *b, uint32_t sender, uint64_t seq)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (seq > a->seen_seq) {
+        a->seen_seq = seq;
+        journal_seq(b, sender);
+    }
+}
+
 /* There is no room for it, whoever it is for. */
 static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *letter,
                       uint64_t *counter, muster_Outcome outcome)
@@ -64,18 +74,17 @@ struct mail *admission_take(struct broker *b, uint32_t sender, const muster_Mail
         return NULL;
     }
     if (is_over(letter)) {
-        a->seen_seq = letter->seq > a->seen_seq ? letter->seq : a->seen_seq;
-        journal_seq(b, sender);
+        seen_note(b, sender, letter->seq);
         return NULL;
     }
     muster_Outcome had;
     if (was_had(b, sender, letter, &had)) {
         b->counters.duplicates_dropped++;
         outcome_tell(b, sender, letter->seq, letter->seq, had);
+        seen_note(b, sender, letter->seq);
         return NULL;
     }
-    a->seen_seq = letter->seq;
-    journal_seq(b, sender);
+    seen_note(b, sender, letter->seq);
     if (!border_mail(letter)) {
         b->counters.malformed++;
         journal_failed(b, sender, letter);

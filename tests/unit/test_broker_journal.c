@@ -176,6 +176,8 @@ static void test_duplicates_across_a_restart(void)
     again(1, muster_LEVEL_LOGGED); /* acknowledged before */
     again(2, muster_LEVEL_LOGGED); /* waits */
     EXPECT("red 1-1 delivered; red 2-2 stored");
+    again(1, muster_LEVEL_LOGGED); /* that was the last word */
+    EXPECT("red 1-1 duplicate");
     again(3, muster_LEVEL_RAM); /* it went to the store with the one behind it */
     EXPECT("red 3-3 stored");
     again(5, muster_LEVEL_LOGGED); /* never reached the disk */
