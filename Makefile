@@ -370,11 +370,13 @@ bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control c
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.
-PEERS := $(addprefix $(O)/bench/broker/peer_,muster mqtt redis)
+PEERS := $(addprefix $(O)/bench/broker/peer_,muster dds mqtt redis)
 LIBS_peer_muster := -lddsc -lm
+LIBS_peer_dds    := -lddsc -lm
 LIBS_peer_mqtt   := -lmosquitto
 LIBS_peer_redis  := -lhiredis
 OBJS_peer_muster := $(call module_objs,runtime)
+OBJS_peer_dds    := $(call module_objs,bus)
 $(PEERS): $(O)/bench/broker/peer_%: $(O)/bench/broker/peer_%.o $$(OBJS_peer_$$*) \
   $(patsubst %,$(O)/bench/broker/%.o,load load_crowd load_box) $(call objs,core)
 	@mkdir -p $(@D); echo "  LINK  $@"

@@ -79,7 +79,7 @@ class Broker:
     """One that runs: the process, where clients find it, and the program that loads it."""
 
     def __init__(self, process, where, peer, folder):
-        self.pid, self.where, self.folder = process.pid, where, folder
+        self.pid, self.where, self.folder = process and process.pid, where, folder
         self.program = BUILD / "bench" / "broker" / peer
 
     def load(self, word, *words):
@@ -134,6 +134,12 @@ class Here:
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+    @contextlib.contextmanager
+    def direct(self, crowd):
+        """No broker: one writes and a crowd reads."""
+        with self.folder_fresh() as folder:
+            yield Broker(None, f"{DIRECT_DOMAIN}:{crowd}", "peer_dds", folder)
 
     @contextlib.contextmanager
     def ours(self, *options):

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file peer.h
- * What the loads ask of a broker: peer_muster.c, peer_mqtt.c and peer_redis.c are one program each.
+ * What the loads ask of a broker: peer_muster.c, peer_mqtt.c and peer_redis.c are one program each,
+ * and peer_dds.c, which has none.
  *
  * One connection, one thread.  What fails ends the program with a word on standard error.
  */

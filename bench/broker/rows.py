@@ -55,6 +55,8 @@ def crowd(here):
                 found.update(prefixed(f"{prefix}_all", broker.load("tell", CROWD, those.board)))
                 found.update(prefixed(f"{prefix}_same", broker.load("ping", PINGS, 1)))
                 found.update(prefixed(f"{prefix}_of100", broker.load("ping", PINGS, CROWD)))
+    with here.direct(CROWD) as nobody, nobody.crowd(CROWD) as those:
+        found.update(prefixed("direct_all", nobody.load("tell", CROWD, those.board)))
     return found
 
 
@@ -194,6 +196,12 @@ LINES = (
          "mqtt_all_p50_us", 1.4),
     Line("crowd", "broadcast to 100, complete p99", "us", "ours_all_p99_us", MQ0,
          "mqtt_all_p99_us", 3),
+    Line("crowd", "broadcast to 100, complete p50", "us", "ours_all_p50_us", "direct DDS:",
+         "direct_all_p50_us"),
+    Line("crowd", "direct DDS to 100, complete p50", "us", "direct_all_p50_us", MQ0,
+         "mqtt_all_p50_us"),
+    Line("crowd", "direct DDS to 100, complete p99", "us", "direct_all_p99_us", MQ0,
+         "mqtt_all_p99_us"),
     Line("crowd", "round trip p50, one among 100", "us", "ours_same_p50_us", "ours, among 1:",
          "ours_of1_p50_us", 1.8),
     Line("crowd", "round trip p50, each of 100 in turn", "us", "ours_of100_p50_us",

@@ -7,9 +7,6 @@
 
 #include <stdio.h>
 
-/* How often a broker says that it is there. */
-static const uint64_t HEARTBEAT_NS = 300000000;
-
 mu_result herald_open(struct herald *h, struct bus *bus, const struct broker_options *broker)
 {
     *h = (struct herald){.bus = bus};
@@ -55,13 +52,13 @@ void herald_hear(struct herald *h)
     }
 }
 
-void herald_tell(struct herald *h, struct broker *b)
+void herald_tell(struct herald *h, struct broker *b, const struct mailbags *bags)
 {
     uint64_t now_ns = mu_clock_ns();
-    if (h->told_ns && now_ns - h->told_ns < HEARTBEAT_NS) {
+    if (!pulse_looks(&h->pulse, now_ns) ||
+        !pulse_beats(&h->pulse, mailbags_spoke_ns(bags), now_ns)) {
         return;
     }
-    h->told_ns = now_ns;
     muster_BrokerStatus status = {0};
     broker_status(b, &status);
     muster_Beacon beacon = {.broker = h->beacons.name,
@@ -78,7 +75,7 @@ void herald_tell(struct herald *h, struct broker *b)
 void herald_be_sure(struct herald *h)
 {
     h->sure = true;
-    h->told_ns = 0;
+    h->pulse.told_ns = 0;
 }
 
 void herald_close(struct herald *h)

@@ -8,6 +8,8 @@
 
 #include "broker/beacons.h"
 #include "broker/broker.h"
+#include "broker/mailbags.h"
+#include "broker/pulse.h"
 #include "bus/bus.h"
 
 struct herald {
@@ -15,9 +17,9 @@ struct herald {
     struct beacons beacons;
     struct bus_reader heard;
     struct bus_writer beacon;
-    uint64_t told_ns; /* when a heartbeat went out last; 0: the next one is due */
-    bool sure;        /* no other broker has our name */
-    bool yields;      /* another one has it: this one is to end */
+    struct pulse pulse;
+    bool sure;   /* no other broker has our name */
+    bool yields; /* another one has it: this one is to end */
 };
 
 MU_MUST_USE mu_result herald_open(struct herald *h, struct bus *bus,
@@ -26,8 +28,12 @@ MU_MUST_USE mu_result herald_open(struct herald *h, struct bus *bus,
 /** Hears the other brokers; sets yields, and says so, when one of them has our name. */
 void herald_hear(struct herald *h);
 
-/** Says that the broker is there, when that is due by the machine's clock. */
-void herald_tell(struct herald *h, struct broker *b);
+/**
+ * Says that the broker is there, when that is due by the machine's clock.
+ *
+ * @param bags  those who are to hear of it
+ */
+void herald_tell(struct herald *h, struct broker *b, const struct mailbags *bags);
 
 /** Nobody was heard that has our name: agents may come from now on. */
 void herald_be_sure(struct herald *h);

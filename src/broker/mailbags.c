@@ -38,6 +38,16 @@ struct mailbag *mailbags_find(struct mailbags *m, const char *process)
     return index != MU_NONE ? &m->at[index] : NULL;
 }
 
+uint64_t mailbags_spoke_ns(const struct mailbags *m)
+{
+    uint64_t spoke_ns = UINT64_MAX;
+    for (uint32_t i = 0; i < m->count; i++) {
+        uint64_t heard_ns = m->at[m->order[i]].heard_ns;
+        spoke_ns = heard_ns < spoke_ns ? heard_ns : spoke_ns;
+    }
+    return m->count > 0 ? spoke_ns : 0;
+}
+
 /* --- opening and closing ---------------------------------------------------------------------- */
 
 static void bag_open(struct mailbags *m, const char *process)

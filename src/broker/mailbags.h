@@ -14,9 +14,9 @@ struct mailbag {
     char process[MU_PROCESS_MAX + 1];
     struct bus_writer writer;
     bool matched;
-    bool hears;       /* circulars */
-    uint32_t hearers; /* how many of them there were when it was last asked whether it does */
-    bool heard;       /* an Up of it has come */
+    bool hears;        /* circulars */
+    uint32_t hearers;  /* how many of them there were when it was last asked whether it does */
+    uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
 };
 
 struct mailbags {
@@ -47,6 +47,10 @@ bool mailbags_circulars_drained(const struct mailbags *m);
 
 /** @return the bag of a process, or NULL: it has none */
 struct mailbag *mailbags_find(struct mailbags *m, const char *process);
+
+/** @return when that process spoke that has been silent for the longest, 0: one never has, or there
+ *          is none */
+uint64_t mailbags_spoke_ns(const struct mailbags *m);
 
 /** Closes the bags of processes that are gone for good, and opens one for every new process. */
 void mailbags_follow(struct mailbags *m, const struct broker *b);

@@ -87,7 +87,7 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
         const struct mailbag *bag = mailbags_find(&p->bags, roster->processes._buffer[i]);
-        if (!bag || !bag->heard || !bus_drain(&bag->writer, 0)) {
+        if (!bag || bag->heard_ns == 0 || !bus_drain(&bag->writer, 0)) {
             return false;
         }
     }
@@ -128,7 +128,7 @@ static void up_take(struct post *p, const muster_Up *up)
 {
     struct mailbag *bag = mailbags_find(&p->bags, up->process);
     if (bag) {
-        bag->heard = true;
+        bag->heard_ns = mu_clock_ns();
     }
     broker_up(p->broker, up, post_now(p));
 }
@@ -249,7 +249,7 @@ static void store_write(struct post *p)
 static void post_round(struct post *p)
 {
     herald_hear(&p->herald);
-    herald_tell(&p->herald, p->broker);
+    herald_tell(&p->herald, p->broker, &p->bags);
     peers_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
@@ -279,7 +279,7 @@ static void doubt_settle(struct post *p, bool is_lone)
     uint64_t until_ns = post_now(p) + DOUBT_NS;
     while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
         herald_hear(h);
-        herald_tell(h, p->broker);
+        herald_tell(h, p->broker, &p->bags);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
     herald_be_sure(h);

@@ -100,7 +100,8 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    index, CONFIG_INDEX_LAST);
     peers_write(xml, options, interface);
-    /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s.
+    /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s. A
+     * broker waits for nobody, is answered when it starts, and wakes all whom it knows each time.
      * Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
      * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker
      * that was killed and is back would stop for 10 s, until the lease of the killed one ends.
@@ -108,12 +109,13 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
      * shorter ones make readers acknowledge more.
      * ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
      * process that was killed until its lease ends; the default is 1 MiB. */
-    mu_text_add(
+    mu_text_format(
         xml,
-        "</Peers><SPDPInterval>200ms</SPDPInterval></Discovery>"
+        "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
         "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
         "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">20ms</HeartbeatInterval>"
         "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit></Watermarks></Internal>"
         "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
-        "</Domain></CycloneDDS>");
+        "</Domain></CycloneDDS>",
+        options->place == BUS_BROKER ? "2s" : "200ms");
 }

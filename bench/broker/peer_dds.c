@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * No broker at all: one writes and a crowd reads, with the type, the quality of service and the
+ * configuration that mail has, which is the least that a broadcast over DDS can take.  WHERE is
+ * DOMAIN:CROWD.
+ */
+#include "peer.h"
+
+#include "bus/bus.h"
+#include "core/clock.h"
+#include "core/text.h"
+#include "load.h"
+#include "wire.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const uint64_t PATIENCE_NS = 10000000000;
+
+static struct {
+    struct bus bus;
+    struct bus_writer writer;
+    struct bus_reader reader;
+    void (*on_mail)(const char *text);
+    uint64_t sent;
+} peer;
+
+static void writer_open(uint32_t readers)
+{
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    if (bus_writer_open(&peer.bus, BUS_UP, BUS_TO_ALL, NULL, &peer.writer) != MU_OK) {
+        load_die("no writer");
+    }
+    while (bus_writer_matches(&peer.writer) < readers) {
+        bus_wait(&peer.bus, 0, 10000000);
+        if (mu_clock_ns() > until_ns) {
+            load_die("%u of %u are there", bus_writer_matches(&peer.writer), readers);
+        }
+    }
+}
+
+void peer_open(const struct peer_options *options)
+{
+    char *crowd;
+    bool writes = strncmp(options->name, "sender", strlen("sender")) == 0;
+    struct bus_options bus = {.domain = (int)strtol(options->where, &crowd, 10),
+                              .place = writes ? BUS_BROKER : BUS_AGENT,
+                              .name = options->name};
+    peer.on_mail = options->on_mail;
+    if (bus_open(&peer.bus, &bus) != MU_OK) {
+        load_die("cannot join domain %s", options->where);
+    }
+    if (writes) {
+        writer_open(*crowd == ':' ? (uint32_t)strtoul(crowd + 1, NULL, 10) : 1);
+    } else if (bus_reader_open(&peer.bus, BUS_UP, BUS_TO_ALL, &peer.reader) != MU_OK) {
+        load_die("no reader");
+    }
+}
+
+bool peer_send(const char *to, const char *text, enum mu_level level)
+{
+    char me[] = "bench", all[] = "all", none[] = "", content[LOAD_BYTES + 1];
+    (void)to; /* whoever reads */
+    (void)level;
+    mu_text_copy(content, sizeof content, text);
+    muster_Mail mail = {.src = me,
+                        .seq = ++peer.sent,
+                        .dst = all,
+                        .layer = MU_LAYER_SPEECH,
+                        .performative = none,
+                        .language = none,
+                        .ontology = none,
+                        .reply_with = none,
+                        .in_reply_to = none,
+                        .conversation = none,
+                        .due_ns = -1,
+                        .content = content};
+    muster_Act act = {
+        .agent = me, .rules = none, .mails = {._maximum = 1, ._length = 1, ._buffer = &mail}};
+    muster_Up up = {.process = me, .acts = {._maximum = 1, ._length = 1, ._buffer = &act}};
+    return bus_write(&peer.writer, &up) == MU_OK;
+}
+
+void peer_answer(const char *to, const char *text)
+{
+    (void)text;
+    load_die("nobody carries an answer to %s", to);
+}
+
+void peer_spin(int64_t timeout_ns)
+{
+    enum bus_life life;
+    const muster_Up *up;
+    bus_wait(&peer.bus, 0, timeout_ns);
+    while (peer.on_mail && peer.reader.bus && (up = bus_next(&peer.reader, &life))) {
+        if (life == BUS_DATA) {
+            peer.on_mail(up->acts._buffer[0].mails._buffer[0].content);
+        }
+    }
+}
+
+uint64_t peer_answered(void)
+{
+    return peer.sent;
+}
+
+void peer_close(void)
+{
+    bus_close(&peer.bus);
+}
