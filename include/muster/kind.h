@@ -64,7 +64,8 @@ struct mu_agent_kind {
  */
 extern const struct mu_agent_kind mu_base_kind;
 
-/** Makes an agent one of a kind; until then it is of mu_base_kind.  Call it before it spins. */
+/** Makes an agent one of a kind; until then it is of mu_base_kind.  Call it before it spins.  A
+ * kind that is its own ancestor is a bug, and ends the program. */
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
 
 /**

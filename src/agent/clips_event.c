@@ -98,6 +98,18 @@ void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
     }
 }
 
+void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome)
+{
+    char what[2 * (MU_FIELD_MAX + 1)];
+    struct mu_text t;
+    if (CLIPS_BROKEN(m) || !m->event->patternNetwork) {
+        return;
+    }
+    mu_text_init(&t, what, sizeof what);
+    mu_text_format(&t, "%s %s", verb, to);
+    mind_refused(m, what, outcome);
+}
+
 void mind_refused(struct mind *m, const char *change, const char *reason)
 {
     char bytes[2 * (MU_FIELD_MAX + 1)];

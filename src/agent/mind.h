@@ -305,6 +305,10 @@ void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act);
 /** The broker refused a change: (event refused group-create scouts group-exists). */
 void mind_refused(struct mind *m, const char *change, const char *reason);
 
+/** A mail did not get through: (event refused send nobody unknown-name), if a rule's pattern looks
+ * at events.  @param verb  send, or you-do  @param to  as it was addressed; cut if it is long */
+void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome);
+
 /**
  * Lists facts as (facts) does, as many as fit.
  *

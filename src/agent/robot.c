@@ -3,6 +3,7 @@
 #include "agent/body.h"
 
 #include "muster/memory.h"
+#include "runtime/returns.h"
 
 void robot_reserve_crew(struct crew *c, const struct settings *set, uint32_t count,
                         const char *host)
@@ -39,6 +40,7 @@ static void robot_begin(struct robot *r)
 {
     mu_agent_be(r->agent, &robot_kind);
     glances_answer(r->agent, robot_console_look);
+    returns_hear(r->agent, robot_on_return);
     body_ask(r->agent, r->mind);
 }
 

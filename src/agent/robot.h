@@ -234,6 +234,9 @@ void robot_crew_look(struct crew *c);
 void robot_travel(struct robot *r);
 
 void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *reason);
+/** A mail of its rules does not get through: as returns_hear says it. */
+void robot_on_return(void *self, mu_agent *a, const char *to, bool directive,
+                     enum mu_outcome outcome);
 /** Does what a line or a rule has said of the robot's own life. */
 void robot_do_wish(struct robot *r, mu_agent *a);
 

@@ -169,6 +169,20 @@ void robot_on_refusal(void *self, mu_agent *a, const char *change, const char *r
     mind_refused(r->mind, change, reason);
 }
 
+void robot_on_return(void *self, mu_agent *a, const char *to, bool directive,
+                     enum mu_outcome outcome)
+{
+    struct robot *r = self;
+    if (r->out || mu_agent_state(a) == MU_GONE) {
+        return;
+    }
+    if (directive && outcome == MU_MAIL_REFUSED) {
+        mu_log(MU_LOG_WARNING, "directive-refused", "name=%s to=%s", mu_agent_name(a), to);
+    }
+    robot_settle(r);
+    mind_mail_returned(r->mind, directive ? "you-do" : "send", to, mu_outcome_text(outcome));
+}
+
 void robot_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;

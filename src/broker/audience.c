@@ -3,8 +3,11 @@
 
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "broker/query.h"
 #include "core/address.h"
 #include "core/fields.h"
+
+#include <string.h>
 
 bool audience_veils(const struct broker *b, const struct mail *m, uint32_t agent)
 {
@@ -140,13 +143,25 @@ void audience_of_letter(struct broker *b, const muster_Mail *letter, uint32_t se
     }
 }
 
+/* Whether somebody may speak for an agent is for that agent's own broker to say: a change in the
+ * name of one who lives beyond another broker goes there, as his mail does.
+ * @return who gets it */
+static uint32_t desk_of(const struct broker *b, const struct mail *m)
+{
+    uint32_t agent = query_named(b, m);
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender && presence_is_beyond(b, agent) &&
+                        !pages_inside(b, m->sender);
+    return is_elsewhere ? agent : REGISTRY_BROKER;
+}
+
 void audience_of_mail(struct broker *b, const struct mail *m, struct audience *to)
 {
-    if (m->only == MU_NONE) {
+    bool is_question = m->letter.layer == 2 && strcmp(m->letter.dst, "broker") == 0;
+    if (m->only == MU_NONE && !is_question) {
         audience_of_letter(b, &m->letter, m->sender, to);
         return;
     }
     to->unknown = to->refused = 0;
     to->count = 1;
-    to->agents[0] = m->only;
+    to->agents[0] = is_question ? desk_of(b, m) : m->only;
 }

@@ -2,6 +2,7 @@
 #include "broker/courier.h"
 
 #include "broker/journal.h"
+#include "broker/liaison.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -197,9 +198,8 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
  * been had from its box, for another broker */
 static uint64_t verdict_number(struct broker *b, uint32_t agent)
 {
-    const struct agent *a = &b->registry.agents[agent];
     return b->places.at[b->courier.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
-                                                   : registry_last_seq(a);
+                                                   : liaison_begin_seq(b, agent);
 }
 
 static void welcome_add(struct broker *b, struct courier_part *part, muster_Delivery *d)

@@ -17,10 +17,10 @@ static mu_result policy_read(const char *path, char *text, struct mu_fault *faul
         return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(errno));
     }
     size_t len = fread(text, 1, FILES_POLICY_BYTES + 1, file);
-    bool failed = ferror(file) != 0;
+    int failed = ferror(file) ? errno : 0;
     fclose(file);
     if (failed) {
-        return mu_fault_at(fault, path, 0, 0, "cannot read the policy");
+        return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(failed));
     }
     if (len > FILES_POLICY_BYTES) {
         return mu_fault_at(fault, path, 0, 0, "expected at most %d bytes of policy",
@@ -67,9 +67,12 @@ static bool line_write(struct files_audit *f, const char *line, size_t len)
     if (f->cut && write(f->fd, "\n", 1) == 1) {
         f->cut = false;
     }
-    ssize_t written = f->cut ? -1 : write(f->fd, line, len);
-    f->cut = f->cut || (written > 0 && (size_t)written < len);
-    return written == (ssize_t)len;
+    ssize_t written = f->cut ? -1 : write(f->fd, line, len), rest = 0;
+    if (written > 0 && (size_t)written < len) { /* why, the next one says */
+        rest = write(f->fd, line + written, len - (size_t)written);
+        f->cut = rest != (ssize_t)(len - (size_t)written);
+    }
+    return !f->cut && written + rest == (ssize_t)len;
 }
 
 void files_audit_write(struct files_audit *f, struct broker *b)

@@ -4,6 +4,7 @@
 #include "broker/border.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
+#include "core/hash.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -203,6 +204,40 @@ uint64_t liaison_deadline_ns(const struct broker *b)
 {
     const struct liaison *l = &b->liaison;
     return l->pauses_count > 0 ? l->pauses[l->pauses_head].until_ns : UINT64_MAX;
+}
+
+/* --- numbers ------------------------------------------------------------------------------------
+ */
+
+uint64_t liaison_lane(const struct broker *b)
+{
+    return mu_hash_number(mu_hash_string(b->name)) % LIAISON_LANES;
+}
+
+/* @return the last number before the next lane of this broker, or last if that is in one */
+static uint64_t lane_after(const struct broker *b, uint64_t last)
+{
+    const uint64_t all = (uint64_t)LIAISON_LANES * LIAISON_LANE_NUMBERS;
+    uint64_t lane = liaison_lane(b);
+    uint64_t lane_at = lane * LIAISON_LANE_NUMBERS, in_round = last % all;
+    if (in_round / LIAISON_LANE_NUMBERS == lane) {
+        return last;
+    }
+    return last - in_round + lane_at + (in_round > lane_at ? all : 0);
+}
+
+/* A name that nobody has borne yet begins at 1 everywhere, as long as everybody would hear of it;
+ * and in a lock step all numbers are those of a run with one broker. */
+uint64_t liaison_begin_seq(const struct broker *b, uint32_t agent)
+{
+    const struct liaison *l = &b->liaison;
+    uint64_t last = registry_last_seq(&b->registry.agents[agent]);
+    bool others_may_begin = l->peers_count > 0 && (last > 0 || l->peers_there < l->peers_count);
+    if (!others_may_begin || b->lockstep.on) {
+        return last;
+    }
+    uint64_t begin = lane_after(b, last);
+    return begin <= INT64_MAX / 2 ? begin : last;
 }
 
 /* --- coming and going --------------------------------------------------------------------------

@@ -25,6 +25,12 @@ struct broker;
 /* How long another way has to wait that may be an echo of our own. */
 enum { LIAISON_PAUSE_MS = 1000 };
 
+/*
+ * Where a new process of a name begins to number its mail: each broker has lanes of its own, by its
+ * name, so that of two that cannot hear each other neither gives a number that the other gives.
+ */
+enum { LIAISON_LANE_NUMBERS = 1 << 16, LIAISON_LANES = 1 << 20 };
+
 /* Acknowledgements in one Up to a neighbour. */
 enum { LIAISON_ACKS = 1024 };
 
@@ -114,6 +120,12 @@ void liaison_review(struct broker *b, uint32_t agent);
 
 /** @return the reason of a refusal: somebody at that broker holds the name */
 const char *liaison_holder(struct broker *b, const char *home);
+
+/** @return the lane of this broker, below LIAISON_LANES */
+uint64_t liaison_lane(const struct broker *b);
+
+/** @return the number behind which a new process of that agent begins to number its mail */
+uint64_t liaison_begin_seq(const struct broker *b, uint32_t agent);
 
 void liaison_tick(struct broker *b);
 uint64_t liaison_deadline_ns(const struct broker *b);

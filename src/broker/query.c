@@ -15,6 +15,15 @@
  * outside does not shift the numbers inside a run. */
 static const uint64_t OUTSIDE_ANSWERS = 1ull << 62;
 
+/* All brokers answer as `broker`, and some answers cross: each of several has so many numbers of
+ * its own. */
+static const uint64_t ANSWERS_EACH = 1ull << 40;
+
+static uint64_t outside_answers(const struct broker *b)
+{
+    return OUTSIDE_ANSWERS + (b->liaison.peers_count > 0 ? liaison_lane(b) * ANSWERS_EACH : 0);
+}
+
 /* --- answers ---------------------------------------------------------------------------------- */
 
 void query_begin(struct broker *b, struct mu_text *t, const char *word)
@@ -31,7 +40,7 @@ static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muste
     m->layer = 2;
     m->language = sample_text("");
     m->due_ns = -1;
-    m->seq = (inside ? 0 : OUTSIDE_ANSWERS) + ++b->answers[inside ? 0 : 1];
+    m->seq = (inside ? 0 : outside_answers(b)) + ++b->answers[inside ? 0 : 1];
     router_post(b, receiver, m);
 }
 
@@ -301,7 +310,7 @@ void query_answer(struct broker *b, const struct mail *question)
     }
 }
 
-bool query_changes_member(const struct broker *b, const struct mail *question)
+uint32_t query_named(const struct broker *b, const struct mail *question)
 {
     const struct query *q = query_of(question);
     const char *content = question->letter.content;
@@ -312,9 +321,14 @@ bool query_changes_member(const struct broker *b, const struct mail *question)
     for (unsigned i = 0; q && i < q->names; i++) {
         whole = mu_fields_next(&content, &read);
         if (!whole && !read.cut) {
-            return false;
+            return MU_NONE;
         }
     }
-    uint32_t agent = whole ? registry_find(&b->registry, name) : MU_NONE;
+    return whole ? registry_find(&b->registry, name) : MU_NONE;
+}
+
+bool query_changes_member(const struct broker *b, const struct mail *question)
+{
+    uint32_t agent = query_named(b, question);
     return agent != MU_NONE && pages_inside(b, agent);
 }

@@ -73,6 +73,9 @@ void query_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
 void query_ask(struct broker *b, uint32_t receiver, const char *performative,
                const char *reply_with);
 
+/** @return the agent in whose name it is to change something, if it names one; else MU_NONE */
+uint32_t query_named(const struct broker *b, const struct mail *question);
+
 /** @return whether it is a change that names a member of the lock step */
 bool query_changes_member(const struct broker *b, const struct mail *question);
 

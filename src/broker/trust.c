@@ -92,7 +92,7 @@ static bool party_of(struct word w, struct trust_party *out)
         return false;
     }
     memcpy(out->name, w.at + len, w.len - len);
-    return mu_name_valid(out->name);
+    return out->kind == TRUST_GROUP ? mu_name_of_group(out->name) : mu_name_valid(out->name);
 }
 
 static mu_result party_read(struct reader *r, struct trust_party *out)

@@ -4,6 +4,14 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+/* What stands in a file may be a word to a terminal. */
+static void text_disarm(char *text)
+{
+    for (; *text; text++) {
+        *text = (unsigned char)*text < ' ' || *text == 0x7f ? '?' : *text;
+    }
+}
+
 mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int column,
                       const char *format, ...)
 {
@@ -14,6 +22,7 @@ mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int co
     va_start(args, format);
     vsnprintf(fault->text, sizeof fault->text, format, args);
     va_end(args);
+    text_disarm(fault->text);
     return MU_FAULT_FILE;
 }
 

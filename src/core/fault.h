@@ -28,7 +28,7 @@ struct mu_fault_listener {
 };
 
 /**
- * Fills a fault; what does not fit is cut.
+ * Fills a fault; what does not fit is cut, and control characters are shown as a question mark.
  *
  * @return MU_FAULT_FILE, so that `return mu_fault_at(...)` reads well
  */

@@ -21,7 +21,7 @@ static bool option_in_range(const struct mu_option *option, double value,
     if (any || (value >= option->min && value <= option->max)) {
         return true;
     }
-    snprintf(why, MU_OPTION_WHY_MAX, "expected %g to %g", option->min, option->max);
+    snprintf(why, MU_OPTION_WHY_MAX, "expected %.10g to %.10g", option->min, option->max);
     return false;
 }
 

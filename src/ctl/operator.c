@@ -234,11 +234,13 @@ static bool busy_tell(const struct operator* o, const char *to)
     return m;
 }
 
-static void absence_tell(const struct operator* o, const char *to)
+/* Directives reach the suspended at once. */
+static void absence_tell(const struct operator* o, const struct mu_mail *mail)
 {
-    const struct mu_member *m = mu_process_lookup(o->process, to);
-    if (m && m->state == MU_GONE) {
-        fprintf(stderr, "muster: %s is absent; what was sent waits for it\n", m->name);
+    const struct mu_member *m = mu_process_lookup(o->process, mail->dst);
+    if (m && (m->state == MU_GONE || (m->state == MU_SUSPENDED && !mail->directive))) {
+        fprintf(stderr, "muster: %s is %s; what was sent waits for it\n", m->name,
+                mu_state_text(m->state));
     }
 }
 
@@ -278,8 +280,10 @@ static int outcome_tell(const struct operator* o, const char *to)
 }
 
 /* @return the exit code */
-static int answers_take(struct operator* o, const char *to, unsigned wanted, double wait_s)
+static int answers_take(struct operator* o, const struct mu_mail *mail, unsigned wanted,
+                        double wait_s)
 {
+    const char *to = mail->dst;
     answers_await(o, wanted, (uint64_t)(wait_s * 1e9));
     int code = outcome_tell(o, to);
     if (code != MU_EXIT_DONE) {
@@ -288,7 +292,7 @@ static int answers_take(struct operator* o, const char *to, unsigned wanted, dou
     if (o->answers < wanted && !(o->quiet && o->answers > 0)) {
         fprintf(stderr, "muster: %u of %u answers within %g s\n", o->answers, wanted, wait_s);
         (void)busy_tell(o, to);
-        absence_tell(o, to);
+        absence_tell(o, mail);
     }
     if (o->answers < wanted && !(o->asks_many && o->answers > 0)) {
         return MU_EXIT_TIME;
@@ -321,7 +325,7 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
     }
     int code = outcome_tell(o, mail->dst);
     if (code == MU_EXIT_DONE && answers_wanted > 0) {
-        return answers_take(o, mail->dst, answers_wanted, wait_s);
+        return answers_take(o, mail, answers_wanted, wait_s);
     }
     if (code == MU_EXIT_DONE && !o->quiet) {
         printf("%s\n", mu_outcome_text(o->outcome));

@@ -7,6 +7,7 @@
 #include "core/paths.h"
 #include "monitor/facts.h"
 #include "muster/memory.h"
+#include "runtime/returns.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -158,6 +159,7 @@ static mu_result monitor_join(void)
                                    .on_refusal = robot_on_refusal};
     MU_TRY(mu_agent_join(r->crew->process, &r->agent, r->name, MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_be(r->agent, &monitor_kind);
+    returns_hear(r->agent, robot_on_return);
     mu_agent_decline_broadcasts(r->agent); /* it sees them anyway */
     return MU_OK;
 }

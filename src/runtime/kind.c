@@ -20,8 +20,21 @@ static const struct mu_agent_kind *kind_of(const struct mu_agent *a)
     return a->part.of ? a->part.of : &mu_base_kind;
 }
 
+/* @return whether a kind is its own ancestor: a second walk at half the pace would be met */
+static bool descends_from_itself(const struct mu_agent_kind *kind)
+{
+    const struct mu_agent_kind *slow = kind;
+    bool is_odd = false;
+    for (kind = kind ? parent_of(kind) : NULL; kind && kind != slow; kind = parent_of(kind)) {
+        slow = is_odd ? parent_of(slow) : slow;
+        is_odd = !is_odd;
+    }
+    return kind != NULL;
+}
+
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind)
 {
+    MU_ASSERT(!descends_from_itself(kind));
     a->part.of = kind;
 }
 

@@ -186,11 +186,16 @@ void outbox_sent(struct outbox *box, uint32_t count)
     }
 }
 
-/* @return the end of those of the numbers that are in the box, which begin at *first */
-static uint64_t range_of(const struct outbox *box, uint64_t *first, uint64_t last_seq)
+uint64_t outbox_range(const struct outbox *box, uint64_t *first, uint64_t last_seq)
 {
     *first = *first > box->first_seq ? *first : box->first_seq;
     return last_seq < box->next_seq ? last_seq + 1 : box->next_seq;
+}
+
+const muster_Mail *outbox_awaited(const struct outbox *box, uint64_t seq)
+{
+    const struct outbox_slot *slot = slot_of(box, seq);
+    return slot->sent && !slot->confirmed ? &slot->mail : NULL;
 }
 
 static void confirmed_drop(struct outbox *box)
@@ -206,7 +211,7 @@ static void confirmed_drop(struct outbox *box)
 
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 {
-    uint64_t end = range_of(box, &first_seq, last_seq);
+    uint64_t end = outbox_range(box, &first_seq, last_seq);
     for (uint64_t seq = first_seq; seq < end; seq++) {
         slot_of(box, seq)->confirmed = true;
     }
@@ -216,7 +221,7 @@ void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 {
     uint64_t from_seq = first_seq;
-    uint64_t end = range_of(box, &from_seq, last_seq);
+    uint64_t end = outbox_range(box, &from_seq, last_seq);
     for (uint64_t seq = from_seq; seq < end; seq++) {
         slot_of(box, seq)->ended = slot_of(box, seq)->sent;
     }
@@ -225,7 +230,7 @@ void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 
 void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 {
-    uint64_t end = range_of(box, &first_seq, last_seq);
+    uint64_t end = outbox_range(box, &first_seq, last_seq);
     for (uint64_t seq = first_seq; seq < end; seq++) {
         struct outbox_slot *slot = slot_of(box, seq);
         slot->confirmed = slot->confirmed || ++slot->had >= OUTBOX_HAD;

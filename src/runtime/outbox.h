@@ -72,6 +72,13 @@ bool outbox_has_unanswered(const struct outbox *box);
 /** count mails of outbox_unsent went out. */
 void outbox_sent(struct outbox *box, uint32_t count);
 
+/** @return the end of those of the numbers from *first to last_seq that are in the box; *first:
+ * out: where they begin */
+uint64_t outbox_range(const struct outbox *box, uint64_t *first, uint64_t last_seq);
+
+/** @return a mail that is in the box, if it is out and has no answer yet; else NULL */
+const muster_Mail *outbox_awaited(const struct outbox *box, uint64_t seq);
+
 /** The broker has answered for these. */
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 

@@ -20,6 +20,7 @@
 #include "runtime/owed.h"
 #include "runtime/queue.h"
 #include "runtime/resolver.h"
+#include "runtime/returns.h"
 #include "runtime/roll.h"
 #include "runtime/taken.h"
 #include "runtime/trips.h"
@@ -44,6 +45,7 @@ struct mu_agent {
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
     struct glances_handlers glances;
+    returns_handler *on_return;    /* NULL: nobody is told */
     uint64_t since_wall_ns;        /* since when it has its name */
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */

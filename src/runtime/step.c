@@ -140,6 +140,7 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
             continue;
         }
         bool is_answer = r->result != muster_OUTCOME_DUPLICATE;
+        returns_take(a, r);
         receipt_note(&a->outbox, r);
         resolver_retry(a);
         agent_progress(a);

@@ -345,6 +345,7 @@ static inline void net_to_agent(int broker, const muster_Delivery *d)
         }
         for (uint32_t k = 0; k < d->verdicts._length; k++) {
             a->accepted = d->verdicts._buffer[k].accepted;
+            a->seq = a->seq ? a->seq : d->verdicts._buffer[k].last_seq;
             if (!a->accepted) {
                 (void)mu_text_copy(a->refused, sizeof a->refused, d->verdicts._buffer[k].reason);
             }

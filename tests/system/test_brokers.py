@@ -145,6 +145,30 @@ def test_groups_and_services_are_common():
         check_equal(text.count("hello a") + text.count("hello b"), 2, "each mail once")
 
 
+def test_the_policy_of_an_agents_own_broker_decides():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        policy, audit = out / "b.policy", out / "audit"
+        policy.write_text("allow operator direct green\n")
+        broker_start(processes, domain, "a")
+        broker_start(processes, domain, "b", "--policy", policy, "--audit", audit)
+        for name in ("blue", "green"):
+            receiver_start(processes, domain, name, out, "b")
+            wait_for(lambda n=name: home(domain, "a", n) == "b", 10, f"{name} is known")
+        muster("suspend", "green", "--domain", domain, "--broker", "b")
+        for broker in BROKERS:
+            for words, code in (("group join scouts --as blue", 6), ("group join scouts --as green", 0),
+                                ("service add mapper x=1 --as blue", 6),
+                                ("service add mapper x=1 --as green", 0),
+                                ("group leave scouts --as green", 0),
+                                ("group leave scouts --as green", 7),
+                                ("service remove mapper --as green", 0)):
+                done = muster(*words.split(), "--domain", domain, "--broker", broker)
+                check_equal(done.returncode, code, f"{words} at {broker}: {done.stderr}")
+        records = [json.loads(line) for line in audit.read_text().splitlines()]
+        check_equal([r["allowed"] for r in records].count(False), 4, "the audit of b has all")
+
+
 def test_many_mails_keep_their_order():
     domain = new_domain()
     with folder() as out, Processes() as processes:

@@ -42,6 +42,23 @@ def test_answers_are_waited_for_and_printed():
         check_equal((done.returncode, done.stdout), (0, "ann: \n"), "an empty answer")
 
 
+def test_why_nobody_answers():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        check_equal(muster("suspend", "ann", "--domain", domain).returncode, 0, "suspend")
+        wait_for(lambda: members(domain)["ann"]["state"] == "suspended", 10, "it is suspended")
+        done = send(domain, "ann", "tell", "42", "--wait", 0.3)
+        check_equal((done.returncode, done.stdout), (124, ""), "no answer")
+        check("ann is suspended; what was sent waits for it" in done.stderr, done.stderr)
+        check_equal(muster("dispose", "ann", "--domain", domain).returncode, 0, "dispose")
+        wait_for(lambda: members(domain)["ann"]["state"] == "absent", 10, "it is gone")
+        done = send(domain, "ann", "tell", "42", "--wait", 0.3)
+        check_equal(done.returncode, 124, "no answer")
+        check("ann is absent; what was sent waits for it" in done.stderr, done.stderr)
+
+
 def test_answers_as_objects_have_the_whole_envelope():
     domain = new_domain()
     with Processes() as processes:

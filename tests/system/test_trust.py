@@ -3,6 +3,8 @@
 import json
 import pathlib
 import re
+import resource
+import signal
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, Skip, check, check_equal, folder, members, muster,
                      new_domain, wait_for)
@@ -70,7 +72,13 @@ def test_a_robot_passes_the_policy_or_does_not():
                     "red is told")
         wait_for(lambda: any((r["sender"], r["receiver"], r["allowed"]) == ("red", "blue", True)
                              for r in records(audit)), 10, "red directs blue")
+        muster("do", "red", "(defrule told (event refused $?) =>)", "--domain", domain)
         muster("do", "red", "(you-do operator wander)", "--domain", domain)
+        muster("do", "red", "(send nobody hello)", "--domain", domain)
+        for fact in ("(event refused you-do operator refused)",
+                     "(event refused send nobody unknown-name)"):
+            wait_for(lambda f=fact: f in muster("do", "red", "(facts)", "--domain", domain).stdout, 10,
+                     f"red's rules are told: {fact}")
         wait_for(lambda: any((r["sender"], r["receiver"], r["allowed"]) ==
                              ("red", "operator", False) for r in records(audit)), 10, "but no other")
 
@@ -87,6 +95,32 @@ def test_a_full_disk_stops_nothing():
         wait_for(lambda: counters(domain, "broker.trust")["audit-failed"] == 3, 5, "it is counted")
 
 
+def file_size_limit():
+    """A disk that is full behind 4 KiB, for a program and all that it starts."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
+
+
+def test_a_record_that_fits_in_part():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        with open(out / "log", "wb") as log:
+            processes.start(MUSTER, "broker", "main", "--domain", domain, "--audit", out / "audit",
+                            stderr=log, preexec_fn=file_size_limit)
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        robots_start(processes, domain, "red")
+        for _ in range(30):
+            check_equal(muster("suspend", "red", "--domain", domain).returncode, 0, "a directive")
+        check("audit-failed" in counters(domain, "broker.trust"), "a counter")
+        check(counters(domain, "broker.trust")["audit-failed"] > 0, "records are lost")
+        said = (out / "log").read_text()
+        check('audit-not-written reason="File too large"' in said, said)
+        lines = (out / "audit").read_bytes().split(b"\n")
+        check(len(lines) > 10 and lines[-1], "it ends in the midst of a record")
+        for line in lines[:-1]:
+            json.loads(line)
+
+
 def test_mistakes_are_named_with_their_place():
     with folder() as out:
         policy = out / "bad.policy"
@@ -96,6 +130,13 @@ def test_mistakes_are_named_with_their_place():
         check(f"{policy}:2:17: expected direct, not 'command'" in done.stderr, done.stderr)
         done = muster("broker", "main", "--policy", out / "none.policy")
         check_equal(done.returncode, 3, "no policy there")
+        done = muster("broker", "main", "--policy", out)
+        check_equal(done.returncode, 3, "a folder")
+        check("cannot read the policy: Is a directory" in done.stderr, done.stderr)
+        policy.write_bytes(b"deny operator \x1b[2J red\n")
+        done = muster("broker", "main", "--policy", policy)
+        check_equal(done.returncode, 3, "a word to the terminal")
+        check(f"{policy}:1:15: expected direct, not '?[2J'" in done.stderr, repr(done.stderr))
         done = muster("broker", "main", "--audit", out / "none" / "audit")
         check_equal(done.returncode, 9, "an audit log that cannot be")
 

@@ -435,6 +435,90 @@ static void test_numbers_of_a_name_go_on_at_another_broker(void)
     CU_ASSERT_TRUE(registry_last_seq(&net.b[B]->registry.agents[green]) >= JOURNAL_RESERVE);
 }
 
+/* Sends in the name of white, as the command line does: it comes, sends one mail, and leaves. */
+static void white_sends(const char *tag, int broker, const char *to, const char *content)
+{
+    struct net_agent *white = net_join_as("white", tag, broker, 9000 + net.now_ns);
+    net_settle();
+    muster_Mail m = letter("white", ++white->seq, to, content);
+    net_up(white, &m, 0);
+    net_settle();
+    net_register(white, muster_STATE_ABSENT);
+    white->at = -1;
+    net_settle();
+}
+
+/* Before a link is cut, while it is, and after: nobody may take one mail for another. */
+static void test_a_name_that_sends_on_both_sides_of_a_cut(void)
+{
+    two();
+    white_sends("1", A, "red,blue", "before");
+    net_link(A, B, false);
+    net_tick(2000 * MS);
+    white_sends("2", A, "red,blue", "left");
+    white_sends("3", B, "red,blue", "right");
+    net_link(A, B, true);
+    net_tick(2000 * MS);
+    net_settle();
+    white_sends("4", A, "red,blue", "after");
+    HEARD("red", "before; left; right; after");
+    HEARD("blue", "before; right; left; after");
+    CU_ASSERT_EQUAL(net.repeats, 0);
+}
+
+/* The same of one that was never there before. */
+static void test_a_new_name_on_both_sides_of_a_cut(void)
+{
+    two();
+    net_link(A, B, false);
+    net_tick(2000 * MS);
+    white_sends("1", A, "red,blue", "left");
+    white_sends("2", B, "red,blue", "right");
+    net_link(A, B, true);
+    net_tick(2000 * MS);
+    net_settle();
+    HEARD("red", "left; right");
+    HEARD("blue", "right; left");
+}
+
+static void test_numbers_of_one_broker_begin_at_one(void)
+{
+    net_begin();
+    net_join("red", A);
+    white_sends("1", A, "red", "one");
+    white_sends("2", A, "red", "two");
+    uint32_t white = registry_find(&net.b[A]->registry, "white");
+    CU_ASSERT_EQUAL(registry_last_seq(&net.b[A]->registry.agents[white]), 2);
+}
+
+/* Whoever may be spoken for is said by the policy of his own broker, whichever one is asked. */
+static void test_a_change_in_the_name_of_one_at_another_broker(void)
+{
+    struct mu_fault fault;
+    chain();
+    CU_ASSERT_EQUAL_FATAL(broker_policy(net.b[C], "allow red direct all", "c.policy", &fault),
+                          MU_OK);
+    net_join("blue", A);
+    net_settle();
+    net_ask("red", "group-join", "scouts green"); /* the default policy of A lets nobody */
+    net_ask("blue", "group-join", "cooks green");
+    net_settle();
+    HEARD("red", "");
+    CU_ASSERT_EQUAL(net.b[A]->counters.unspoken, 0);
+    CU_ASSERT_EQUAL(net.b[C]->counters.unspoken, 1);
+    CU_ASSERT_EQUAL(net.b[C]->counters.directed, 1);
+    for (int i = A; i <= C; i++) {
+        CU_ASSERT_TRUE(groups_has(&net.b[i]->pages.groups, "scouts", "green", false));
+        CU_ASSERT_FALSE(groups_has(&net.b[i]->pages.groups, "cooks", "green", false));
+        CU_ASSERT_EQUAL(net.b[i]->store.mails, 0);
+    }
+    net_ask("blue", "group-join", "cooks"); /* for himself he may */
+    net_ask("blue", "group-join", "cooks blue");
+    net_settle();
+    CU_ASSERT_TRUE(groups_has(&net.b[C]->pages.groups, "cooks", "blue", false));
+    CU_ASSERT_EQUAL(net.b[A]->counters.unspoken, 0);
+}
+
 static muster_Delivery delivery_to_b(muster_Parcel *parcel)
 {
     muster_Delivery d = {.process = words("broker.b"),
@@ -624,6 +708,10 @@ int main(void)
         {"a restart unnoticed", test_a_restart_that_nobody_noticed},
         {"a clash", test_a_name_that_both_sides_gave_away},
         {"a name held elsewhere", test_a_name_that_is_held_elsewhere},
+        {"a name on both sides of a cut", test_a_name_that_sends_on_both_sides_of_a_cut},
+        {"a new name on both sides", test_a_new_name_on_both_sides_of_a_cut},
+        {"a change for one elsewhere", test_a_change_in_the_name_of_one_at_another_broker},
+        {"numbers of one broker", test_numbers_of_one_broker_begin_at_one},
         {"numbers go on", test_numbers_of_a_name_go_on_at_another_broker},
         {"limit: hops", test_limit_hops},
         {"malformed", test_what_is_malformed_is_counted},

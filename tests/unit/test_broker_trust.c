@@ -132,6 +132,11 @@ static void test_mistakes_are_named(void)
          "expected a name, all, robots, "
          "special, group:NAME or role:NAME, not 'a-name-of-more-than-31-characters'",
          1, 18},
+        {"allow red direct group:robots",
+         "expected a name, all, robots, special, group:NAME or "
+         "role:NAME, not 'group:robots'",
+         1, 18},
+        {"deny red \x1b[2J", "expected direct, not '?[2J'", 1, 10},
         {"allow red direct blue green", "expected the line's end or a comment, not 'green'", 1, 23},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -9,7 +9,10 @@
 #include "runtime/process.h"
 
 #include <CUnit/Basic.h>
+#include <signal.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static mu_process process;
 static muster_Sense sense;
@@ -501,6 +504,57 @@ static void test_events_of_mobility_go_through_the_chain(void)
     expect_heard("red created; ");
 }
 
+static enum mu_take pass(void *self, mu_agent *a, const struct mu_mail *mail)
+{
+    (void)self;
+    (void)a;
+    (void)mail;
+    return MU_PASS;
+}
+
+static void test_kinds_with_many_ancestors(void)
+{
+    static const struct mu_layer_handler handlers[] = {{4, NULL, pass}, {0}};
+    static struct mu_agent_kind kinds[200];
+    for (size_t i = 0; i < 200; i++) {
+        kinds[i] = (struct mu_agent_kind){
+            .name = "deep", .parent = i > 0 ? &kinds[i - 1] : &parent, .handlers = handlers};
+    }
+    set_up(MU_KIND_AGENT, &kinds[199], false);
+    take(mail(4, "greet"));
+    expect_heard("parent greet; ");
+    expect_answer("inform", "hello");
+}
+
+/* @return how the process ends in which an agent is of a kind with the last of so many as parent */
+static int status_of_ring(size_t count)
+{
+    static struct mu_agent_kind kinds[8];
+    for (size_t i = 0; i < count; i++) {
+        kinds[i] = (struct mu_agent_kind){.name = "ring", .parent = &kinds[(i + 1) % count]};
+    }
+    capture_begin();
+    pid_t pid = fork();
+    if (pid == 0) {
+        alarm(20); /* rather than go round for ever */
+        mu_agent_be(red, &(struct mu_agent_kind){.name = "child", .parent = &kinds[0]});
+        _exit(0);
+    }
+    int status = 0;
+    CU_ASSERT_EQUAL(waitpid(pid, &status, 0), pid);
+    capture_end();
+    return status;
+}
+
+static void test_a_kind_that_is_its_own_ancestor(void)
+{
+    set_up(MU_KIND_AGENT, &child, false);
+    for (size_t count = 1; count <= 8; count++) {
+        int status = status_of_ring(count);
+        CU_ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
+    }
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -521,6 +575,8 @@ int main(void)
         {"hooks of a robot", test_hooks_of_a_robot},
         {"hooks of an agent that runs at once", test_hooks_of_an_agent_that_runs_at_once},
         {"who was never accepted has no hooks", test_who_was_never_accepted_has_no_hooks},
+        {"many ancestors", test_kinds_with_many_ancestors},
+        {"its own ancestor", test_a_kind_that_is_its_own_ancestor},
         {"events of mobility", test_events_of_mobility_go_through_the_chain},
         CU_TEST_INFO_NULL,
     };
