@@ -109,13 +109,13 @@ static void boxes_find(struct broker *b, const struct mail *m)
 
 /* --- putting together ------------------------------------------------------------------------- */
 
-/* Adds the waiting mail of that index, if it is next in each of the boxes.  @return whether it is
- */
+/* Adds the waiting mail of that index, if it is next in each of the boxes, and no durable mail has
+ * taken it to the store.  @return whether it is */
 static bool letter_add(struct broker *b, uint32_t index, size_t *room)
 {
     struct circulars *c = &b->circulars;
     const struct mail *m = c->waiting[index];
-    bool fits = m->bytes <= *room && c->letters_count < BUS_CIRCULAR_LETTERS;
+    bool fits = m->row == 0 && m->bytes <= *room && c->letters_count < BUS_CIRCULAR_LETTERS;
     for (uint32_t i = 0; i < c->boxes_count && fits; i++) {
         fits = mailbox_next_is(&b->mailbox, c->boxes[i].agent, m);
     }

@@ -10,9 +10,8 @@
 
 enum {
     TEXT_ENOUGH = 32 * 1024, /* a bundle that has so much takes no more mail */
-    WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1),
     /* The largest mail: a byte of a string is six in JSON at most. */
-    MAIL_BYTES = 6 * STORE_RECORD_MAX + WAITING_BYTES + 1024,
+    MAIL_BYTES = 6 * STORE_RECORD_MAX + JOURNAL_WAITING_BYTES + 1024,
 };
 
 /* --- the tables ------------------------------------------------------------------------------- */
@@ -22,8 +21,10 @@ enum {
 #define SELECT_MAILS                                                                           \
     "SELECT b.id + j.key AS id,\n"                                                             \
     "  j.value ->> 0 AS sender, j.value ->> 1 AS seq,\n"                                       \
-    "  coalesce(w.waiting, j.value ->> 2) AS waiting, -- who has not acknowledged it\n"        \
-    "  j.value ->> 3 AS level,           -- 1 logged, 2 synced\n"                              \
+    "  coalesce(w.waiting, j.value ->> 2) AS waiting, -- who has not acknowledged it;\n"       \
+    "    -- behind a slash, what its sender was told for good, or will be\n"                   \
+    "  j.value ->> 3 AS level,           -- 1 logged, 2 synced;\n"                             \
+    "    -- 0 ram: sent before one of those\n"                                                 \
     "  j.value ->> 8 AS expires_wall_ns, -- since 1970\n"                                      \
     "  j.value ->> 4 AS dst, j.value ->> 5 AS layer, j.value ->> 6 AS performative,\n"         \
     "  j.value ->> 9 AS language, j.value ->> 10 AS ontology, j.value ->> 11 AS reply_with,\n" \
@@ -44,7 +45,7 @@ const char disk_bundle_tables[] =
     "  alive TEXT);             -- 0 for each of those, 1 for the others\n"
     "CREATE TABLE waits (\n"
     "  id INTEGER PRIMARY KEY,  -- the number of a mail that some receivers have acknowledged\n"
-    "  waiting TEXT);           -- the others\n"
+    "  waiting TEXT);           -- the others, and how it ends\n"
     "CREATE VIEW mails AS " SELECT_MAILS ";";
 
 const char disk_bundle_select[] = SELECT_MAILS " ORDER BY b.id, j.key";

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/journal.h"
 
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
@@ -16,15 +17,13 @@ static const uint64_t AWAIT_NS = 10000000000;
 
 enum { BUCKETS_RUN = 64 };
 
-enum { WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) };
-
 void journal_init(struct journal *j, bool on)
 {
     *j = (struct journal){.on = on};
     if (on) {
         j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
         j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);
-        j->text = mu_startup_alloc(WAITING_BYTES);
+        j->text = mu_startup_alloc(JOURNAL_WAITING_BYTES);
     }
 }
 
@@ -133,17 +132,50 @@ static void agent_mark(struct broker *b, uint32_t agent)
     }
 }
 
-void journal_put(struct broker *b, struct mail *m)
+static void row_give(struct journal *j, struct mail *m)
 {
-    struct journal *j = &b->journal;
-    if (m->letter.level == muster_LEVEL_RAM || !j->on) {
-        return;
-    }
     m->row = ++j->rows;
     journal_enter(j, m);
     mail_mark(j, m);
+}
+
+/* @return whether it would be lost with this life, and sent again behind what was not */
+static bool is_in_ram(const struct mail *m, uint32_t sender)
+{
+    return m->sender == sender && m->row == 0 && m->letter.hops == 0;
+}
+
+/* What its sender has sent before a durable mail, and still waits, goes to the store with it: what
+ * has outlived the broker must not overtake what its sender sends once more. */
+static void ram_take_along(struct broker *b, const struct mail *durable)
+{
+    struct agent *a = &b->registry.agents[durable->sender];
+    struct mail *first = NULL;
+    for (struct mail *m = durable->older; m && m->order > a->durable_order; m = m->older) {
+        first = is_in_ram(m, durable->sender) ? m : first;
+    }
+    for (struct mail *m = first; m && m != durable; m = m->newer) {
+        if (is_in_ram(m, durable->sender)) {
+            row_give(&b->journal, m);
+        }
+    }
+}
+
+void journal_put(struct broker *b, struct mail *m)
+{
     struct agent *a = &b->registry.agents[m->sender];
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (is_ram || !b->journal.on) {
+        a->ram_behind = a->ram_behind || (is_ram && m->letter.hops == 0);
+        return;
+    }
     /* What came by another broker says nothing of what the sender has sent here. */
+    if (m->letter.hops == 0 && a->ram_behind) {
+        ram_take_along(b, m);
+        a->ram_behind = false;
+    }
+    row_give(&b->journal, m);
+    a->durable_order = m->letter.hops == 0 ? m->order : a->durable_order;
     if (m->letter.hops == 0 && m->letter.seq > a->durable_seq) {
         a->durable_seq = m->letter.seq;
         agent_mark(b, m->sender);
@@ -180,7 +212,7 @@ uint32_t journal_room(const struct broker *b, uint32_t agent)
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
 {
     struct agent *a = &b->registry.agents[sender];
-    if (letter->level == muster_LEVEL_RAM || letter->hops > 0 || letter->seq <= a->failed_seq) {
+    if (letter->hops > 0 || letter->seq <= a->failed_seq) {
         return;
     }
     a->failed_seq = letter->seq;
@@ -281,15 +313,18 @@ bool journal_wanted(struct broker *b, muster_Level *level)
     return true;
 }
 
-/* The names of those that a mail still waits for. */
+/* The names of those that a mail still waits for, and behind a slash what of its end is certain. */
 static const char *waiting_of(struct broker *b, const struct mail *m)
 {
     struct mu_text t;
-    mu_text_init(&t, b->journal.text, WAITING_BYTES);
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
     for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }
+    const char *so_far = outcome_so_far(m);
+    mu_text_add(&t, so_far[0] ? "/" : "");
+    mu_text_add(&t, so_far);
     return t.at;
 }
 
@@ -438,6 +473,15 @@ static bool mail_is_out(const struct broker *b, const struct mail *m)
     return post != MU_NONE;
 }
 
+/* It needs no disk, until the next durable mail of its sender. */
+static void ram_leave(struct broker *b, struct mail *m)
+{
+    struct agent *a = &b->registry.agents[m->sender];
+    a->ram_behind = true;
+    a->durable_order = 0;
+    m->row = 0;
+}
+
 /* New mails are not taken after all; what is on disk already, or under way, stays marked. */
 static void mails_failed(struct broker *b)
 {
@@ -452,7 +496,7 @@ static void mails_failed(struct broker *b)
         } else if (m->unsettled > 0) {
             name_remove(j, m);
             m->row = 0;
-            router_undo(b, m);
+            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : router_undo(b, m);
         }
         store_release(&b->store, m);
     }

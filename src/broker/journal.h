@@ -21,6 +21,7 @@
 #ifndef MUSTER_BROKER_JOURNAL_H
 #define MUSTER_BROKER_JOURNAL_H
 
+#include "broker/registry.h"
 #include "broker/store.h"
 #include "wire.h"
 
@@ -28,6 +29,7 @@ struct broker;
 
 enum {
     JOURNAL_BUCKETS = 65536,
+    JOURNAL_WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) + 32,
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
 
@@ -74,7 +76,7 @@ struct journal_entry {
     uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
-    const char *waiting;      /* names, joined by commas */
+    const char *waiting;      /* names, joined by commas; behind a slash, outcome_so_far */
     uint64_t expires_wall_ns; /* nanoseconds since 1970; 0: never */
     enum journal_lines lines;
     uint32_t slot;
@@ -127,7 +129,8 @@ void journal_init(struct journal *j, bool on);
 /** @return whether durable mail can be taken now */
 bool journal_takes(const struct broker *b);
 
-/** A durable mail stands in boxes.  Other mail is passed over. */
+/** A mail stands in boxes.  It is marked if it is durable, and with it what its sender has sent
+ * before, and still waits; other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
 /** An agent has acknowledged a mail. */

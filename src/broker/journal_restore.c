@@ -3,10 +3,12 @@
  * of it is checked. */
 #include "broker/border.h"
 #include "broker/journal.h"
+#include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/router.h"
 #include "core/name.h"
+#include "core/text.h"
 
 #include <string.h>
 
@@ -61,6 +63,20 @@ static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
     return e->expires_wall_ns > wall_ns ? e->expires_wall_ns - wall_ns : 0;
 }
 
+/* Takes note of what was certain of its end, that stands behind a slash.
+ * @return the names before it; NULL: there is no such end */
+static const char *waiting_read(struct broker *b, struct mail *m, const char *waiting)
+{
+    const char *slash = strchr(waiting, '/');
+    if (!slash) {
+        return waiting;
+    }
+    struct mu_text t;
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
+    mu_text_add_bytes(&t, waiting, (size_t)(slash - waiting));
+    return outcome_go_on(m, slash + 1) ? t.at : NULL;
+}
+
 static bool restore_mail(struct broker *b, const struct journal_entry *e)
 {
     struct journal *j = &b->journal;
@@ -69,9 +85,8 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
-    if (sender == MU_NONE || e->letter.level == muster_LEVEL_RAM || !border_mail(&e->letter) ||
-        e->letter.seq == 0 || !is_count(e->letter.seq) ||
-        !border_string(e->waiting, REGISTRY_MAX * (MU_NAME_MAX + 1)) ||
+    if (sender == MU_NONE || !border_mail(&e->letter) || e->letter.seq == 0 ||
+        !is_count(e->letter.seq) || !border_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }
@@ -85,7 +100,8 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     m->sender = m->payer = sender;
     m->row = e->row;
     m->journal_written = true;
-    if (!router_restore(b, m, e->waiting, left_ns(b, e))) {
+    const char *waiting = waiting_read(b, m, e->waiting);
+    if (!router_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
         journal_failed(b, sender, &letter);
         return false;
     }

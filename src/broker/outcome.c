@@ -5,6 +5,8 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 
+#include <string.h>
+
 /* @return whether the news can wait: its sender sends what does not get through */
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
@@ -41,6 +43,7 @@ void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)
             journal_failed(b, m->sender, &m->letter);
         }
         m->answered = true;
+        m->answer = (uint8_t)result;
         outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, result);
     }
 }
@@ -75,6 +78,52 @@ static void answer_settled(struct broker *b, struct mail *m)
         outcome_end(b, m, muster_OUTCOME_DELIVERED);
     }
 }
+
+/* --- across a restart ------------------------------------------------------------------------- */
+
+/* What can be said, or be certain, of a mail that is still in a box. */
+static const struct {
+    const char *word;
+    bool told;
+} standings[] = {
+    [muster_OUTCOME_STORED] = {"stored", false},
+    [muster_OUTCOME_EXPIRED] = {"expired", false},
+    [muster_OUTCOME_DROPPED] = {"dropped", false},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
+    [muster_OUTCOME_REFUSED] = {"refused", true},
+};
+
+enum { STANDINGS = sizeof standings / sizeof standings[0] };
+
+const char *outcome_so_far(const struct mail *m)
+{
+    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
+                        : m->expired   ? muster_OUTCOME_EXPIRED
+                        : m->passed_on ? muster_OUTCOME_STORED
+                                       : muster_OUTCOME_DELIVERED;
+    const char *word = standings[m->answered ? m->answer : is].word;
+    return word ? word : "";
+}
+
+bool outcome_go_on(struct mail *m, const char *word)
+{
+    unsigned is = 0;
+    while (is < STANDINGS && (!standings[is].word || strcmp(standings[is].word, word) != 0)) {
+        is++;
+    }
+    if (is == STANDINGS) {
+        return false;
+    }
+    m->answered = standings[is].told;
+    m->answer = (uint8_t)is;
+    m->dropped = is == muster_OUTCOME_DROPPED;
+    m->expired = is == muster_OUTCOME_EXPIRED;
+    m->passed_on = is == muster_OUTCOME_STORED;
+    return true;
+}
+
+/* --- one receiver less ------------------------------------------------------------------------ */
 
 void outcome_settle(struct broker *b, struct mail *m)
 {

@@ -30,6 +30,16 @@ void outcome_stored(struct broker *b, struct mail *m);
 /** One receiver is through with a mail; the last one ends it. */
 void outcome_settle(struct broker *b, struct mail *m);
 
+/**
+ * How it stands with a mail that somebody still waits for, for the store.
+ *
+ * @return what its sender was told for good, or what he will be told; "" for nothing yet
+ */
+const char *outcome_so_far(const struct mail *m);
+
+/** The same of a mail that comes back from the store.  @return false: there is no such word */
+bool outcome_go_on(struct mail *m, const char *word);
+
 /** Tells senders that pressed what became of their mail, when it is time. */
 void outcome_tick(struct broker *b);
 

@@ -71,18 +71,20 @@ struct agent {
     uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
     uint64_t came_seq;      /* the last one that has come in this life, taken or not */
     uint64_t durable_seq;   /* the last one that went to the store, in any life */
-    uint64_t failed_seq;    /* the last durable one that was not delivered, in any life */
+    uint64_t failed_seq;    /* the last one that was not delivered, in any life */
+    uint64_t durable_order; /* of its last mail that is to go to the store, in this life */
     uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
     bool verdict_due;
-    bool seated;  /* it has acknowledged a later one */
-    bool let_go;  /* a lock step waits for it to come back in another process */
-    bool gone;    /* its process went in lock step: counts when that ends */
-    bool ended;   /* it was disposed of in lock step, whose members are to know */
-    bool unsaved; /* the journal has to write its line */
+    bool seated;     /* it has acknowledged a later one */
+    bool let_go;     /* a lock step waits for it to come back in another process */
+    bool gone;       /* its process went in lock step: counts when that ends */
+    bool ended;      /* it was disposed of in lock step, whose members are to know */
+    bool unsaved;    /* the journal has to write its line */
+    bool ram_behind; /* it has sent mail in RAM behind durable_order */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
                      are kept */
     muster_Kind saved_kind;

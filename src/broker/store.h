@@ -53,6 +53,7 @@ struct mail {
     struct share_use booked;        /* on its sender's account */
     struct share_use booked_veiled; /* for those outside, on its sender's account there */
     uint8_t side;                   /* enum share_side: the account on which it is booked */
+    uint8_t answer;                 /* muster_Outcome: */
     bool answered;                  /* the last receipt for it is out */
     bool journal_listed;            /* in the journal's list */
     bool journal_written;           /* its row is on disk */

@@ -44,7 +44,8 @@ static bool is_count(uint64_t number)
     return number > 0 && number <= INT64_MAX;
 }
 
-static bool mail_ok(const muster_Mail *m)
+/* to: whether it needs somebody to go to */
+static bool letter_ok(const muster_Mail *m, bool to)
 {
     const char *const fields[] = {m->performative, m->language,    m->ontology,
                                   m->reply_with,   m->in_reply_to, m->conversation};
@@ -54,8 +55,13 @@ static bool mail_ok(const muster_Mail *m)
         }
     }
     return is_name(m->src) && is_count(m->seq) && text_fits(m->dst, MU_DST_MAX) &&
-           m->dst[0] != '\0' && m->priority >= -1 && m->priority <= 1 &&
+           (m->dst[0] != '\0' || !to) && m->priority >= -1 && m->priority <= 1 &&
            (unsigned)m->level <= muster_LEVEL_SYNCED && text_fits(m->content, MU_CONTENT_MAX);
+}
+
+static bool mail_ok(const muster_Mail *m)
+{
+    return letter_ok(m, true);
 }
 
 static bool mails_ok(const muster_Mail *mails, uint32_t count)
@@ -68,13 +74,24 @@ static bool mails_ok(const muster_Mail *mails, uint32_t count)
     return true;
 }
 
+/* What goes out again may be a number alone. */
+static bool sent_ok(const muster_Mail *mails, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!letter_ok(&mails[i], !mails[i].again)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool act_ok(const muster_Act *a)
 {
     /* A speed that is no number is the simulator's to refuse: the answer to the step still counts.
      */
     return is_name(a->agent) && text_fits(a->rules, RULES_TEXT_MAX) &&
            text_fits(a->goal, MU_FIELD_MAX) && text_fits(a->diary, MU_NOTE_MAX) &&
-           a->mails._length <= MU_OUTBOX_MAX && mails_ok(a->mails._buffer, a->mails._length);
+           a->mails._length <= MU_OUTBOX_MAX && sent_ok(a->mails._buffer, a->mails._length);
 }
 
 static bool acks_ok(const muster_Ack *acks, uint32_t count)

@@ -186,8 +186,7 @@ static void meet_other_broker(struct mu_agent *a, uint64_t incarnation)
     a->last_number = taken_last_number(a->taken, incarnation);
     a->acked_number = 0; /* what was owed when it left there was never said */
     a->in_order = false; /* its boxes count from anywhere */
-    outbox_forget_had(&a->outbox);
-    outbox_again(&a->outbox);
+    outbox_to_other(&a->outbox);
     a->earlier_end = a->outbox.next_seq;
 }
 

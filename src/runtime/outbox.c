@@ -231,6 +231,16 @@ void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
     confirmed_drop(box);
 }
 
+void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
+{
+    uint64_t from_seq = first_seq;
+    uint64_t end = outbox_range(box, &from_seq, last_seq);
+    for (uint64_t seq = from_seq; seq < end; seq++) {
+        slot_of(box, seq)->ended = slot_of(box, seq)->sent;
+    }
+    outbox_confirm(box, first_seq, last_seq);
+}
+
 void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
 {
     uint64_t end = outbox_range(box, &first_seq, last_seq);
@@ -241,11 +251,35 @@ void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
     confirmed_drop(box);
 }
 
-void outbox_forget_had(struct outbox *box)
+/* @return what is left of a mail that is over: its number, which those behind it need */
+static muster_Mail letter_spent(const muster_Mail *m)
+{
+    static char none[1];
+    return (muster_Mail){.src = m->src,
+                         .seq = m->seq,
+                         .dst = none,
+                         .layer = m->layer,
+                         .performative = none,
+                         .language = none,
+                         .ontology = none,
+                         .reply_with = none,
+                         .in_reply_to = none,
+                         .conversation = none,
+                         .priority = m->priority,
+                         .level = m->level,
+                         .again = true,
+                         .due_ns = -1,
+                         .content = none};
+}
+
+void outbox_to_other(struct outbox *box)
 {
     for (uint64_t seq = box->first_seq; seq < box->next_seq; seq++) {
-        slot_of(box, seq)->had = 0;
+        struct outbox_slot *slot = slot_of(box, seq);
+        slot->had = 0;
+        slot->mail = slot->ended ? letter_spent(&slot->mail) : slot->mail;
     }
+    outbox_again(box);
 }
 
 void outbox_again(struct outbox *box)

@@ -22,7 +22,8 @@ enum { OUTBOX_HAD = 4 };
 struct outbox_slot {
     muster_Mail mail; /* its strings point into the text ring */
     size_t text_end;  /* where its text ends in the ring */
-    bool confirmed;   /* the broker has answered */
+    bool confirmed;   /* the broker has answered, */
+    bool ended;       /* and that was the last word */
     uint8_t had;      /* how often this life of the broker has said that it has it */
     bool sent;        /* it has gone out */
 };
@@ -81,6 +82,9 @@ const muster_Mail *outbox_awaited(const struct outbox *box, uint64_t seq);
 /** The broker has answered for these. */
 void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 
+/** It has said its last word on these: no other broker is to take them any more. */
+void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
+
 /**
  * The broker has had these, and says no more of them now.  They are kept: it may die before it has
  * answered, and the next one has not had them.  After OUTBOX_HAD times its answer is taken for
@@ -88,8 +92,9 @@ void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
  */
 void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 
-/** It is another broker, or another life of it: what was had is to be had again. */
-void outbox_forget_had(struct outbox *box);
+/** It is another broker, or another life of it: everything that is kept goes out again.  What was
+ * had is to be had again; of a mail that is over, the number alone goes out, as one is missing. */
+void outbox_to_other(struct outbox *box);
 
 /** Everything unanswered goes out again, marked as such if it was out: the broker may be another
  *  one, and the mail may have reached its receiver. */

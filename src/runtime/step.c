@@ -148,6 +148,17 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
+static void receipt_note(struct outbox *box, const muster_Receipt *r)
+{
+    if (r->result == muster_OUTCOME_DUPLICATE) {
+        outbox_had(box, r->first_seq, r->last_seq);
+    } else if (r->result == muster_OUTCOME_STORED) {
+        outbox_confirm(box, r->first_seq, r->last_seq);
+    } else {
+        outbox_end(box, r->first_seq, r->last_seq);
+    }
+}
+
 static void receipts_take(mu_process *p, const muster_Delivery *d)
 {
     for (uint32_t i = 0; i < d->receipts._length; i++) {
@@ -158,7 +169,7 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
         }
         bool is_answer = r->result != muster_OUTCOME_DUPLICATE;
         returns_take(a, r);
-        (is_answer ? outbox_confirm : outbox_had)(&a->outbox, r->first_seq, r->last_seq);
+        receipt_note(&a->outbox, r);
         resolver_retry(a);
         agent_progress(a);
         /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an

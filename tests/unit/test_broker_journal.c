@@ -51,8 +51,8 @@ static void test_names_and_mail_come_back(void)
     team();
     log_mail(1, "green", "one");
     log_mail(2, "blue,green", "two");
-    send_at(muster_LEVEL_RAM, 3, "green", "lost");
     log_mail(4, "green", "four");
+    send_at(muster_LEVEL_RAM, 5, "green", "lost");
     CU_ASSERT_TRUE(commit(true));
     die_and_come_back(SECOND);
     CU_ASSERT_EQUAL(refused, 0);
@@ -176,16 +176,16 @@ static void test_duplicates_across_a_restart(void)
     again(1, muster_LEVEL_LOGGED); /* acknowledged before */
     again(2, muster_LEVEL_LOGGED); /* waits */
     EXPECT("red 1-1 delivered; red 2-2 stored");
-    again(3, muster_LEVEL_RAM); /* lost with the broker: new, whatever came after it */
+    again(1, muster_LEVEL_LOGGED); /* that was the last word */
+    EXPECT("red 1-1 duplicate");
+    again(3, muster_LEVEL_RAM); /* it went to the store with the one behind it */
     EXPECT("red 3-3 stored");
-    again(3, muster_LEVEL_RAM);
-    EXPECT("red 3-3 duplicate");
     again(5, muster_LEVEL_LOGGED); /* never reached the disk */
     CU_ASSERT_TRUE(commit(true));
     EXPECT("red 5-5 stored");
     again(5, muster_LEVEL_LOGGED);
     EXPECT("red 5-5 stored"); /* as it was told before, and perhaps not heard */
-    CU_ASSERT_EQUAL(disk.rows_count, 3);
+    CU_ASSERT_EQUAL(disk.rows_count, 4);
     /* A sender that begins anew has numbers of its own: nothing is taken for what was. */
     die_and_come_back(SECOND);
     story_register("red", "p-red");
@@ -194,6 +194,107 @@ static void test_duplicates_across_a_restart(void)
     log_mail(4, "green", "not marked: not looked up");
     CU_ASSERT_TRUE(commit(true));
     EXPECT("red 4-4 stored");
+}
+
+/* Mail that outlives the broker does not overtake what its sender has to send again. */
+static void test_ram_before_durable_mail_goes_to_the_store_with_it(void)
+{
+    team();
+    send_at(muster_LEVEL_RAM, 1, "green", "one");
+    send_at(muster_LEVEL_RAM, 2, "blue", "two");
+    CU_ASSERT_FALSE(commit(true));
+    log_mail(3, "green", "three");
+    send_at(muster_LEVEL_RAM, 4, "green", "four");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 3);
+    send_at(muster_LEVEL_RAM, 5, "green", "five");
+    CU_ASSERT_FALSE(commit(true));
+    EXPECT("red 1-2 stored; red 4-4 stored; red 3-3 stored; red 5-5 stored");
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    story_register("red", "p-red");
+    story_match("p-red");
+    (void)story_collect();
+    for (uint64_t seq = 1; seq <= 4; seq++) {
+        again(seq, seq == 3 ? muster_LEVEL_LOGGED : muster_LEVEL_RAM);
+    }
+    EXPECT("red 1-4 stored");
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("green #1 red/1 one; green #2 red/3 three; green #3 red/4 again; "
+           "green welcome 1048576");
+    story_ack("green", 3);
+    EXPECT("red 1-1 delivered; red 3-4 delivered");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 1);
+}
+
+/* A disk that fails takes none of it, and RAM needs none. */
+static void test_ram_stays_when_the_disk_fails(void)
+{
+    team();
+    send_at(muster_LEVEL_RAM, 1, "green", "one");
+    log_mail(2, "green", "two");
+    CU_ASSERT_TRUE(commit(false));
+    EXPECT("red 1-1 stored; red 2-2 no-store");
+    story_tick(story.now_ns + 2 * SECOND);
+    (void)commit(true);
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+    log_mail(3, "green", "three");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 2);
+    story_register("green", "p-green");
+    story_match("p-green");
+    EXPECT("red 3-3 stored; green #1 red/1 one; green #2 red/3 three; green welcome 0");
+}
+
+/* What it was told before the broker died stands. */
+static void test_a_last_word_is_not_followed_by_another(void)
+{
+    team();
+    log_mail(1, "green,nobody", "one");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 1-1 unknown-name");
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "green/unknown-name");
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    story_register("red", "p-red");
+    story_match("p-red");
+    (void)story_collect();
+    again(1, muster_LEVEL_LOGGED); /* it has not heard of it */
+    EXPECT("red 1-1 unknown-name");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    EXPECT("");
+    CU_ASSERT_TRUE(commit(true));
+    CU_ASSERT_EQUAL(disk.rows_count, 0);
+}
+
+static void test_what_one_box_dropped_stays_dropped(void)
+{
+    team();
+    muster_Registration r = registration("blue", "p-blue");
+    entry_of(&r)->full = muster_BOX_DROP_OLDEST;
+    entry_of(&r)->box_mails = 1;
+    broker_registration(story.b, &r, story.now_ns);
+    story_gone("p-blue");
+    log_mail(1, "green,blue", "one");
+    CU_ASSERT_TRUE(commit(true));
+    log_mail(2, "blue", "two");
+    CU_ASSERT_TRUE(commit(true));
+    EXPECT("red 1-2 stored");
+    CU_ASSERT_STRING_EQUAL(disk.rows[0].waiting, "green/dropped");
+    die_and_come_back(SECOND);
+    CU_ASSERT_EQUAL(refused, 0);
+    story_register("red", "p-red");
+    story_match("p-red");
+    story_register("green", "p-green");
+    story_match("p-green");
+    (void)story_collect();
+    story_ack("green", 1);
+    EXPECT("red 1-1 dropped");
 }
 
 static void test_a_failed_commit_is_undone(void)
@@ -323,7 +424,7 @@ static void test_a_file_is_no_better_than_the_network(void)
                                  .waiting = "green"};
     good.letter.level = muster_LEVEL_LOGGED;
     struct journal_entry e = good;
-    e.letter.level = muster_LEVEL_RAM;
+    e.letter.level = muster_LEVEL_SYNCED + 1;
     restore_bad(e);
     e = good;
     e.letter.priority = 5;
@@ -333,6 +434,11 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad(e);
     e = good;
     e.waiting = "nobody,,";
+    restore_bad(e);
+    e = good;
+    e.waiting = "green/delivered";
+    restore_bad(e);
+    e.waiting = "green/";
     restore_bad(e);
     e = good;
     e.letter.seq = 0;
@@ -491,6 +597,11 @@ int main(void)
         {"stored mail may have come before", test_stored_mail_says_that_it_may_have_come_before},
         {"who does not come back", test_receipts_of_who_does_not_come_back_are_dropped},
         {"duplicates across a restart", test_duplicates_across_a_restart},
+        {"ram before durable mail goes to the store with it",
+         test_ram_before_durable_mail_goes_to_the_store_with_it},
+        {"ram stays when the disk fails", test_ram_stays_when_the_disk_fails},
+        {"a last word is not followed by another", test_a_last_word_is_not_followed_by_another},
+        {"what one box dropped stays dropped", test_what_one_box_dropped_stays_dropped},
         {"a failed commit is undone", test_a_failed_commit_is_undone},
         {"without a store", test_without_a_store},
         {"time goes on by the wall", test_time_goes_on_by_the_wall},

@@ -212,6 +212,29 @@ static void test_mail_after_a_lost_one_waits_for_it(void)
     CU_ASSERT_EQUAL(story.b->counters.gaps, 3);
 }
 
+/* Its sender has heard of another broker what became of it. */
+static void test_mail_that_is_over_is_not_taken(void)
+{
+    team();
+    muster_Mail over = letter("red", 8, "", "");
+    over.again = true;
+    send_from(7, 7, 7);
+    EXPECT("green #1 red/7 m");
+    story_mail(over);
+    send_from(7, 9, 9); /* nothing is missing before it */
+    EXPECT("green #2 red/9 m");
+    story_mail(over);
+    send_from(7, 8, 8);
+    EXPECT("red 8-8 duplicate");
+    CU_ASSERT_EQUAL(story_status().malformed, 0);
+    CU_ASSERT_EQUAL(story_status().sent, 2);
+    over.seq = 10;
+    over.again = false; /* then it is a mail to nobody */
+    story_mail(over);
+    EXPECT("red 10-10 refused");
+    CU_ASSERT_EQUAL(story_status().malformed, 1);
+}
+
 static void test_time_to_live(void)
 {
     team();
@@ -489,6 +512,7 @@ int main(void)
         {"directives pass a full window", test_directives_pass_a_full_window},
         {"duplicates are dropped", test_duplicates_are_dropped},
         {"mail after a lost one waits for it", test_mail_after_a_lost_one_waits_for_it},
+        {"mail that is over is not taken", test_mail_that_is_over_is_not_taken},
         {"time to live", test_time_to_live},
         {"what falls due while a delivery is written",
          test_what_falls_due_while_a_delivery_is_written},

@@ -640,6 +640,18 @@ static void test_words_about_trips(void)
     up.trips._length = up.trips._maximum = 0;
 }
 
+/* Who has had the last word on a mail sends its number alone to another broker. */
+static void test_mail_that_is_over_goes_to_nobody(void)
+{
+    mails[2].dst = parcels[2].letter.dst = W("");
+    CU_ASSERT_FALSE(check_up(&up));
+    mails[2].again = parcels[2].letter.again = true;
+    CU_ASSERT_TRUE(check_up(&up));
+    CU_ASSERT_FALSE(check_delivery(&delivery)); /* no broker passes it on */
+    mails[2].dst = parcels[2].letter.dst = W("blue");
+    mails[2].again = parcels[2].letter.again = false;
+}
+
 /* The lists of a circular are of the same boxes, and whoever looks for its seat finds all of it. */
 static void test_boxes_of_circulars(void)
 {
@@ -730,6 +742,7 @@ int main(void)
         {"each field is checked", test_each_field_is_checked},
         {"bad names of agents reach the broker", test_bad_names_of_agents_reach_the_broker},
         {"words about trips", test_words_about_trips},
+        {"mail that is over goes to nobody", test_mail_that_is_over_goes_to_nobody},
         {"boxes of circulars", test_boxes_of_circulars},
         {"outlines", test_outlines},
         {"every topic has its check", test_every_topic_has_its_check},

@@ -138,8 +138,7 @@ static void test_what_was_had_is_kept_for_the_next_broker(void)
         outbox_had(&box, 1, 2);
     }
     CU_ASSERT_EQUAL(box.first_seq, 1);
-    outbox_forget_had(&box);
-    outbox_again(&box);
+    outbox_to_other(&box);
     expect_waiting(1, 1, 3);
     outbox_sent(&box, 3);
     for (int i = 1; i < OUTBOX_HAD; i++) {
@@ -166,6 +165,31 @@ static void test_what_was_out_says_so_when_it_goes_again(void)
     CU_ASSERT_TRUE(out[0].again && out[1].again);
     CU_ASSERT_FALSE(out[2].again || out[3].again);
     CU_ASSERT_EQUAL(box.own_seq, 1);
+}
+
+/* What was said of it stands: another broker is not to deliver what was refused, or once more. */
+static void test_what_is_over_is_a_number_to_the_next_broker(void)
+{
+    put_numbered(4);
+    outbox_sent(&box, 4);
+    outbox_end(&box, 2, 2);
+    outbox_confirm(&box, 3, 3); /* it waits there, and may be lost with the broker */
+    outbox_again(&box);
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&box, out, MU_OUTBOX_MAX), 4);
+    CU_ASSERT_STRING_EQUAL(out[1].content, "m2");
+    outbox_to_other(&box);
+    CU_ASSERT_EQUAL_FATAL(outbox_unsent(&box, out, MU_OUTBOX_MAX), 4);
+    for (uint64_t i = 0; i < 4; i++) {
+        CU_ASSERT_EQUAL(out[i].seq, i + 1);
+        CU_ASSERT_TRUE(out[i].again);
+        CU_ASSERT_STRING_EQUAL(out[i].src, "red");
+        CU_ASSERT_EQUAL(out[i].dst[0] == '\0', i == 1);
+    }
+    CU_ASSERT_STRING_EQUAL(out[1].content, "");
+    CU_ASSERT_STRING_EQUAL(out[2].content, "m3");
+    outbox_sent(&box, 4);
+    outbox_confirm(&box, 1, 1);
+    CU_ASSERT_EQUAL(box.first_seq, 4);
 }
 
 static void test_confirmed_out_of_order(void)
@@ -494,6 +518,8 @@ int main(void)
         {"going out in order", test_going_out_in_order},
         {"again", test_again},
         {"what was had is kept for the next broker", test_what_was_had_is_kept_for_the_next_broker},
+        {"what is over is a number to the next broker",
+         test_what_is_over_is_a_number_to_the_next_broker},
         {"what was out says so", test_what_was_out_says_so_when_it_goes_again},
         {"confirmed out of order", test_confirmed_out_of_order},
         {"continue numbers what waits", test_continue_numbers_what_waits},

@@ -51,6 +51,21 @@ static bool may_drop(const struct entry *e)
     return history.box_policy != muster_BOX_REFUSE_NEW || e->meant & history.drops;
 }
 
+/* @return whether a durable mail of its sender came behind it to a life of the broker; perhaps: or
+ *         it may have come */
+static bool goes_along(const struct entry *e, bool perhaps)
+{
+    for (uint32_t i = 0; i < history.mails; i++) {
+        const struct entry *o = &history.ledger[i];
+        bool sure = o->life == history.life.number && o->live && !o->refused_some && !o->undone;
+        if (o->sender_life == e->sender_life && o->seq > e->seq && o->to != TO_BROKER &&
+            o->level != muster_LEVEL_RAM && o->accepted > 0 && (perhaps || sure)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* --- at the broker ---------------------------------------------------------------------------- */
 
 /* It said that it has had the mail: it must have. */
@@ -62,9 +77,9 @@ static void ledger_repeated(struct entry *e, bool again)
     uint32_t hasty = history.hasty[e->sender_life];
     HOLD(e->accepted > 0 || (hasty && hasty < history.life.number));
     if (e->life != history.life.number) {
-        HOLD(again && e->level != muster_LEVEL_RAM);
+        HOLD(again && (e->level != muster_LEVEL_RAM || goes_along(e, true)));
         HOLD(hasty || e->committed || e->undone || e->refused_some || e->to == TO_BROKER ||
-             e->live == 0);
+             e->live == 0 || e->level == muster_LEVEL_RAM);
         e->vague = true;
     }
 }
@@ -128,8 +143,9 @@ void ledger_committed(bool ok)
 {
     for (uint32_t i = 0; i < history.mails; i++) {
         struct entry *e = &history.ledger[i];
-        if (e->level == muster_LEVEL_RAM || e->life != history.life.number || e->committed ||
-            e->undone || e->to == TO_BROKER) {
+        bool is_ram = e->level == muster_LEVEL_RAM;
+        if (e->life != history.life.number || e->committed || e->undone || e->to == TO_BROKER ||
+            (is_ram && !(ok && goes_along(e, false)))) {
             continue;
         }
         if (ok) {
@@ -227,6 +243,14 @@ static void check_told(const struct entry *e, muster_Outcome result)
     }
 }
 
+/* Who asks about a mail of the broker's earlier life may ask twice, and hear twice what is certain.
+ */
+static bool can_be_told_again(muster_Outcome result)
+{
+    return result == muster_OUTCOME_DELIVERED || result == muster_OUTCOME_BOX_FULL ||
+           result == muster_OUTCOME_UNKNOWN_NAME || result == muster_OUTCOME_REFUSED;
+}
+
 void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t life)
 {
     struct entry *e = entry_of(a, seq);
@@ -254,7 +278,7 @@ void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t 
         return;
     }
     /* One last word in a life, or the same once more for who has asked again. */
-    HOLD(!e->told || e->told_life != life || (e->vague && result == muster_OUTCOME_DELIVERED));
+    HOLD(!e->told || e->told_life != life || (e->vague && can_be_told_again(result)));
     if (life == e->life || e->vague) {
         check_told(e, result);
     }
