@@ -433,7 +433,7 @@ $(O)/muster.pc: FORCE
 	@printf '%s\n' 'prefix=$(PREFIX)' 'Name: muster' \
 	  'Description: Runtime for teams of robots and other agents on DDS' 'Version: $(VERSION)' \
 	  'libdir=$${prefix}/lib' 'Cflags: -I$${prefix}/include' 'Libs: -L$${libdir} -lmuster' \
-	  'Libs.private: -lddsc -lm' > $@
+	  'Libs.private: -lddsc -lm' > $@.$$$$ && mv $@.$$$$ $@ # somebody else may install, too
 
 install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig include/muster share/muster/rules \
