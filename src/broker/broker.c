@@ -139,6 +139,14 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
     places_tidy(&b->places, place);
 }
 
+void broker_read_anew(struct broker *b, const char *process)
+{
+    uint32_t place = places_find(&b->places, process);
+    if (place != MU_NONE && b->places.at[place].is_broker && b->places.at[place].matched) {
+        presence_tell_again(b, place);
+    }
+}
+
 void broker_hears(struct broker *b, const char *process)
 {
     uint32_t place = places_find(&b->places, process);

@@ -125,6 +125,17 @@ static void bag_listen(struct mailbags *m, struct mailbag *bag, struct broker *b
     }
 }
 
+/* Another life of a neighbour reads what was for the one before, whose reader DDS may still take
+ * for alive: what went out before it was found is lost. */
+static void bag_count_readers(struct mailbag *bag, struct broker *b)
+{
+    uint32_t readers = bus_writer_matched_ever(&bag->writer);
+    if (bag->readers > 0 && readers > bag->readers) {
+        broker_read_anew(b, bag->process);
+    }
+    bag->readers = readers;
+}
+
 bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
                    uint64_t now_ns)
 {
@@ -145,6 +156,7 @@ bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool 
             broker_matched(b, bag->process, matched, now_ns);
         }
         bag_listen(m, bag, b);
+        bag_count_readers(bag, b);
         some_missing = some_missing || !matched;
     }
     return some_missing;

@@ -16,6 +16,7 @@ struct mailbag {
     bool matched;
     bool hears;        /* circulars */
     uint32_t hearers;  /* how many of them there were when it was last asked whether it does */
+    uint32_t readers;  /* it has ever had */
     uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
 };
 

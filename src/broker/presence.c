@@ -69,6 +69,15 @@ static void verdict_owe(struct broker *b, uint32_t agent)
     a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
 }
 
+void presence_begin_box(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    bool lives_beyond = a->process != MU_NONE && b->places.at[a->process].is_broker;
+    if (lives_beyond && !mailbox_is_begun(&b->mailbox, agent)) {
+        a->verdict_due = true;
+    }
+}
+
 void presence_tell_again(struct broker *b, uint32_t place)
 {
     pages_forget_told(&b->places.at[place]);

@@ -93,8 +93,7 @@ static void ack_owe(struct peer *p, uint32_t agent)
  *         neighbour will begin there again */
 static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number)
 {
-    uint64_t taken = p->taken[agent];
-    return number == taken + 1 || (taken == 0 && number == p->incarnation + 1);
+    return number == p->taken[agent] + 1;
 }
 
 static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)

@@ -460,6 +460,13 @@ uint32_t bus_writer_matches(const struct bus_writer *writer)
     return code < 0 ? 0 : status.current_count;
 }
 
+uint32_t bus_writer_matched_ever(const struct bus_writer *writer)
+{
+    dds_publication_matched_status_t status;
+    dds_return_t code = dds_get_publication_matched_status(writer->writer, &status);
+    return code < 0 ? 0 : status.total_count;
+}
+
 uint32_t bus_reader_matches(const struct bus_reader *reader)
 {
     dds_subscription_matched_status_t status;

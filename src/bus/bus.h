@@ -211,6 +211,10 @@ bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *
 /** @return how many readers a writer has found */
 uint32_t bus_writer_matches(const struct bus_writer *writer);
 
+/** @return how many readers a writer has found since it was opened; those that are gone count, too
+ */
+uint32_t bus_writer_matched_ever(const struct bus_writer *writer);
+
 /** @return how many writers a reader has found */
 uint32_t bus_reader_matches(const struct bus_reader *reader);
 

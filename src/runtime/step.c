@@ -30,12 +30,19 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     return true;
 }
 
+/* @return whether it has only begun: what comes before its verdict was for one of its name who has
+ * left, and may begin behind a mail that came when nobody was there */
+static bool awaits_verdict(const struct mu_agent *a)
+{
+    return !a->registered && !a->in_order;
+}
+
 /* @return whether a parcel is to be handed over; either way it has been taken */
 static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
 {
     const muster_Mail *m = &parcel->letter;
     /* What was under way to an agent that has begun to move is for its next life. */
-    if (!a || a->gone || a->state == MU_MOVING) {
+    if (!a || a->gone || a->state == MU_MOVING || awaits_verdict(a)) {
         return false;
     }
     queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);

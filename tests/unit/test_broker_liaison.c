@@ -126,6 +126,37 @@ static void test_what_a_neighbour_did_not_hear(void)
     CU_ASSERT_TRUE(net.b[B]->counters.gaps > 0);
 }
 
+/* One that was started often counts from far beyond its incarnation (disk_open.c). */
+static void test_a_box_that_begins_says_where(void)
+{
+    net_begin();
+    net.b[A]->mailbox.base = 1ull << 50;
+    net_link(A, B, true);
+    net_join("red", A);
+    net_join("blue", B);
+    net_settle();
+    net_send("red", "blue", "one");
+    net_settle();
+    HEARD("blue", "one");
+    CU_ASSERT_EQUAL(net.b[B]->counters.gaps, 0);
+}
+
+/* What was said went to the reader of an earlier life, which the network took for alive. */
+static void test_another_life_that_reads_is_told_all(void)
+{
+    two();
+    net_send("red", "blue", "one");
+    net_settle();
+    uint32_t blue = registry_find(&net.b[B]->registry, "blue");
+    liaison_peer(net.b[B], "a")->taken[blue] = 0;
+    net_send("red", "blue", "two");
+    net_settle();
+    HEARD("blue", "one");
+    broker_read_anew(net.b[A], "broker.b");
+    net_settle();
+    HEARD("blue", "two");
+}
+
 /* That it wants no broadcasts is known at the other brokers, too. */
 static void test_who_wants_no_broadcasts(void)
 {
@@ -703,6 +734,8 @@ int main(void)
         {"mail follows", test_mail_follows_to_another_broker},
         {"a broker dies", test_a_broker_dies_and_its_agents_go_to_another},
         {"a neighbour that did not hear", test_what_a_neighbour_did_not_hear},
+        {"a box that begins", test_a_box_that_begins_says_where},
+        {"another life that reads", test_another_life_that_reads_is_told_all},
         {"a restart", test_a_restart_is_met_with_numbers_of_its_own},
         {"receipts wait", test_what_a_sender_is_to_be_told_waits_for_the_link},
         {"a restart unnoticed", test_a_restart_that_nobody_noticed},

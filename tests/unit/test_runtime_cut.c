@@ -24,17 +24,39 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     mu_text_format(&heard, "%s#%llu; ", a->name, (unsigned long long)mail->number);
 }
 
+static const struct mu_handlers hears = {.on_mail = on_mail};
+
 static struct mu_agent *join(const char *name)
 {
-    static const struct mu_handlers handlers = {.on_mail = on_mail};
     mu_agent *a = NULL;
     memset(&process, 0, sizeof process);
     process_take_memory(&process, 0, 0);
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     capture_begin();
-    CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &handlers), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &hears), MU_OK);
     capture_end();
     return a;
+}
+
+/* A Delivery with a verdict, or NULL, and the mails of these numbers for red. */
+static void deliver(muster_Verdict *v, const uint64_t *numbers, uint32_t count)
+{
+    muster_Parcel parcels[4];
+    muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW, .broker = words("b")};
+    for (uint32_t i = 0; i < count; i++) {
+        parcels[i] = (muster_Parcel){.box = words("red"), .number = numbers[i]};
+        parcels[i].letter = letter("blue", numbers[i], "red", "x");
+        if (numbers[i] == disposal) {
+            parcels[i].letter.layer = WIRE_DIRECTIVE;
+            parcels[i].letter.performative = words("dispose");
+        }
+    }
+    d.verdicts._buffer = v;
+    d.verdicts._length = v ? 1 : 0;
+    d.parcels._buffer = parcels;
+    d.parcels._length = count;
+    mu_text_clear(&heard);
+    step_take_delivery(&process, &d, NULL);
 }
 
 /* This life of a broker accepts red and hands it the mails of these numbers. */
@@ -46,22 +68,7 @@ static void accept_at(uint64_t incarnation, uint64_t last_seq, const uint64_t *n
                         .last_seq = last_seq,
                         .broker_incarnation = incarnation,
                         .reason = words("")};
-    muster_Parcel parcels[4];
-    muster_Delivery d = {.process = words("p1"), .step = muster_STEP_NOW, .broker = words("b")};
-    for (uint32_t i = 0; i < count; i++) {
-        parcels[i] = (muster_Parcel){.box = words("red"), .number = numbers[i]};
-        parcels[i].letter = letter("blue", numbers[i], "red", "x");
-        if (numbers[i] == disposal) {
-            parcels[i].letter.layer = WIRE_DIRECTIVE;
-            parcels[i].letter.performative = words("dispose");
-        }
-    }
-    d.verdicts._buffer = &v;
-    d.verdicts._length = 1;
-    d.parcels._buffer = parcels;
-    d.parcels._length = count;
-    mu_text_clear(&heard);
-    step_take_delivery(&process, &d, NULL);
+    deliver(&v, numbers, count);
 }
 
 static void accept(uint64_t last_seq, const uint64_t *numbers, uint32_t count)
@@ -160,6 +167,23 @@ static void test_who_leaves_gives_the_rest_back(void)
     expect_taken(red, 2);
 }
 
+/* What came while nobody bore the name is gone: what was sent behind it must not be taken either.
+ */
+static void test_a_new_life_takes_nothing_before_its_verdict(void)
+{
+    struct mu_agent *red = join("red");
+    accept(0, (const uint64_t[]){1}, 1);
+    mu_agent_leave(red);
+    deliver(NULL, (const uint64_t[]){2}, 1);
+    capture_begin();
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &red, "red", MU_KIND_AGENT, 0, &hears), MU_OK);
+    capture_end();
+    deliver(NULL, (const uint64_t[]){3}, 1);
+    CU_ASSERT_STRING_EQUAL(heard.at, "");
+    accept(0, (const uint64_t[]){2, 3}, 2);
+    CU_ASSERT_STRING_EQUAL(heard.at, "red#2; red#3; ");
+}
+
 /* Else its next life would be disposed of, too. */
 static void test_what_a_directive_has_overtaken_is_taken(void)
 {
@@ -184,6 +208,7 @@ int main(void)
         {"going back to a broker", test_going_back_to_a_broker},
         {"what is pending does not move", test_what_is_pending_does_not_move},
         {"who leaves gives the rest back", test_who_leaves_gives_the_rest_back},
+        {"a new life and its verdict", test_a_new_life_takes_nothing_before_its_verdict},
         {"what a directive has overtaken is taken", test_what_a_directive_has_overtaken_is_taken},
         CU_TEST_INFO_NULL,
     };

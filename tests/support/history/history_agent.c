@@ -196,6 +196,9 @@ static struct actor *parcel_agent(struct process *p, const struct delivery *d,
 
 static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
 {
+    if (!a->registered && !a->in_order) {
+        return; /* it was for one of its name who has left */
+    }
     if (p->number <= a->last_number || (a->in_order && p->number != a->last_number + 1)) {
         history_note("%s does not take %llu after %llu", history_name(a->name),
                      (unsigned long long)p->number, (unsigned long long)a->last_number);
