@@ -110,6 +110,7 @@ static void answer(const char *src, const char *performative, const char *in_rep
 {
     static uint64_t number;
     number = red->last_number + 1;
+    red->registered = true;
     muster_Parcel p = {.box = words("red"),
                        .number = number,
                        .letter = {.src = words(src),
