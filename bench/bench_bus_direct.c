@@ -6,6 +6,7 @@
  *   bench_bus_direct ping DOMAIN COUNT     prints the median round trip in microseconds
  *   bench_bus_direct flood DOMAIN COUNT    prints samples a second, from first write to last read
  */
+#include "bench_up.h"
 #include "bus/bus.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -84,27 +85,11 @@ static void ends_match(const struct ends *e)
 /* Sample number step; < 0: one that wants no echo.  A full network is tried again. */
 static void ends_write(const struct ends *e, int64_t step)
 {
-    /* idlc's members are not const, though nobody writes to them here. */
-    static char me[] = "bench", to[] = "echo", none[] = "";
     static char content[] = "mate-pos red 1234.5678 -2345.6789";
-    muster_Mail mail = {.src = me,
-                        .seq = 1,
-                        .dst = to,
-                        .layer = 3,
-                        .performative = none,
-                        .language = none,
-                        .ontology = none,
-                        .reply_with = none,
-                        .in_reply_to = none,
-                        .conversation = none,
-                        .due_ns = -1,
-                        .content = content};
-    muster_Act act = {
-        .agent = me, .rules = none, .mails = {._maximum = 1, ._length = 1, ._buffer = &mail}};
-    muster_Up up = {
-        .process = me, .step = step, .acts = {._maximum = 1, ._length = 1, ._buffer = &act}};
+    struct bench_up sample;
+    bench_up_fill(&sample, 1, step, content);
     dds_return_t code;
-    while ((code = dds_write(e->writer, &up)) == DDS_RETCODE_TIMEOUT) {
+    while ((code = dds_write(e->writer, &sample.up)) == DDS_RETCODE_TIMEOUT) {
         nanosleep(&(struct timespec){.tv_nsec = 20000}, NULL);
     }
     or_die(code, "write");

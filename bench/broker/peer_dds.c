@@ -6,6 +6,7 @@
  */
 #include "peer.h"
 
+#include "../bench_up.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/text.h"
@@ -59,26 +60,13 @@ void peer_open(const struct peer_options *options)
 
 bool peer_send(const char *to, const char *text, enum mu_level level)
 {
-    char me[] = "bench", all[] = "all", none[] = "", content[LOAD_BYTES + 1];
+    char content[LOAD_BYTES + 1];
+    struct bench_up sample;
     (void)to; /* whoever reads */
     (void)level;
     mu_text_copy(content, sizeof content, text);
-    muster_Mail mail = {.src = me,
-                        .seq = ++peer.sent,
-                        .dst = all,
-                        .layer = MU_LAYER_SPEECH,
-                        .performative = none,
-                        .language = none,
-                        .ontology = none,
-                        .reply_with = none,
-                        .in_reply_to = none,
-                        .conversation = none,
-                        .due_ns = -1,
-                        .content = content};
-    muster_Act act = {
-        .agent = me, .rules = none, .mails = {._maximum = 1, ._length = 1, ._buffer = &mail}};
-    muster_Up up = {.process = me, .acts = {._maximum = 1, ._length = 1, ._buffer = &act}};
-    return bus_write(&peer.writer, &up) == MU_OK;
+    bench_up_fill(&sample, ++peer.sent, 0, content);
+    return bus_write(&peer.writer, &sample.up) == MU_OK;
 }
 
 void peer_answer(const char *to, const char *text)
