@@ -46,6 +46,126 @@ static void presence_changed(struct broker *b)
     b->places.all_awake = true;
 }
 
+/* --- claims ----------------------------------------------------------------------------------- */
+
+/* @return who holds a name, as the reason of a refusal */
+static const char *holder_of(struct broker *b, uint32_t agent)
+{
+    const char *home = b->registry.agents[agent].is.home;
+    return home[0] ? liaison_holder(b, home) : "held by another participant";
+}
+
+static struct claim claim_take(struct broker *b, uint32_t index)
+{
+    struct claim claim = b->claims.pool[index];
+    claims_drop(&b->claims, &b->registry.agents[claim.agent].claim, index);
+    b->places.at[claim.process].claims--;
+    return claim;
+}
+
+static void claim_end(struct broker *b, uint32_t index)
+{
+    uint32_t place = claim_take(b, index).process;
+    places_tidy(&b->places, place);
+}
+
+/* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
+ * another agent of that name. */
+static bool is_out_of_date(const struct presence *copy, const struct presence *now)
+{
+    return copy->epoch > 0 && copy->epoch < now->epoch;
+}
+
+static void claim_refuse(struct broker *b, uint32_t index, const char *reason)
+{
+    const struct claim *claim = &b->claims.pool[index];
+    places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name, reason);
+    claim_end(b, index);
+}
+
+/* Its holder waits for the name no longer, and may have moved on from copies that do. */
+static void claims_review(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t behind = MU_NONE;
+    for (uint32_t i = a->claim; i != MU_NONE; i = behind) {
+        behind = b->claims.pool[i].behind;
+        if (b->claims.pool[i].process == a->process) {
+            claim_end(b, i);
+        } else if (is_out_of_date(&b->claims.pool[i].presence, &a->is)) {
+            claim_refuse(b, i, "out of date");
+        }
+    }
+}
+
+static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                       const struct presence *is)
+{
+    struct agent *a = &b->registry.agents[agent];
+    uint64_t now_ns = b->clock.now_ns;
+    uint64_t until_ns = now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
+    const struct claim claim = {
+        .agent = agent, .process = place, .slot = slot, .until_ns = until_ns, .presence = *is};
+    uint32_t had = claims_find(&b->claims, a->claim, place);
+    if (is_out_of_date(is, &a->is)) {
+        places_refuse(&b->places, place, a->name, "out of date");
+    } else if (had != MU_NONE) {
+        b->claims.pool[had].slot = slot;
+        b->claims.pool[had].presence = *is;
+    } else if (claims_add(&b->claims, &a->claim, &claim)) {
+        b->places.at[place].claims++;
+    } else {
+        places_refuse(&b->places, place, a->name, holder_of(b, agent));
+    }
+}
+
+/* @return whether the part says that the slot bears another name than this */
+static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
+{
+    uint32_t index = slot % MU_PART_AGENTS;
+    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
+        return false;
+    }
+    const char *now = r->agents._buffer[index].name;
+    return now[0] != '\0' && strcmp(now, name) != 0;
+}
+
+/* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
+ * bears another name now, if the part is given; nobody would take what is given to such a one. */
+static void claims_end(struct broker *b, uint32_t place, uint32_t part,
+                       const muster_Registration *now)
+{
+    uint32_t next = MU_NONE;
+    uint32_t left = b->places.at[place].claims;
+    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.pool[i];
+        next = claim->next;
+        if (claim->process != place) {
+            continue;
+        }
+        left--;
+        const char *name = b->registry.agents[claim->agent].name;
+        if ((part == MU_NONE || claim->slot / MU_PART_AGENTS == part) &&
+            (!now || slot_is_others(now, claim->slot, name))) {
+            claim_end(b, i);
+        }
+    }
+}
+
+void presence_tick(struct broker *b)
+{
+    while (presence_deadline_ns(b) <= b->clock.now_ns) {
+        uint32_t index = b->claims.first;
+        claim_refuse(b, index, holder_of(b, b->claims.pool[index].agent));
+    }
+}
+
+uint64_t presence_deadline_ns(const struct broker *b)
+{
+    uint32_t first = b->claims.first;
+    return first != MU_NONE ? b->claims.pool[first].until_ns : UINT64_MAX;
+}
+
 /* --- who lives where -------------------------------------------------------------------------- */
 
 /* The box obeys what its agent declares. */
@@ -104,6 +224,7 @@ void presence_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     presence_changed(b);
     pages_presence(b, agent);
     tenants_wake(&b->registry, &b->places, agent);
+    claims_review(b, agent);
     depot_review(b, agent);
 }
 
@@ -137,123 +258,11 @@ void presence_depart(struct broker *b, uint32_t agent)
     presence_changed(b);
     pages_presence(b, agent);
     if (a->claim != MU_NONE) {
-        struct claim heir = b->claims.pool[a->claim];
-        claims_drop(&b->claims, a->claim);
-        a->claim = MU_NONE;
-        b->places.at[heir.process].claims--;
+        struct claim heir = claim_take(b, a->claim);
         presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
     }
     places_tidy(&b->places, place);
     liaison_review(b, agent);
-}
-
-/* --- claims ----------------------------------------------------------------------------------- */
-
-/* @return who holds a name, as the reason of a refusal */
-static const char *holder_of(struct broker *b, uint32_t agent)
-{
-    const char *home = b->registry.agents[agent].is.home;
-    return home[0] ? liaison_holder(b, home) : "held by another participant";
-}
-
-static void claim_end(struct broker *b, uint32_t index)
-{
-    const struct claim *claim = &b->claims.pool[index];
-    uint32_t place = claim->process;
-    b->registry.agents[claim->agent].claim = MU_NONE;
-    claims_drop(&b->claims, index);
-    b->places.at[place].claims--;
-    places_tidy(&b->places, place);
-}
-
-/* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
- * another agent of that name. */
-static bool is_out_of_date(const struct presence *copy, const struct presence *now)
-{
-    return copy->epoch > 0 && copy->epoch < now->epoch;
-}
-
-/* Its holder may have moved on from a copy that waits for the name. */
-static void claim_review(struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    if (a->claim != MU_NONE && is_out_of_date(&b->claims.pool[a->claim].presence, &a->is)) {
-        places_refuse(&b->places, b->claims.pool[a->claim].process, a->name, "out of date");
-        claim_end(b, a->claim);
-    }
-}
-
-static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                       const struct presence *is)
-{
-    struct agent *a = &b->registry.agents[agent];
-    if (is_out_of_date(is, &a->is)) {
-        places_refuse(&b->places, place, a->name, "out of date");
-    } else if (a->claim == MU_NONE) {
-        uint64_t now_ns = b->clock.now_ns;
-        uint64_t until_ns = now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
-        a->claim = claims_add(&b->claims, &(struct claim){.agent = agent,
-                                                          .process = place,
-                                                          .slot = slot,
-                                                          .until_ns = until_ns,
-                                                          .presence = *is});
-        b->places.at[place].claims++;
-    } else if (b->claims.pool[a->claim].process == place) {
-        b->claims.pool[a->claim].slot = slot;
-        b->claims.pool[a->claim].presence = *is;
-    } else {
-        places_refuse(&b->places, place, a->name, holder_of(b, agent));
-    }
-}
-
-/* @return whether the part says that the slot bears another name than this */
-static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
-{
-    uint32_t index = slot % MU_PART_AGENTS;
-    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
-        return false;
-    }
-    const char *now = r->agents._buffer[index].name;
-    return now[0] != '\0' && strcmp(now, name) != 0;
-}
-
-/* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
- * bears another name now, if the part is given; nobody would take what is given to such a one. */
-static void claims_end(struct broker *b, uint32_t place, uint32_t part,
-                       const muster_Registration *now)
-{
-    uint32_t next = MU_NONE;
-    uint32_t left = b->places.at[place].claims;
-    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
-        const struct claim *claim = &b->claims.pool[i];
-        next = claim->next;
-        if (claim->process != place) {
-            continue;
-        }
-        left--;
-        const char *name = b->registry.agents[claim->agent].name;
-        if ((part == MU_NONE || claim->slot / MU_PART_AGENTS == part) &&
-            (!now || slot_is_others(now, claim->slot, name))) {
-            claim_end(b, i);
-        }
-    }
-}
-
-void presence_tick(struct broker *b)
-{
-    while (presence_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t index = b->claims.first;
-        const struct claim *claim = &b->claims.pool[index];
-        places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name,
-                      holder_of(b, claim->agent));
-        claim_end(b, index);
-    }
-}
-
-uint64_t presence_deadline_ns(const struct broker *b)
-{
-    uint32_t first = b->claims.first;
-    return first != MU_NONE ? b->claims.pool[first].until_ns : UINT64_MAX;
 }
 
 /* --- coming and going ------------------------------------------------------------------------- */
@@ -296,7 +305,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
         presence_changed(b);
         tenants_wake(&b->registry, &b->places, agent);
     }
-    claim_review(b, agent);
+    claims_review(b, agent);
     depot_review(b, agent);
 }
 
@@ -365,9 +374,10 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
 static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot)
 {
     const struct agent *a = &b->registry.agents[agent];
-    if (a->claim != MU_NONE && b->claims.pool[a->claim].process == place) {
-        if (b->claims.pool[a->claim].slot == slot) {
-            claim_end(b, a->claim);
+    uint32_t claim = claims_find(&b->claims, a->claim, place);
+    if (claim != MU_NONE) {
+        if (b->claims.pool[claim].slot == slot) {
+            claim_end(b, claim);
         }
     } else if (a->process == place && a->tenant.slot == slot) {
         presence_leave(b, agent);

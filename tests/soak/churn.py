@@ -19,7 +19,6 @@ from test_garbage import resident_kb  # noqa: E402
 from test_health import Watch  # noqa: E402
 from test_store import whole_lines  # noqa: E402
 
-HELD_S = 2  # one process waits for a name that is held, and a third one is refused
 PROCESSES, AGENTS, SECONDS, BROKER_STOPPED_S, GROWTH_KB = 20, 10, 60, 3, 4096
 SURVIVORS = 10  # of the processes: they are stopped, and never killed
 
@@ -31,7 +30,6 @@ class Crowd:
         self.processes, self.out, self.dice, self.domain = processes, out, dice, new_domain()
         self.broker = broker_start(processes, self.domain)
         self.lives = [0] * PROCESSES
-        self.started_s = [0] * PROCESSES
         self.members = [self.start(i) for i in range(PROCESSES)]
         self.kills = self.stops = 0
 
@@ -39,13 +37,10 @@ class Crowd:
         return self.out / f"{index}.{self.lives[index]}"
 
     def start(self, index):
-        self.started_s[index] = time.monotonic()
         return self.processes.start(program("churner"), self.domain, index, PROCESSES, AGENTS,
                                     self.record(index))
 
     def kill(self, index):
-        if time.monotonic() - self.started_s[index] < HELD_S:
-            return
         self.members[index].kill()
         self.members[index].wait()
         self.lives[index] += 1

@@ -98,131 +98,6 @@ static void test_bad_registrations_are_counted(void)
     CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
 }
 
-static void test_held_name_is_refused_in_the_end(void)
-{
-    story_begin();
-    story_join("red");
-    story_match("thief");
-    (void)story_collect();
-    story_register("red", "thief");
-    EXPECT("");
-    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 1500 * MS);
-    story_tick(1500 * MS - 1);
-    EXPECT("");
-    story_tick(1);
-    EXPECT("red: held by another participant");
-    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
-}
-
-static void register_epoch(const char *process, uint64_t epoch)
-{
-    muster_Registration r = registration("red", process);
-    entry_of(&r)->epoch = epoch;
-    broker_registration(story.b, &r, story.now_ns);
-}
-
-/* An agent that has set out twice has left a copy behind at the first try. */
-static void test_a_copy_that_is_out_of_date_inherits_nothing(void)
-{
-    story_begin();
-    story_join("red");
-    story_match("p1");
-    story_match("p2");
-    (void)story_collect();
-    register_epoch("p-red", 1);
-    register_epoch("p1", 1);
-    EXPECT("");
-    register_epoch("p-red", 2); /* it stays, or tries another way */
-    EXPECT("red: out of date");
-    register_epoch("p1", 1);
-    EXPECT("red: out of date");
-    register_epoch("p2", 2);
-    EXPECT("");
-    story_gone("p-red");
-    EXPECT("red welcome 0");
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
-    story_gone("p2");
-    story_match("p3");
-    (void)story_collect();
-    register_epoch("p3", 0); /* another agent of that name, when nobody has it */
-    EXPECT("red welcome 0");
-}
-
-static void test_held_name_is_inherited(void)
-{
-    story_begin();
-    story_join("red");
-    story_match("heir");
-    story_match("late");
-    (void)story_collect();
-    story_register("red", "heir");
-    story_register("red", "late");
-    EXPECT("red: held by another participant"); /* the second one in the queue */
-    story_gone("late");                         /* it does not hold the name: nothing happens */
-    story_gone("p-red");
-    EXPECT("red welcome 0");
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");
-    story_gone("p-red"); /* of the old process, once more */
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running heir");
-    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
-}
-
-static void test_claim_is_given_up(void)
-{
-    story_begin();
-    story_join("red");
-    story_register("red", "p2");
-    CU_ASSERT_STRING_EQUAL(broker_process(story.b, 0), "p2");
-    story_gone("p2");
-    CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
-    CU_ASSERT_FALSE(broker_serves(story.b, "p2"));
-    story_tick(2000 * MS);
-    EXPECT("");
-}
-
-/* Both claim in one slot of their process: the one that was there has left. */
-static void test_a_claim_ends_when_its_slot_bears_another_name(void)
-{
-    story_begin();
-    story_join("red");
-    story_join("blue");
-    story_match("p2");
-    (void)story_collect();
-    muster_Registration r = registration("red", "p2");
-    broker_registration(story.b, &r, story.now_ns);
-    entry_of(&r)->name = words("blue");
-    broker_registration(story.b, &r, story.now_ns);
-    story_gone("p-red");
-    EXPECT("");
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
-    story_gone("p-blue");
-    EXPECT("blue welcome 0");
-    CU_ASSERT_STRING_EQUAL(story_member("blue"), "blue running p2");
-}
-
-/* It asked once more before it heard that it was refused, and says so when it has heard. */
-static void test_a_claim_is_taken_back(void)
-{
-    story_begin();
-    story_join("red");
-    story_match("p2");
-    (void)story_collect();
-    story_register("red", "p2");
-    story_tick(1500 * MS);
-    story_register("red", "p2");
-    EXPECT("red: held by another participant");
-    story_leave("red", "p2");
-    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
-    story_gone("p-red");
-    EXPECT("");
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
-    story_register("red", "p2");
-    EXPECT("red welcome 0");
-    story_leave("red", "p2"); /* the same, but it had been granted meanwhile */
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p2");
-}
-
 static void test_restarted_sender_goes_on_counting(void)
 {
     story_begin();
@@ -244,20 +119,6 @@ static void test_restarted_sender_goes_on_counting(void)
     entry_of(&r)->state = muster_STATE_SUSPENDED;
     broker_registration(story.b, &r, 0);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-again");
-}
-
-/* A refusal that has not gone out is not to come after the welcome. */
-static void test_a_refusal_that_is_void_is_not_told(void)
-{
-    story_begin();
-    story_join("red");
-    story_register("red", "p-late");
-    story_tick(2000 * MS); /* refused; its process has not matched yet */
-    story_gone("p-red");
-    story_register("red", "p-late");
-    story_match("p-late");
-    EXPECT("red welcome 0");
-    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-late");
 }
 
 /* It would forget them with the first answer to a name, which says which broker this is. */
@@ -378,16 +239,7 @@ int main(void)
         {"others hear of changes alone", test_others_hear_of_changes_alone},
         {"names that are refused", test_names_that_are_refused},
         {"bad registrations are counted", test_bad_registrations_are_counted},
-        {"a held name is refused in the end", test_held_name_is_refused_in_the_end},
-        {"a copy that is out of date inherits nothing",
-         test_a_copy_that_is_out_of_date_inherits_nothing},
-        {"a held name is inherited", test_held_name_is_inherited},
-        {"a claim is given up", test_claim_is_given_up},
-        {"a claim ends when its slot bears another name",
-         test_a_claim_ends_when_its_slot_bears_another_name},
-        {"a claim is taken back", test_a_claim_is_taken_back},
         {"a restarted sender goes on counting", test_restarted_sender_goes_on_counting},
-        {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
         {"pages are told with the first agent", test_pages_are_told_with_the_first_agent},
         {"limit: agents", test_limit_agents},
         {"who has not matched", test_who_has_not_matched},
