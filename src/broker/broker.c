@@ -257,6 +257,19 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
     }
 }
 
+/* Each life without a store counts its boxes from 1.  What was said to an earlier one would end
+ * mail that nobody has had yet; of what has come from this one, its receiver will say so. */
+static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
+{
+    if (up->broker_incarnation != b->incarnation) {
+        b->counters.astray += up->acks._length;
+        return;
+    }
+    for (uint32_t i = 0; i < up->acks._length; i++) {
+        ack_take(b, place, &up->acks._buffer[i]);
+    }
+}
+
 void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
@@ -278,9 +291,7 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
         effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
     }
     lockstep_open_turn(&b->lockstep);
-    for (uint32_t i = 0; i < up->acks._length; i++) {
-        ack_take(b, place, &up->acks._buffer[i]);
-    }
+    acks_take(b, place, up);
     for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
     }

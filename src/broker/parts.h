@@ -71,6 +71,7 @@ struct broker_counters {
     uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
     uint64_t duplicates_dropped, resent, malformed, dropped, over_share, no_store;
     uint64_t gaps;     /* mails that came before an earlier one of their sender, and not taken */
+    uint64_t astray;   /* acknowledgements of the boxes of an earlier life */
     uint64_t directed; /* directives let through, one a receiver, and changes in another's name */
     uint64_t unspoken; /* changes in another's name that were refused: no mails */
 };

@@ -234,7 +234,8 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
         l->acks_open[k] =
             (muster_Ack){.box = b->registry.agents[agent].name, .number = p->taken[agent]};
     }
-    *out = (muster_Up){.process = b->place, .step = muster_STEP_NOW};
+    *out = (muster_Up){
+        .process = b->place, .broker_incarnation = p->incarnation, .step = muster_STEP_NOW};
     out->acks._buffer = l->acks_open;
     out->acks._length = out->acks._maximum = l->acks_open_count;
     *peer = p->name;

@@ -451,7 +451,8 @@ static bool up_fill(mu_process *p, int64_t step)
         act_add(p, a, &load);
     }
     uint32_t acks = acks_fill(p);
-    p->out = (muster_Up){.process = p->name, .step = step};
+    p->out =
+        (muster_Up){.process = p->name, .broker_incarnation = p->broker_incarnation, .step = step};
     p->out.acts._buffer = p->acts;
     p->out.acts._length = p->out.acts._maximum = load.acts;
     p->out.acks._buffer = p->acks;

@@ -177,7 +177,9 @@ static void deliveries_take(struct bus_reader *reader)
         if (life == BUS_DATA) {
             delivery_print(d);
             muster_Ack ack = {.box = me};
-            muster_Up up = {.process = process, .step = muster_STEP_NOW};
+            muster_Up up = {.process = process,
+                            .broker_incarnation = d->broker_incarnation,
+                            .step = muster_STEP_NOW};
             if (d->parcels._length > 0) {
                 ack.number = d->parcels._buffer[d->parcels._length - 1].number;
                 up.acks._buffer = &ack;

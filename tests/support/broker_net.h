@@ -221,6 +221,7 @@ static inline void net_up(struct net_agent *a, muster_Mail *mail, uint64_t ack)
     struct one_up u;
     one_up(&u, a->name, a->process, mail, mail != NULL, ack);
     u.up.acts._length = mail != NULL;
+    u.up.broker_incarnation = net.incarnation[a->at];
     broker_up(net.b[a->at], &u.up, net.now_ns);
 }
 

@@ -24,6 +24,7 @@
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
 
+#include "broker/parts.h"
 #include "brokers.h"
 #include "core/table.h"
 #include "core/text.h"
@@ -366,6 +367,13 @@ static inline const char *story_member(const char *name)
 
 /* --- what agents say -------------------------------------------------------------------------- */
 
+/* It comes from who knows which life of the broker this is. */
+static inline void story_hear(muster_Up *up)
+{
+    up->broker_incarnation = story.b->incarnation;
+    broker_up(story.b, up, story.now_ns);
+}
+
 /* The Up of a process with one agent in it. */
 /* An agent with nothing to say answers a step. */
 static inline void story_up_from(const char *process, const char *name, int64_t step)
@@ -386,7 +394,7 @@ static inline void story_up(const char *name, int64_t step, muster_State state, 
     one_up(&u, name, process, mails, count, ack);
     u.act.state = state;
     u.up.step = step;
-    broker_up(story.b, &u.up, story.now_ns);
+    story_hear(&u.up);
 }
 
 /* A line for somebody to carry out. */

@@ -167,7 +167,7 @@ static void test_who_is_new_in_a_process(void)
     EXPECT("all: a #2, " REST(2) " | red/6 hi; new #1 red/6 hi");
     struct one_up u;
     one_up(&u, "new", "p-a", NULL, 0, 1);
-    broker_up(story.b, &u.up, story.now_ns);
+    story_hear(&u.up);
     say("all", "ho");
     EXPECT("all: a #3, new #2, " REST(3) " | red/7 ho");
     CU_ASSERT_EQUAL(story.gaps, 0);
@@ -522,7 +522,7 @@ static void test_who_dies_has_it_in_his_next_life(void)
     CU_ASSERT_EQUAL(story.again, 1);
     struct one_up u;
     one_up(&u, "a", "p-a2", NULL, 0, 2);
-    broker_up(story.b, &u.up, story.now_ns);
+    story_hear(&u.up);
     acknowledge(2);
     EXPECT("red 6-6 delivered");
     all_is_over();

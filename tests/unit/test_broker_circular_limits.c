@@ -90,7 +90,7 @@ static void many_join(const char *process, uint32_t first, uint32_t count)
         say(name, "hello");
         (void)story_collect();
         one_up(&u, name, process, NULL, 0, 1);
-        broker_up(story.b, &u.up, story.now_ns);
+        story_hear(&u.up);
     }
     (void)story_collect();
 }

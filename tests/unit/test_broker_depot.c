@@ -425,7 +425,9 @@ static void test_who_acknowledges_mail_lives(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 1);
     struct one_up u;
     one_up(&u, "red", "p-north", NULL, 0, 1);
-    broker_up(story.b, &u.up, story.now_ns);
+    broker_up(story.b, &u.up, story.now_ns); /* to no life of this broker */
+    CU_ASSERT_EQUAL(story.b->depot.count, 1);
+    story_hear(&u.up);
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
     EXPECT("p-red: red taken 1");
 }

@@ -60,7 +60,7 @@ static void test_another_agent_of_a_process_has_its_first_mail_alone(void)
     CU_ASSERT_EQUAL(boxes_told(), CROWD);
     struct one_up u;
     one_up(&u, "late", "p-a", NULL, 0, 1);
-    broker_up(story.b, &u.up, story.now_ns);
+    story_hear(&u.up);
     (void)story_collect();
     CU_ASSERT_EQUAL(boxes_told(), CROWD + 1);
 }

@@ -25,7 +25,7 @@ static const uint64_t SECOND_NS = 1000000000;
 
 static struct {
     uint64_t histories, mails, taken, receipts, kills, repeats, again, expired, dropped, refused;
-    uint64_t circulars, by_circular, early, late, lost;
+    uint64_t circulars, by_circular, early, late, lost, astray;
 } * sum; /* shared with the histories */
 
 static void abort_explain(int number)
@@ -51,6 +51,7 @@ static void sum_up(void)
     sum->early += history.seen.early;
     sum->late += history.seen.late;
     sum->lost += history.seen.lost;
+    sum->astray += history.seen.astray;
 }
 
 /* @return whether all was as promised */
@@ -96,10 +97,11 @@ static void test_histories(void)
            (unsigned long long)sum->kills, (unsigned long long)sum->again,
            (unsigned long long)sum->repeats, (unsigned long long)sum->expired,
            (unsigned long long)sum->dropped, (unsigned long long)sum->refused);
-    printf("  %llu circulars with %llu parcels, %llu lost on their way, %llu early, %llu late\n",
+    printf("  %llu circulars with %llu parcels, %llu lost on their way, %llu early, %llu late; "
+           "%llu acknowledgements astray\n",
            (unsigned long long)sum->circulars, (unsigned long long)sum->by_circular,
            (unsigned long long)sum->lost, (unsigned long long)sum->early,
-           (unsigned long long)sum->late);
+           (unsigned long long)sum->late, (unsigned long long)sum->astray);
 }
 
 int main(void)

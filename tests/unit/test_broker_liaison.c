@@ -415,6 +415,31 @@ static void test_a_restart_that_nobody_noticed(void)
     HEARD("red", "hello");
 }
 
+/* What B has had of A's earlier life says nothing of A's next one, of which B has not heard. */
+static void test_what_is_acknowledged_to_an_earlier_life(void)
+{
+    two();
+    net_send("red", "blue", "one");
+    (void)net_deliver(A);
+    net_broker_open(A);
+    net_hear_of(A, B, true);
+    net_move("red", A);
+    announce_all(net.b[B]);
+    (void)net_announce(B);
+    net_match(A);
+    net_send("red", "blue", "two");
+    net.mute[A] = true;
+    (void)net_deliver(A); /* the first of that box, too, and lost */
+    net.mute[A] = false;
+    (void)net_acknowledge(B);
+    CU_ASSERT_EQUAL(net.b[A]->counters.astray, 1);
+    CU_ASSERT_EQUAL(net.b[A]->store.mails, 1);
+    net_settle();
+    net_tick(1000 * MS);
+    HEARD("blue", "one; two");
+    CU_ASSERT_EQUAL(net.b[A]->store.mails, 0);
+}
+
 static void test_a_name_that_both_sides_gave_away(void)
 {
     for (int earlier = A; earlier <= B; earlier++) {
@@ -739,6 +764,7 @@ int main(void)
         {"a restart", test_a_restart_is_met_with_numbers_of_its_own},
         {"receipts wait", test_what_a_sender_is_to_be_told_waits_for_the_link},
         {"a restart unnoticed", test_a_restart_that_nobody_noticed},
+        {"what is acknowledged to an earlier life", test_what_is_acknowledged_to_an_earlier_life},
         {"a clash", test_a_name_that_both_sides_gave_away},
         {"a name held elsewhere", test_a_name_that_is_held_elsewhere},
         {"a name on both sides of a cut", test_a_name_that_sends_on_both_sides_of_a_cut},

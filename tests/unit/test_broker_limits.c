@@ -132,7 +132,7 @@ static void test_limit_bytes_come_back(void)
                 collect();
                 const struct box *box = mailbox_box(&story.b->mailbox, agent);
                 ack.number = box->acked + box->lists[POST_FLIGHT].count;
-                broker_up(story.b, &up, 0);
+                story_hear(&up);
             } while (mailbox_box(&story.b->mailbox, agent)->use.mails > 0);
         }
         CU_ASSERT_EQUAL(story.b->store.mails, 0);
@@ -156,10 +156,10 @@ static void test_limit_acknowledgements(void)
     }
     muster_Up up = {.process = words("p1"), .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = MU_LOCAL_AGENTS_MAX, ._buffer = acks};
-    broker_up(story.b, &up, 0);
+    story_hear(&up);
     CU_ASSERT_EQUAL(story.b->counters.malformed, 0);
     up.acks._length++;
-    broker_up(story.b, &up, 0);
+    story_hear(&up);
     CU_ASSERT_EQUAL(story.b->counters.malformed, 1);
 }
 

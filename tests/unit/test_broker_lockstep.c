@@ -62,6 +62,25 @@ static void test_the_barrier(void)
     CU_ASSERT_EQUAL(story_status().delivered, 1);
 }
 
+/* It is an answer all the same. */
+static void test_an_answer_that_acknowledges_to_another_life(void)
+{
+    struct one_up u;
+    run_begin();
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer("green", 0);
+    EXPECT("p-green@0; green #1 red/1 hello; p-red@0; sim@0");
+    one_up(&u, "green", "p-green", NULL, 0, 1);
+    u.up.step = 1;
+    u.up.broker_incarnation = story.b->incarnation - 1;
+    broker_up(story.b, &u.up, story.now_ns);
+    answer("red", 1);
+    EXPECT("p-green@1; p-red@1; sim@1");
+    story_up("green", 2, muster_STATE_RUNNING, NULL, 0, 1);
+    answer("red", 2);
+    EXPECT("p-red@2; red 1-1 delivered; p-green@2; sim@2");
+}
+
 static void test_a_repeated_answer_is_dropped(void)
 {
     run_begin();
@@ -723,6 +742,8 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"the barrier", test_the_barrier},
+        {"an answer that acknowledges to another life",
+         test_an_answer_that_acknowledges_to_another_life},
         {"a repeated answer is dropped", test_a_repeated_answer_is_dropped},
         {"outside mail waits for the step", test_outside_mail_waits_for_the_step},
         {"replays come in with their step", test_replays_come_in_with_their_step},

@@ -391,13 +391,34 @@ static void test_acknowledgements_that_cannot_be(void)
     muster_Ack ack = {.box = words("green"), .number = 1};
     muster_Up up = {.process = words("p-red"), .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._buffer = &ack};
-    broker_up(story.b, &up, 0); /* another one's box */
+    story_hear(&up); /* another one's box */
     CU_ASSERT_EQUAL(story_status().malformed, 2);
     CU_ASSERT_EQUAL(story_status().waiting, 1);
     story_ack("green", 1);
     story_ack("green", 1);
     CU_ASSERT_EQUAL(story_status().malformed, 2);
     CU_ASSERT_EQUAL(story_status().delivered, 1);
+}
+
+/* Boxes of an earlier life had mail of the same numbers, and nobody may have had this life's. */
+static void test_acknowledgements_of_another_life(void)
+{
+    team();
+    story_send("red", 1, "green", "one");
+    EXPECT("green #1 red/1 one");
+    muster_Mail m = letter("green", 1, "blue", "two");
+    struct one_up u;
+    one_up(&u, "green", "p-green", &m, 1, 1);
+    u.up.broker_incarnation = story.b->incarnation - 1;
+    broker_up(story.b, &u.up, story.now_ns);
+    EXPECT("blue #1 green/1 two"); /* the mail is for whoever reads it */
+    CU_ASSERT_EQUAL(story.b->counters.astray, 1);
+    CU_ASSERT_EQUAL(story_status().malformed, 0);
+    CU_ASSERT_EQUAL(story_status().delivered, 0);
+    CU_ASSERT_EQUAL(story_status().waiting, 2);
+    story_ack("green", 1);
+    EXPECT("red 1-1 delivered");
+    CU_ASSERT_EQUAL(story.b->counters.astray, 1);
 }
 
 static void test_malformed_mails(void)
@@ -521,6 +542,7 @@ int main(void)
         {"the reader comes back", test_the_reader_comes_back},
         {"the network refuses", test_the_network_refuses},
         {"acknowledgements that cannot be", test_acknowledgements_that_cannot_be},
+        {"acknowledgements of another life", test_acknowledgements_of_another_life},
         {"malformed mails", test_malformed_mails},
         {"malformed samples", test_malformed_samples},
         {"a sender that has left is told nothing", test_a_sender_that_has_left_is_told_nothing},

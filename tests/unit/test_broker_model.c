@@ -95,7 +95,7 @@ static void say(uint32_t agent, muster_Mail *mail, uint64_t ack)
     muster_Up up = {.process = a->process, .step = muster_STEP_NOW};
     up.acts = (dds_sequence_muster_Act){._length = 1, ._buffer = &act};
     up.acks = (dds_sequence_muster_Ack){._length = ack > 0, ._buffer = &taken};
-    broker_up(story.b, &up, story.now_ns);
+    story_hear(&up);
 }
 
 static void op_register(uint32_t agent)

@@ -122,6 +122,34 @@ static void test_going_back_to_a_broker(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "red#2; ");
 }
 
+static void expect_ack(uint64_t incarnation, uint64_t number)
+{
+    process.out_pending = false; /* as if what was said before had gone out */
+    capture_begin();
+    step_hello(&process);
+    capture_end();
+    CU_ASSERT_EQUAL(process.out.broker_incarnation, incarnation);
+    CU_ASSERT_EQUAL_FATAL(process.out.acks._length, number > 0);
+    if (number > 0) {
+        CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, number);
+    }
+}
+
+/* Its number alone may be that of another mail in another life's box. */
+static void test_an_acknowledgement_says_to_which_life(void)
+{
+    (void)join("red");
+    accept_at(5, 0, (const uint64_t[]){1, 2}, 2);
+    expect_ack(5, 2);
+    accept_at(6, 0, NULL, 0);
+    expect_ack(6, 0);
+    deliver(NULL, (const uint64_t[]){1}, 1);
+    expect_ack(6, 1);
+    accept_at(5, 0, NULL, 0); /* where it had two, and comes back */
+    deliver(NULL, (const uint64_t[]){2}, 1);
+    expect_ack(5, 2);
+}
+
 /* What the network has not taken yet is the next that goes out, and is marked for it. */
 static void test_what_is_pending_does_not_move(void)
 {
@@ -206,6 +234,7 @@ int main(void)
         {"numbers go on", test_numbers_go_on_where_another_one_left_off},
         {"what has no answer", test_what_has_no_answer_goes_out_again},
         {"going back to a broker", test_going_back_to_a_broker},
+        {"an acknowledgement says to which life", test_an_acknowledgement_says_to_which_life},
         {"what is pending does not move", test_what_is_pending_does_not_move},
         {"who leaves gives the rest back", test_who_leaves_gives_the_rest_back},
         {"a new life and its verdict", test_a_new_life_takes_nothing_before_its_verdict},

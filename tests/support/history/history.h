@@ -135,13 +135,16 @@ struct up_mail {
     bool again;
 };
 
+struct up_ack {
+    int name;
+    uint64_t number, handed;
+    uint64_t incarnation; /* of the broker whose box it is of */
+};
+
 struct up {
     struct up_mail mails[UP_MAILS];
     uint32_t mails_count;
-    struct {
-        int name;
-        uint64_t number, handed;
-    } acks[SEATS];
+    struct up_ack acks[SEATS];
     uint32_t acks_count;
 };
 
@@ -254,7 +257,7 @@ struct history {
                               are not theirs alone */
     struct {
         uint64_t taken, receipts, kills, repeats, again, expired, dropped, refused;
-        uint64_t circulars, by_circular, early, late, lost;
+        uint64_t circulars, by_circular, early, late, lost, astray;
     } seen; /* that the history was worth something */
 };
 

@@ -183,7 +183,9 @@ static void act_nonsense(void)
     struct process *p = any_process();
     const char *const bad[] = {"", "n", far_too_long, "\xff\xfe", p->name, "na,,nb"};
     muster_Ack ack = {.box = words(bad[history_roll(6)]), .number = UINT64_MAX - 1};
-    muster_Up up = {.process = words(bad[history_roll(6)]), .step = muster_STEP_NOW};
+    muster_Up up = {.process = words(bad[history_roll(6)]),
+                    .broker_incarnation = history.life.incarnation,
+                    .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
     muster_Entry entry = {.name = words(bad[2]),
                           .kind = (muster_Kind)99,

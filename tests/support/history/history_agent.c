@@ -293,9 +293,11 @@ void process_flush(struct process *p)
         }
         up_add_mails(a, seat, up);
         if (a->acked_number != a->last_number) {
-            up->acks[up->acks_count].name = a->name;
-            up->acks[up->acks_count].number = a->acked_number = a->last_number;
-            up->acks[up->acks_count++].handed = a->handed;
+            up->acks[up->acks_count++] = (struct up_ack){.name = a->name,
+                                                         .number = a->last_number,
+                                                         .handed = a->handed,
+                                                         .incarnation = a->incarnation};
+            a->acked_number = a->last_number;
         }
     }
     p->ups_count += up->mails_count + up->acks_count > 0;

@@ -170,13 +170,23 @@ static void feed_mail(struct process *p, const struct up_mail *from)
     ledger_offer(mail, from->again, &was, &is);
 }
 
-static void feed_ack(const struct process *p, int name, uint64_t number, uint64_t handed)
+/* One acknowledgement reaches the broker: this life of it, or one of which its sender has not heard
+ * that it is over. */
+static void feed_ack(const struct process *p, const struct up_ack *from)
 {
-    muster_Ack ack = {.box = words(history_name(name)), .number = number, .handed = handed};
-    muster_Up up = {.process = words(p->name), .step = muster_STEP_NOW};
+    muster_Ack ack = {
+        .box = words(history_name(from->name)), .number = from->number, .handed = from->handed};
+    muster_Up up = {.process = words(p->name),
+                    .broker_incarnation = from->incarnation,
+                    .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
-    history_note("%s has up to %llu", ack.box, (unsigned long long)number);
+    bool is_late = from->incarnation != history.life.incarnation;
+    history_note("%s has up to %llu%s", ack.box, (unsigned long long)from->number,
+                 is_late ? " of an earlier life" : "");
+    uint64_t delivered = life_status().delivered;
     broker_up(history.life.b, &up, life_now_ns());
+    HOLD(!is_late || life_status().delivered == delivered);
+    history.seen.astray += is_late;
 }
 
 void net_feed(struct process *p)
@@ -186,7 +196,7 @@ void net_feed(struct process *p)
     p->ups_count--;
     memmove(&p->ups[0], &p->ups[1], p->ups_count * sizeof p->ups[0]);
     for (uint32_t i = 0; i < up.acks_count; i++) {
-        feed_ack(p, up.acks[i].name, up.acks[i].number, up.acks[i].handed);
+        feed_ack(p, &up.acks[i]);
     }
     for (uint32_t i = 0; i < up.mails_count; i++) {
         feed_mail(p, &up.mails[i]);
