@@ -243,6 +243,7 @@ struct history {
     uint32_t asked_most[NAMES]; /* mails in a box, of all its bearers */
     names drops; /* whose box has dropped mail when it was full, in some life of theirs */
     uint32_t lives, sender_lives; /* begun */
+    bool forgot; /* a life of the broker has ended that could not write which numbers it took */
     bool is_quiet;
     struct life life;
     struct process processes[PROCESSES];

@@ -208,13 +208,13 @@ static struct entry *entry_of(const struct actor *a, uint64_t seq)
 }
 
 /*
- * Whom a mail has reached as far as they can tell: a broker that keeps nothing lets a sender's next
- * life begin with numbers that have been, and one that has taken them takes them for old.
+ * Whom a mail has reached as far as they can tell: a broker that could keep nothing lets a sender's
+ * next life begin with numbers that have been, and one that has taken them takes them for old.
  */
 static uint32_t reached(const struct entry *e)
 {
     uint32_t had = e->taken;
-    for (uint32_t i = 0; !history.has_store && i < history.mails; i++) {
+    for (uint32_t i = 0; history.forgot && i < history.mails; i++) {
         const struct entry *o = &history.ledger[i];
         bool same = o->src == e->src && o->seq == e->seq && o->sender_life != e->sender_life;
         had |= same ? o->taken : 0;
