@@ -114,6 +114,7 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     tenants_remove(&b->registry, &b->places, agent);
     mailbox_unwatch(&b->mailbox, agent);
     b->registry.agents[agent].left = from;
+    b->registry.agents[agent].passed = true;
     presence_seat(b, agent, place, slot, is);
     places_tidy(&b->places, from);
 }
@@ -125,6 +126,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     tenants_remove(&b->registry, &b->places, agent);
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     a->ended = b->lockstep.applying;
+    a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->places.at[place].is_broker) {

@@ -83,6 +83,7 @@ struct agent {
     bool let_go;     /* a lock step waits for it to come back in another process */
     bool gone;       /* its process went in lock step: counts when that ends */
     bool ended;      /* it was disposed of in lock step, whose members are to know */
+    bool passed;     /* a lock step has taken the name from a process since it began */
     bool unsaved;    /* the journal has to write its line */
     bool ram_behind; /* it has sent mail in RAM behind durable_order */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
