@@ -278,6 +278,16 @@ static void presence_leave(struct broker *b, uint32_t agent)
     }
 }
 
+/* What is said of it when a step has ended does not hide from the others what the step has changed.
+ */
+static void step_version_keep(struct broker *b, uint32_t agent)
+{
+    uint64_t version = changes_version(&b->registry.changes, agent);
+    if (presence_in_lockstep(b, agent) && version <= b->lockstep.version) {
+        b->registry.agents[agent].step_version = version;
+    }
+}
+
 /* A registration from the process that has the name already. */
 void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
 {
@@ -293,6 +303,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
         tenants_wake(&b->registry, &b->places, agent);
     }
     box_follow(b, agent, is);
+    step_version_keep(b, agent);
     if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
         journal_agent(b, agent);
         presence_changed(b);
