@@ -239,6 +239,14 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
            presence_in_lockstep(b, agent);
 }
 
+/* @return whether a step has changed a line since the last Delivery, and more was said of it since
+ */
+static bool line_is_of_step(const struct broker *b, uint32_t agent, uint64_t version_had)
+{
+    uint64_t version = b->registry.agents[agent].step_version;
+    return b->courier.open_lockstep && version > version_had && version <= b->courier.open_version;
+}
+
 static int member_compare(const void *x, const void *y, const void *context)
 {
     (void)context;
@@ -262,11 +270,11 @@ static void members_fill(struct broker *b, const struct place *at, muster_Delive
     }
     for (uint32_t i = changes_after(c, at->version_had); i != MU_NONE; i = changes_next(c, i)) {
         uint64_t version = changes_version(c, i);
-        if (version > upto) {
-            return;
+        if (version > upto && !line_is_of_step(b, i, at->version_had)) {
+            continue;
         }
-        if (d->members._length == COURIER_MEMBERS) {
-            b->courier.open_version = version - 1; /* the rest comes next time */
+        if (d->members._length == COURIER_MEMBERS) { /* the rest comes next time */
+            b->courier.open_version = version > upto ? upto : version - 1;
             return;
         }
         if (line_is_shown(b, i)) {

@@ -91,7 +91,9 @@ void depot_review(struct broker *b, uint32_t agent);
 void depot_answered(struct broker *b, uint32_t agent, uint32_t place);
 
 /** @return whether what a process says of an agent is of before it was taken from there, or of
- *          after it will have been seated there: neither is a claim on the name */
+ *          after it will have been seated there: neither is a claim on the name.  A registration
+ *          says nothing of the step that it was written in, so that one of a lock step may be of
+ *          any life that a name has had in it */
 bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch);
 
 /** @return whether a later copy of an agent that nobody has is kept here */

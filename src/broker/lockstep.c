@@ -480,6 +480,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     struct lockstep *l = &b->lockstep;
     for (uint32_t agent = 0; agent < b->registry.count; agent++) {
         b->registry.agents[agent].let_go = false;
+        b->registry.agents[agent].passed = false;
     }
     resolve_give_up(b);
     l->on = true;

@@ -235,6 +235,7 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     tenants_remove(&b->registry, &b->places, agent);
     mailbox_unwatch(&b->mailbox, agent);
     b->registry.agents[agent].left = from;
+    b->registry.agents[agent].passed = true;
     presence_seat(b, agent, place, slot, is);
     places_tidy(&b->places, from);
 }
@@ -246,6 +247,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     tenants_remove(&b->registry, &b->places, agent);
     registry_unseat(&b->registry, agent, presence_wall_ns(b));
     a->ended = b->lockstep.applying;
+    a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->places.at[place].is_broker) {
@@ -285,6 +287,16 @@ static void presence_leave(struct broker *b, uint32_t agent)
     }
 }
 
+/* What is said of it when a step has ended does not hide from the others what the step has changed.
+ */
+static void step_version_keep(struct broker *b, uint32_t agent)
+{
+    uint64_t version = changes_version(&b->registry.changes, agent);
+    if (presence_in_lockstep(b, agent) && version <= b->lockstep.version) {
+        b->registry.agents[agent].step_version = version;
+    }
+}
+
 /* A registration from the process that has the name already. */
 void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
 {
@@ -300,6 +312,7 @@ void presence_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct
         tenants_wake(&b->registry, &b->places, agent);
     }
     box_follow(b, agent, is);
+    step_version_keep(b, agent);
     if (registry_update(&b->registry, agent, is, presence_wall_ns(b))) {
         journal_agent(b, agent);
         presence_changed(b);

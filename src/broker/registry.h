@@ -78,11 +78,13 @@ struct agent {
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
+    uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
     bool verdict_due;
     bool seated;     /* it has acknowledged a later one */
     bool let_go;     /* a lock step waits for it to come back in another process */
     bool gone;       /* its process went in lock step: counts when that ends */
     bool ended;      /* it was disposed of in lock step, whose members are to know */
+    bool passed;     /* a lock step has taken the name from a process since it began */
     bool unsaved;    /* the journal has to write its line */
     bool ram_behind; /* it has sent mail in RAM behind durable_order */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts

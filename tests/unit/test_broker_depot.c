@@ -263,6 +263,18 @@ static void test_the_target_is_let_go(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "p-north: red arrive 1 capsule"));
 }
 
+/* Who had moved, and died with its host, is given its name by registering: no step has ended it. */
+static void test_who_died_has_its_name_again(void)
+{
+    move_begin();
+    ready("p-north", "red", 1);
+    (void)story_collect();
+    story_gone("p-north");
+    roster_hold("p-red");
+    register_as("p-red", "red", 1, muster_STATE_RUNNING);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+}
+
 static void test_no_host(void)
 {
     run_begin();
@@ -382,6 +394,63 @@ static void test_new_agents_of_strangers(void)
     want_new("p-green", "green", "observer", "north", 0);
     CU_ASSERT_EQUAL(story_status().malformed, malformed + 2);
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
+}
+
+/* ruby has come to north in step 0, and ends in step 1; its process has said more of it by then. */
+static void ruby_ends(void)
+{
+    run_begin();
+    answer("green", 0);
+    answer("north", 0);
+    want_new("p-red", "red", "ruby", "north", 0);
+    (void)story_collect();
+    ready("p-north", "ruby", 0);
+    (void)story_collect();
+    answer("green", 1);
+    answer("red", 1);
+    struct one_up u;
+    one_up(&u, "ruby", "p-north", NULL, 0, 0);
+    u.act.state = muster_STATE_ABSENT;
+    u.up.step = 1;
+    broker_up(story.b, &u.up, story.now_ns);
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
+}
+
+/* The answer to a step may come before a registration that was written earlier. */
+static void test_who_has_ended_does_not_come_back(void)
+{
+    ruby_ends();
+    register_as("p-north", "ruby", 0, muster_STATE_RUNNING);
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
+    EXPECT("p-green@1; p-red@1; p-north@1; sim@1");
+    CU_ASSERT_EQUAL(story.members, 4); /* ruby's end, to each of the three and to the simulator */
+    answer("green", 2);
+    answer("north", 2);
+    want_new("p-red", "red", "ruby", "north", 2);
+    EXPECT("p-north: ruby arrive 0 capsule");
+    ready("p-north", "ruby", 0);
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby running p-north");
+}
+
+/* Nor does it wait for the name of another one that has been called the same since. */
+static void test_who_has_ended_is_nobodys_heir(void)
+{
+    ruby_ends();
+    (void)story_collect();
+    register_as("p-green", "ruby", 0, muster_STATE_RUNNING);
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
+    answer("green", 2);
+    answer("north", 2);
+    want_new("p-red", "red", "ruby", "north", 2);
+    (void)story_collect();
+    ready("p-north", "ruby", 0);
+    (void)story_collect();
+    register_as("p-green", "ruby", 0, muster_STATE_RUNNING);
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX); /* nobody waits */
+    roster_say(3, 0);
+    (void)story_collect();
+    register_as("p-green", "ruby", 0, muster_STATE_RUNNING); /* it is another one after all */
+    CU_ASSERT_NOT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
 }
 
 /* --- out of lock step ------------------------------------------------------------------------- */
@@ -590,6 +659,7 @@ int main(void)
         {"the source is back before the host is ready",
          test_the_source_is_back_before_the_host_is_ready},
         {"the target is let go", test_the_target_is_let_go},
+        {"who died has its name again", test_who_died_has_its_name_again},
         {"no host", test_no_host},
         {"the end of the run ends a move", test_the_end_of_the_run_ends_a_move},
         {"a new agent", test_a_new_agent},
@@ -598,6 +668,8 @@ int main(void)
         {"the host of a new agent dies", test_the_host_of_a_new_agent_dies},
         {"the end of the run ends what is new", test_the_end_of_the_run_ends_what_is_new},
         {"new agents of strangers", test_new_agents_of_strangers},
+        {"who has ended does not come back", test_who_has_ended_does_not_come_back},
+        {"who has ended is nobody's heir", test_who_has_ended_is_nobodys_heir},
         {"a move", test_a_move},
         {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},

@@ -190,6 +190,28 @@ static void test_states_come_from_acts(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
 }
 
+/* The broker is told why red is suspended when the step has ended, and nobody knows of that. */
+static void test_a_reason_hides_no_state(void)
+{
+    run_begin();
+    story_up("red", 0, muster_STATE_SUSPENDED, NULL, 0, 0);
+    answer("green", 0);
+    muster_Registration r = registration("red", "p-red");
+    entry_of(&r)->state = muster_STATE_SUSPENDED;
+    entry_of(&r)->reason = words("as it wanted");
+    broker_registration(story.b, &r, story.now_ns);
+    EXPECT("p-green@0; p-red@0; sim@0");
+    CU_ASSERT_EQUAL(story.members, 4); /* three in step and the operator */
+    story_up("red", 1, muster_STATE_SUSPENDED, NULL, 0, 0);
+    answer("green", 1);
+    EXPECT("p-green@1; p-red@1; sim@1");
+    CU_ASSERT_EQUAL(story.members, 3); /* the reason, which the operator has had */
+    story_up("red", 2, muster_STATE_SUSPENDED, NULL, 0, 0);
+    answer("green", 2);
+    EXPECT("p-green@2; p-red@2; sim@2");
+    CU_ASSERT_EQUAL(story.members, 0);
+}
+
 /* Who is not in the lock step comes and goes by the wall clock, unseen by those in it. */
 static void test_white_pages_of_a_step_do_not_show_outsiders(void)
 {
@@ -749,6 +771,7 @@ int main(void)
         {"replays come in with their step", test_replays_come_in_with_their_step},
         {"an untrusted directive from outside", test_an_untrusted_directive_from_outside},
         {"states come from acts", test_states_come_from_acts},
+        {"a reason hides no state", test_a_reason_hides_no_state},
         {"white pages change between steps", test_white_pages_of_a_step_do_not_show_outsiders},
         {"onlookers are not shown", test_white_pages_of_a_step_do_not_show_onlookers},
         {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
