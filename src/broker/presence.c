@@ -240,6 +240,20 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     places_tidy(&b->places, from);
 }
 
+/* The first one that waits for the name gets it, if a lock step lets it. */
+static void inherit(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    while (a->process == MU_NONE && a->claim != MU_NONE) {
+        struct claim heir = claim_take(b, a->claim);
+        if (depot_overrules(b, agent, heir.process, heir.presence.epoch)) {
+            places_tidy(&b->places, heir.process);
+        } else {
+            presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
+        }
+    }
+}
+
 void presence_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
@@ -259,10 +273,7 @@ void presence_depart(struct broker *b, uint32_t agent)
     }
     presence_changed(b);
     pages_presence(b, agent);
-    if (a->claim != MU_NONE) {
-        struct claim heir = claim_take(b, a->claim);
-        presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
-    }
+    inherit(b, agent);
     places_tidy(&b->places, place);
     liaison_review(b, agent);
 }

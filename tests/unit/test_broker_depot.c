@@ -396,8 +396,8 @@ static void test_new_agents_of_strangers(void)
     CU_ASSERT_EQUAL(story.b->depot.count, 0);
 }
 
-/* ruby has come to north in step 0, and ends in step 1; its process has said more of it by then. */
-static void ruby_ends(void)
+/* ruby comes to north in step 0, */
+static void ruby_comes(void)
 {
     run_begin();
     answer("green", 0);
@@ -406,6 +406,11 @@ static void ruby_ends(void)
     (void)story_collect();
     ready("p-north", "ruby", 0);
     (void)story_collect();
+}
+
+/* and ends in step 1; its process has said more of it by then. */
+static void ruby_ends(void)
+{
     answer("green", 1);
     answer("red", 1);
     struct one_up u;
@@ -413,13 +418,14 @@ static void ruby_ends(void)
     u.act.state = muster_STATE_ABSENT;
     u.up.step = 1;
     broker_up(story.b, &u.up, story.now_ns);
-    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
 }
 
 /* The answer to a step may come before a registration that was written earlier. */
 static void test_who_has_ended_does_not_come_back(void)
 {
+    ruby_comes();
     ruby_ends();
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
     register_as("p-north", "ruby", 0, muster_STATE_RUNNING);
     CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby absent p-north");
     EXPECT("p-green@1; p-red@1; p-north@1; sim@1");
@@ -435,6 +441,7 @@ static void test_who_has_ended_does_not_come_back(void)
 /* Nor does it wait for the name of another one that has been called the same since. */
 static void test_who_has_ended_is_nobodys_heir(void)
 {
+    ruby_comes();
     ruby_ends();
     (void)story_collect();
     register_as("p-green", "ruby", 0, muster_STATE_RUNNING);
@@ -451,6 +458,19 @@ static void test_who_has_ended_is_nobodys_heir(void)
     (void)story_collect();
     register_as("p-green", "ruby", 0, muster_STATE_RUNNING); /* it is another one after all */
     CU_ASSERT_NOT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
+}
+
+/* Whether the name was asked for before it was free or after, by the wall, changes nothing. */
+static void test_who_waits_for_a_member_is_nobodys_heir(void)
+{
+    ruby_comes();
+    story_match("stranger");
+    register_as("p-green", "ruby", 0, muster_STATE_RUNNING);
+    register_as("stranger", "ruby", 0, muster_STATE_RUNNING);
+    CU_ASSERT_EQUAL(story.b->claims.count, 2);
+    ruby_ends();
+    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+    CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby running stranger");
 }
 
 /* --- out of lock step ------------------------------------------------------------------------- */
@@ -670,6 +690,7 @@ int main(void)
         {"new agents of strangers", test_new_agents_of_strangers},
         {"who has ended does not come back", test_who_has_ended_does_not_come_back},
         {"who has ended is nobody's heir", test_who_has_ended_is_nobodys_heir},
+        {"who waits for a member is nobody's heir", test_who_waits_for_a_member_is_nobodys_heir},
         {"a move", test_a_move},
         {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},
