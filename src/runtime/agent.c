@@ -104,7 +104,7 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
         mu_text_init(&a->note, p->note_text + (size_t)index * (MU_NOTE_MAX + 1), MU_NOTE_MAX + 1);
     }
     outbox_init(&a->outbox, p->outbox_mails, p->outbox_slots + (size_t)index * p->outbox_mails,
-                p->outbox_text + index * outbox_text_bytes(p->outbox_mails));
+                p->outbox_text + index * outbox_text_bytes(p->outbox_mails), a->since_wall_ns);
     a->taken = &p->taken[index];
     taken_clear(a->taken);
     roll_mark(a);

@@ -17,11 +17,13 @@ size_t outbox_text_bytes(uint32_t mails)
     return bytes > OUTBOX_TEXT_MIN ? bytes : OUTBOX_TEXT_MIN;
 }
 
-void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text)
+void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text,
+                 uint64_t since_wall_ns)
 {
     *box = (struct outbox){.slots = slots,
                            .mails = mails,
                            .text = text,
+                           .since_wall_ns = since_wall_ns,
                            .first_seq = 1,
                            .next_seq = 1,
                            .unsent_seq = 1};
@@ -135,11 +137,12 @@ static char *strings_copy(const struct strings *s, char *at, char *copy[OUTBOX_S
     return at;
 }
 
-static muster_Mail wire_mail(const struct mu_mail *mail, uint64_t seq,
+static muster_Mail wire_mail(const struct outbox *box, const struct mu_mail *mail,
                              char *strings[OUTBOX_STRINGS])
 {
     return (muster_Mail){.src = strings[0],
-                         .seq = seq,
+                         .since_wall_ns = box->since_wall_ns,
+                         .seq = box->next_seq,
                          .dst = strings[1],
                          .layer = wire_layer(mail),
                          .performative = strings[2],
@@ -171,8 +174,8 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
         return MU_FULL;
     }
     char *end = strings_copy(&s, at, copy);
-    *slot_of(box, box->next_seq) = (struct outbox_slot){
-        .mail = wire_mail(mail, box->next_seq, copy), .text_end = (size_t)(end - box->text)};
+    *slot_of(box, box->next_seq) = (struct outbox_slot){.mail = wire_mail(box, mail, copy),
+                                                        .text_end = (size_t)(end - box->text)};
     box->next_seq++;
     return MU_OK;
 }
@@ -256,6 +259,7 @@ static muster_Mail letter_spent(const muster_Mail *m)
 {
     static char none[1];
     return (muster_Mail){.src = m->src,
+                         .since_wall_ns = m->since_wall_ns,
                          .seq = m->seq,
                          .dst = none,
                          .layer = m->layer,

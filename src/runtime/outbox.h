@@ -32,6 +32,7 @@ struct outbox {
     struct outbox_slot *slots;
     uint32_t mails;              /* how many slots */
     char *text;                  /* outbox_text_bytes of them */
+    uint64_t since_wall_ns;      /* that each mail says of its sender */
     uint64_t first_seq;          /* of the oldest mail that is kept; == next_seq: none */
     uint64_t next_seq;           /* that the next mail will bear */
     uint64_t unsent_seq;         /* the first that has not gone out (again) */
@@ -44,8 +45,10 @@ struct outbox {
 /** @return the text of an outbox for so many mails, in bytes */
 size_t outbox_text_bytes(uint32_t mails);
 
-/** Begins in memory that stays the caller's; the first mail will bear number 1. */
-void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text);
+/** Begins in memory that stays the caller's; the first mail will bear number 1.  since_wall_ns:
+ * when its sender began. */
+void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, char *text,
+                 uint64_t since_wall_ns);
 
 /** The sender's earlier mails went up to last_seq: mails not yet sent are numbered from there on.
  */

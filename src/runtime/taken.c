@@ -14,6 +14,18 @@ static uint32_t queue_of(const muster_Mail *m)
     return m->layer == 0 ? 0 : (uint32_t)(m->priority + 2);
 }
 
+static uint32_t sender_of(const muster_Mail *m)
+{
+    return (uint32_t)mu_hash_string(m->src);
+}
+
+/* @return never 0 for a life that is known */
+static uint32_t life_of(const muster_Mail *m)
+{
+    uint32_t hash = (uint32_t)mu_hash_number(m->since_wall_ns);
+    return hash || m->since_wall_ns == 0 ? hash : 1;
+}
+
 void taken_clear(struct taken *t)
 {
     for (uint32_t i = 0; i < TAKEN_QUEUES; i++) {
@@ -29,17 +41,20 @@ void taken_clear(struct taken *t)
 void taken_add(struct taken *t, const muster_Mail *m)
 {
     uint32_t queue = queue_of(m), next = t->queues[queue].next;
-    t->queues[queue].mails[next].sender = mu_hash_string(m->src);
+    t->queues[queue].mails[next].sender = sender_of(m);
+    t->queues[queue].mails[next].life = life_of(m);
     t->queues[queue].mails[next].seq = m->seq;
     t->queues[queue].next = (next + 1) % TAKEN_MAX;
 }
 
 bool taken_has(const struct taken *t, const muster_Mail *m)
 {
-    uint64_t sender = mu_hash_string(m->src);
-    uint32_t queue = queue_of(m);
+    uint32_t sender = sender_of(m), life = life_of(m), queue = queue_of(m);
     for (uint32_t i = 0; i < TAKEN_MAX; i++) {
-        if (t->queues[queue].mails[i].seq == m->seq && t->queues[queue].mails[i].sender == sender) {
+        uint32_t had = t->queues[queue].mails[i].life;
+        bool same_life = had == life || had == 0 || life == 0;
+        if (t->queues[queue].mails[i].seq == m->seq && t->queues[queue].mails[i].sender == sender &&
+            same_life) {
             return m->seq != 0;
         }
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file taken.h
- * The last mails that an agent took, by sender and number.
+ * The last mails that an agent took, by sender, when that began, and number.
  *
  * A box's numbers tell what has been had within one life of a broker.  Where a mail says that it
  * may have come before (Mail.again), through another broker or an earlier life of this one, it is
@@ -28,7 +28,8 @@ enum { TAKEN_MAX = MU_WINDOW_MAX + MU_OUTBOX_MAX + 32, TAKEN_QUEUES = 4, TAKEN_B
 struct taken {
     struct {
         struct {
-            uint64_t sender; /* hash of the name */
+            uint32_t sender; /* hash of the name, */
+            uint32_t life;   /* and of when it began; 0: that is not known */
             uint64_t seq;    /* 0: free */
         } mails[TAKEN_MAX];
         uint32_t next;
@@ -45,7 +46,8 @@ void taken_clear(struct taken *t);
 /** Notes a mail; the oldest of its priority is forgotten. */
 void taken_add(struct taken *t, const muster_Mail *m);
 
-/** @return whether the mail is among the last TAKEN_MAX of its priority */
+/** @return whether the mail is among the last TAKEN_MAX of its priority.  The same number of
+ * another life of its sender's name is another mail */
 bool taken_has(const struct taken *t, const muster_Mail *m);
 
 /** The agent leaves this life of a broker; the one that it left first is forgotten. */

@@ -17,7 +17,7 @@ static muster_Mail out[MU_OUTBOX_MAX];
 
 static void set_up(void)
 {
-    outbox_init(&box, MU_OUTBOX_MAX, slots, room);
+    outbox_init(&box, MU_OUTBOX_MAX, slots, room, 7000);
     alarm(30); /* a loop without end is a failure too */
 }
 
@@ -224,7 +224,7 @@ static void test_continue_numbers_what_waits(void)
     static const uint64_t lasts[] = {1,    2,    3,    4,    5,    6,    1019,     1020,      1021,
                                      1022, 1023, 1024, 1025, 2047, 2048, 1u << 20, 1ull << 40};
     for (size_t i = 0; i < sizeof lasts / sizeof lasts[0]; i++) {
-        outbox_init(&box, MU_OUTBOX_MAX, slots, room);
+        outbox_init(&box, MU_OUTBOX_MAX, slots, room, 7000);
         put_numbered(5);
         outbox_continue(&box, lasts[i]);
         outbox_confirm(&box, 1, lasts[i]); /* as the runtime does next */

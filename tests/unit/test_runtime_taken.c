@@ -64,6 +64,22 @@ static void test_each_priority_has_its_own(void)
     }
 }
 
+/* Its broker had no store and died with it, so it counts from 1 once more. */
+static void test_another_life_of_a_sender_is_another_sender(void)
+{
+    static struct taken t;
+    muster_Mail first = mail_of("red", 1, 3, 0), second = first, restored = first;
+    first.since_wall_ns = 1700000000000000000u;
+    second.since_wall_ns = first.since_wall_ns + 1;
+    taken_add(&t, &first);
+    CU_ASSERT_TRUE(taken_has(&t, &first));
+    CU_ASSERT_FALSE(taken_has(&t, &second));
+    CU_ASSERT_TRUE(taken_has(&t, &restored)); /* a store does not say, and gives no number twice */
+    taken_clear(&t);
+    taken_add(&t, &restored);
+    CU_ASSERT_TRUE(taken_has(&t, &first));
+}
+
 static void test_limit_brokers(void)
 {
     static struct taken t;
@@ -97,6 +113,8 @@ int main(void)
     CU_TestInfo tests[] = {
         {"the last ones are known", test_the_last_ones_are_known},
         {"each priority has its own", test_each_priority_has_its_own},
+        {"another life of a sender is another sender",
+         test_another_life_of_a_sender_is_another_sender},
         {"limit: brokers", test_limit_brokers},
         {"hashes are the published ones", test_hashes_are_the_published_ones},
         CU_TEST_INFO_NULL,

@@ -120,7 +120,7 @@ struct actor {
     bool in_order;
     struct {
         int src;
-        uint64_t seq;
+        uint64_t since, seq;
     } ring[TAKEN];
     uint32_t ring_next;
     uint8_t had[MAILS]; /* of the ledger: how often it was handed over */
@@ -151,7 +151,7 @@ struct up {
 struct parcel {
     int box, src; /* src NOBODY: the broker; box NOBODY: a circular's, */
     int seat;     /* where it has this instead */
-    uint64_t number, seq;
+    uint64_t number, since, seq;
     uint32_t mail;
     int32_t priority;
     uint32_t layer;
@@ -243,7 +243,8 @@ struct history {
     uint32_t asked_most[NAMES]; /* mails in a box, of all its bearers */
     names drops; /* whose box has dropped mail when it was full, in some life of theirs */
     uint32_t lives, sender_lives; /* begun */
-    bool forgot; /* a life of the broker has ended that could not write which numbers it took */
+    bool forgot; /* a disk had failed when its broker died: it does not say which numbers were taken
+                  */
     bool is_quiet;
     struct life life;
     struct process processes[PROCESSES];

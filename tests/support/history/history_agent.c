@@ -173,11 +173,12 @@ static void verdict_take(struct process *p, struct actor *a, bool accepted, uint
     a->progress_ns = history.now_ns;
 }
 
-static bool ring_has(const struct actor *a, int src, uint64_t seq)
+static bool ring_has(const struct actor *a, const struct parcel *p)
 {
     for (uint32_t i = 0; i < TAKEN; i++) {
-        if (a->ring[i].seq == seq && a->ring[i].src == src) {
-            return seq != 0;
+        bool same_life = a->ring[i].since == p->since || a->ring[i].since == 0 || p->since == 0;
+        if (a->ring[i].seq == p->seq && a->ring[i].src == p->src && same_life) {
+            return p->seq != 0;
         }
     }
     return false;
@@ -212,11 +213,12 @@ static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
     }
     a->in_order = true;
     a->last_number = p->number;
-    if (p->again && ring_has(a, p->src, p->seq)) {
+    if (p->again && ring_has(a, p)) {
         history.seen.repeats++;
         return;
     }
     a->ring[a->ring_next].src = p->src;
+    a->ring[a->ring_next].since = p->since;
     a->ring[a->ring_next].seq = p->seq;
     a->ring_next = (a->ring_next + 1) % TAKEN;
     a->handed++;

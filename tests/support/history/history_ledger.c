@@ -208,8 +208,9 @@ static struct entry *entry_of(const struct actor *a, uint64_t seq)
 }
 
 /*
- * Whom a mail has reached as far as they can tell: a broker that could keep nothing lets a sender's
- * next life begin with numbers that have been, and one that has taken them takes them for old.
+ * Whom a mail has reached as far as they can tell: a broker whose disk failed lets a sender's next
+ * life begin with numbers that have been, and one that has taken them takes what the store keeps
+ * for old.
  */
 static uint32_t reached(const struct entry *e)
 {

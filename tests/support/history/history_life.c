@@ -66,7 +66,7 @@ void life_begin(void)
 void life_kill(void)
 {
     history_note("the broker dies");
-    history.forgot |= !history.has_store || history.life.disk_fails;
+    history.forgot |= history.has_store && history.life.disk_fails;
     history.life.b = NULL;
     history.seen.kills++;
     for (int i = 0; i < PROCESSES; i++) {

@@ -127,6 +127,7 @@ static void feed_mail(struct process *p, const struct up_mail *from)
         snprintf(reply_with, sizeof reply_with, "%lu", (unsigned long)mail);
     }
     muster_Mail m = {.src = words(history_name(e->src)),
+                     .since_wall_ns = e->sender_life + 1,
                      .seq = from->seq,
                      .dst = dst,
                      .layer = e->layer,
@@ -213,6 +214,7 @@ void net_parcel_copy(const muster_Mail *m, uint64_t number, struct parcel *to)
     *to = (struct parcel){.box = NOBODY,
                           .src = history_name_index(m->src),
                           .number = number,
+                          .since = m->since_wall_ns,
                           .seq = m->seq,
                           .priority = m->priority,
                           .layer = m->layer,
