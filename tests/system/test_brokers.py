@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import time
 
+from actors import Actor
 from netns import Hosts
 from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder, muster,
                      new_domain, program, wait_for)
@@ -177,6 +178,26 @@ def test_many_mails_keep_their_order():
                                "ram", "a"], capture_output=True, text=True, timeout=60)
         check_equal((sent.returncode, sent.stdout.strip()), (0, "delivered 2000"), sent.stderr)
         check_equal(heard(out, "blue"), [f"count {n + 1}" for n in range(2000)], "what blue heard")
+
+
+def test_a_sender_and_all_brokers_begin_anew():
+    """Without a store all count from 1 again; who took the first mails takes the new ones, too."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        blue = Actor(processes, domain, out / "blue", "b")
+        blue.tell("join", "blue", 0)
+        for life in ("first", "second"):
+            brokers = [broker_start(processes, domain, name, "--store", "none") for name in BROKERS]
+            red = Actor(processes, domain, out / f"{life} red", "a")
+            red.join("red")
+            wait_for(lambda: home(domain, "a", "blue") == "b", 20, "blue is known to a")
+            red.send("red", "blue", 20)
+            wait_for(lambda: red.settled("red"), 20, f"all mail of the {life} has an answer")
+            check_equal(red.sent("red"), list(range(1, 21)), "their numbers")
+            for process in (red.process, *brokers):
+                process.kill()
+                process.wait()
+        check_equal(blue.taken("blue", "red"), 2 * list(range(1, 21)), "what blue took")
 
 
 def test_durable_mail_of_a_dead_broker_comes_when_it_is_back():
