@@ -191,10 +191,20 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
     }
 }
 
-/* The first one on the name has it. */
+/* @return the claim of the place for which the last bearer has set out, else the first one */
+static uint32_t heir_of(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t i = a->is.epoch > 0 ? a->claim : MU_NONE;
+    while (i != MU_NONE && b->claims.pool[i].presence.epoch != a->is.epoch) {
+        i = b->claims.pool[i].behind;
+    }
+    return i != MU_NONE ? i : a->claim;
+}
+
 static void claim_grant(struct broker *b, uint32_t agent)
 {
-    struct claim heir = claim_take(b, b->registry.agents[agent].claim);
+    struct claim heir = claim_take(b, heir_of(b, agent));
     presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
 }
 

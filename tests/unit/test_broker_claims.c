@@ -234,6 +234,26 @@ static void test_a_refusal_that_is_void_is_not_told(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-late");
 }
 
+/* A newcomer waits for the name already when its holder sets out and lets go of it. */
+static void test_who_moves_keeps_its_name(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("p1");
+    story_match("p2");
+    (void)story_collect();
+    register_epoch("p1", 0);
+    register_epoch("p-red", 1);
+    register_epoch("p2", 1); /* the platform that it goes to */
+    EXPECT("");
+    story_leave("red", "p-red");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
+    story_tick(1500 * MS);
+    EXPECT("red: held by another participant");
+    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+}
+
 static void register_since(const char *process, uint64_t since_wall_ns, bool newcomer)
 {
     muster_Registration r = registration("red", process);
@@ -298,6 +318,7 @@ int main(void)
          test_a_claim_ends_when_its_slot_bears_another_name},
         {"a claim is taken back", test_a_claim_is_taken_back},
         {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
+        {"who moves keeps its name", test_who_moves_keeps_its_name},
         {"who outlived the broker has its name back",
          test_who_outlived_the_broker_has_its_name_back},
         {"who was away does not have its name back", test_who_was_away_does_not_have_its_name_back},
