@@ -94,6 +94,9 @@ void depot_answered(struct broker *b, uint32_t agent, uint32_t place);
  *          after it will have been seated there: neither is a claim on the name */
 bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch);
 
+/** @return whether a copy of an agent is kept here */
+bool depot_keeps(const struct broker *b, uint32_t agent);
+
 /** @return whether a later copy of an agent that nobody has is kept here */
 bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch);
 

@@ -191,20 +191,27 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
     }
 }
 
-/* @return the claim of the place for which the last bearer has set out, else the first one */
-static uint32_t heir_of(const struct broker *b, uint32_t agent)
+/* It is the last bearer itself, which has set out for there. */
+static bool is_copy(const struct agent *a, const struct presence *is)
+{
+    return is->epoch > 0 && is->epoch == a->is.epoch;
+}
+
+/* @return the claim of the place for which the last bearer has set out, or MU_NONE */
+static uint32_t copy_claim(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    uint32_t i = a->is.epoch > 0 ? a->claim : MU_NONE;
-    while (i != MU_NONE && b->claims.pool[i].presence.epoch != a->is.epoch) {
+    uint32_t i = a->claim;
+    while (i != MU_NONE && !is_copy(a, &b->claims.pool[i].presence)) {
         i = b->claims.pool[i].behind;
     }
-    return i != MU_NONE ? i : a->claim;
+    return i;
 }
 
 static void claim_grant(struct broker *b, uint32_t agent)
 {
-    struct claim heir = claim_take(b, heir_of(b, agent));
+    uint32_t copy = copy_claim(b, agent);
+    struct claim heir = claim_take(b, copy != MU_NONE ? copy : b->registry.agents[agent].claim);
     presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
 }
 
@@ -317,7 +324,10 @@ void presence_depart(struct broker *b, uint32_t agent)
     }
     presence_changed(b);
     pages_presence(b, agent);
-    if (a->claim != MU_NONE && is_kept(b, agent)) {
+    if (!b->lockstep.on && depot_keeps(b, agent)) {
+        presence_keep(b, agent);
+    }
+    if (a->claim != MU_NONE && is_kept(b, agent) && copy_claim(b, agent) == MU_NONE) {
         claims_renew(b, agent);
     } else if (a->claim != MU_NONE) {
         claim_grant(b, agent);
@@ -428,7 +438,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
     }
     if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
         places_refuse(&b->places, place, a->name, "out of date");
-    } else if (is->newcomer && is_kept(b, agent)) {
+    } else if (is->newcomer && is_kept(b, agent) && !is_copy(a, is)) {
         claim_make(b, agent, place, slot, is);
     } else if (a->process == MU_NONE) {
         presence_seat(b, agent, place, slot, is);
