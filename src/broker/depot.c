@@ -646,6 +646,11 @@ bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uin
     return false;
 }
 
+bool depot_keeps(const struct broker *b, uint32_t agent)
+{
+    return capsule_find(b, agent) != MU_NONE;
+}
+
 bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch)
 {
     uint32_t i = capsule_find(b, agent);

@@ -96,6 +96,9 @@ void depot_answered(struct broker *b, uint32_t agent, uint32_t place);
  *          any life that a name has had in it */
 bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch);
 
+/** @return whether a copy of an agent is kept here */
+bool depot_keeps(const struct broker *b, uint32_t agent);
+
 /** @return whether a later copy of an agent that nobody has is kept here */
 bool depot_has_later(const struct broker *b, uint32_t agent, uint64_t epoch);
 

@@ -33,6 +33,7 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
     struct agent *a = &b->registry.agents[agent];
     a->is.kind = a->saved_kind = e->agent_kind;
     a->since_wall_ns = b->wall_ns;
+    presence_keep(b, agent);
     if (a->process == MU_NONE) {
         journal_await(b, agent);
     }

@@ -253,6 +253,9 @@ static void way_lose(struct broker *b, struct peer *p, uint32_t agent)
     if (way->present && last > a->elsewhere_seq) {
         a->elsewhere_seq = last;
     }
+    if (strcmp(way->home, p->name) == 0) {
+        presence_keep(b, agent);
+    }
     way->present = false;
 }
 

@@ -48,6 +48,13 @@ static void presence_changed(struct broker *b)
 
 /* --- claims ----------------------------------------------------------------------------------- */
 
+/* Who bore the name is on the way here: from a broker that is no more, or to another platform. */
+static bool is_kept(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return a->process == MU_NONE && a->kept_until_ns > b->clock.now_ns;
+}
+
 /* @return who holds a name, as the reason of a refusal */
 static const char *holder_of(struct broker *b, uint32_t agent)
 {
@@ -98,14 +105,46 @@ static void claims_review(struct broker *b, uint32_t agent)
     }
 }
 
+/* @return when who begins to wait now has waited long enough */
+static uint64_t hold_end_ns(const struct broker *b)
+{
+    uint64_t now_ns = b->clock.now_ns;
+    return now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
+}
+
+void presence_keep(struct broker *b, uint32_t agent)
+{
+    /* Commands bear theirs in turn, each for a moment. */
+    if (b->registry.agents[agent].is.kind != muster_KIND_SPECIAL) {
+        b->registry.agents[agent].kept_until_ns = hold_end_ns(b);
+    }
+}
+
+/* All who wait for a name begin anew, in the order that they have. */
+static void claims_renew(struct broker *b, uint32_t agent)
+{
+    uint32_t *first = &b->registry.agents[agent].claim, count = 0;
+    for (uint32_t i = *first; i != MU_NONE; i = b->claims.pool[i].behind) {
+        count++;
+    }
+    for (; count > 0; count--) {
+        struct claim claim = b->claims.pool[*first];
+        claims_drop(&b->claims, first, *first);
+        claim.until_ns = hold_end_ns(b);
+        bool fits = claims_add(&b->claims, first, &claim);
+        MU_ASSERT(fits);
+    }
+}
+
 static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                        const struct presence *is)
 {
     struct agent *a = &b->registry.agents[agent];
-    uint64_t now_ns = b->clock.now_ns;
-    uint64_t until_ns = now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
-    const struct claim claim = {
-        .agent = agent, .process = place, .slot = slot, .until_ns = until_ns, .presence = *is};
+    const struct claim claim = {.agent = agent,
+                                .process = place,
+                                .slot = slot,
+                                .until_ns = hold_end_ns(b),
+                                .presence = *is};
     uint32_t had = claims_find(&b->claims, a->claim, place);
     if (is_out_of_date(is, &a->is)) {
         places_refuse(&b->places, place, a->name, "out of date");
@@ -152,11 +191,47 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
     }
 }
 
+/* It is the last bearer itself, which has set out for there. */
+static bool is_copy(const struct agent *a, const struct presence *is)
+{
+    return is->epoch > 0 && is->epoch == a->is.epoch;
+}
+
+/* @return the claim of the place for which the last bearer has set out, or MU_NONE */
+static uint32_t copy_claim(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t i = a->claim;
+    while (i != MU_NONE && !is_copy(a, &b->claims.pool[i].presence)) {
+        i = b->claims.pool[i].behind;
+    }
+    return i;
+}
+
+/* A name that nobody has any more goes to who waits for it, if a lock step lets it. */
+static void claims_grant(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    while (a->process == MU_NONE && a->claim != MU_NONE) {
+        uint32_t copy = copy_claim(b, agent);
+        struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
+        if (depot_overrules(b, agent, heir.process, heir.presence.epoch)) {
+            places_tidy(&b->places, heir.process);
+        } else {
+            presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
+        }
+    }
+}
+
 void presence_tick(struct broker *b)
 {
     while (presence_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t index = b->claims.first;
-        claim_refuse(b, index, holder_of(b, b->claims.pool[index].agent));
+        uint32_t index = b->claims.first, agent = b->claims.pool[index].agent;
+        if (b->registry.agents[agent].process == MU_NONE) {
+            claims_grant(b, agent); /* whom the name was kept for has not come */
+        } else {
+            claim_refuse(b, index, holder_of(b, agent));
+        }
     }
 }
 
@@ -240,20 +315,6 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     places_tidy(&b->places, from);
 }
 
-/* The first one that waits for the name gets it, if a lock step lets it. */
-static void inherit(struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    while (a->process == MU_NONE && a->claim != MU_NONE) {
-        struct claim heir = claim_take(b, a->claim);
-        if (depot_overrules(b, agent, heir.process, heir.presence.epoch)) {
-            places_tidy(&b->places, heir.process);
-        } else {
-            presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
-        }
-    }
-}
-
 void presence_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
@@ -273,7 +334,14 @@ void presence_depart(struct broker *b, uint32_t agent)
     }
     presence_changed(b);
     pages_presence(b, agent);
-    inherit(b, agent);
+    if (!b->lockstep.on && depot_keeps(b, agent)) {
+        presence_keep(b, agent);
+    }
+    if (is_kept(b, agent) && copy_claim(b, agent) == MU_NONE) {
+        claims_renew(b, agent);
+    } else {
+        claims_grant(b, agent);
+    }
     places_tidy(&b->places, place);
     liaison_review(b, agent);
 }
@@ -363,10 +431,20 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .hops = e->hops,
                             .since_wall_ns = e->since_wall_ns,
                             .epoch = e->epoch,
+                            .newcomer = e->newcomer,
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
     host_copy(is->host, r->host);
     reason_copy(is->reason, e->reason);
+}
+
+/* A broker that has just begun, and knows of no bearer, gives a name to whoever comes first. */
+static bool outlived_a_broker(const struct broker *b, uint32_t agent, const struct presence *is)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return !is->newcomer && b->clock.now_ns < b->hold_ns && is->since_wall_ns > 0 &&
+           is->since_wall_ns < a->is.since_wall_ns && a->is.home[0] == '\0' &&
+           !presence_in_lockstep(b, agent);
 }
 
 static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
@@ -381,6 +459,8 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
     }
     if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
         places_refuse(&b->places, place, a->name, "out of date");
+    } else if (is->newcomer && is_kept(b, agent) && !is_copy(a, is)) {
+        claim_make(b, agent, place, slot, is);
     } else if (a->process == MU_NONE) {
         presence_seat(b, agent, place, slot, is);
         liaison_review(b, agent);
@@ -388,6 +468,9 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         presence_reregister(b, agent, slot, is);
     } else if (b->places.at[a->process].is_broker &&
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
+        presence_move(b, agent, place, slot, is);
+    } else if (outlived_a_broker(b, agent, is)) {
+        places_refuse(&b->places, a->process, a->name, holder_of(b, agent));
         presence_move(b, agent, place, slot, is);
     } else {
         claim_make(b, agent, place, slot, is);

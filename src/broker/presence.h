@@ -51,6 +51,9 @@ void presence_set_state(struct broker *b, uint32_t agent, muster_State state);
 /** The lock step has let go of a process: departures that it held up take place. */
 void presence_settle(struct broker *b, uint32_t place);
 
+/** Its bearer is lost with a broker, and may come by itself: for a while newcomers wait. */
+void presence_keep(struct broker *b, uint32_t agent);
+
 /** Refuses names that were waited for too long. */
 void presence_tick(struct broker *b);
 

@@ -38,6 +38,7 @@ struct presence {
     char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
     uint64_t since_wall_ns;     /* since when it has its name */
     uint64_t epoch;             /* how often it has set out for another process */
+    bool newcomer;              /* no broker has given it the name before */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
     char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
@@ -77,6 +78,7 @@ struct agent {
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
+    uint64_t kept_until_ns; /* so long the name is its last bearer's, who was lost with a broker */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
     uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
     bool verdict_due;

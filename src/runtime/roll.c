@@ -62,6 +62,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .host = nothing,
                           .since_wall_ns = a->since_wall_ns,
                           .epoch = a->epoch,
+                          .newcomer = !a->welcomed,
                           .reason = a->reason[0] ? a->reason : a->process->busy};
 }
 

@@ -138,7 +138,8 @@ struct session {
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
     bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
-    bool roster_due; /* the network has refused it */
+    bool roster_due;         /* the network has refused it */
+    uint32_t roster_readers; /* that it had found when it was told, in free running */
     struct session_listener listener;
     muster_Scene *scene;
     struct view *view;

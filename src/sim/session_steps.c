@@ -406,6 +406,16 @@ static mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *si
 
 /* --- free running ----------------------------------------------------------------------------- */
 
+/* A broker that has come since, as one that was started again, has found the Roster of an earlier
+ * step, and takes it for the time of the run. */
+static void roster_renew(struct session *s)
+{
+    uint32_t readers = bus_writer_matched_ever(&s->roster);
+    if (readers != s->roster_readers && session_tell_roster(s, false) == MU_OK) {
+        s->roster_readers = readers;
+    }
+}
+
 static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     uint64_t due_ns = mu_clock_ns();
@@ -418,6 +428,7 @@ static mu_result free_run(struct session *s, const volatile sig_atomic_t *signal
         due_ns += s->options.step_ns;
         wait_until(s, due_ns, signal_came);
         step_finish(s);
+        roster_renew(s);
         (void)session_tell(s, muster_RUN_RUNNING, false);
     }
     return MU_OK;

@@ -35,7 +35,7 @@ struct net_agent {
     char process[MU_PROCESS_MAX + 1];
     int at; /* its broker; -1: it is not there */
     uint64_t since_wall_ns, incarnation, seq, last_number;
-    bool in_order, no_broadcasts;
+    bool in_order, no_broadcasts, newcomer;
     bool hears;    /* circulars of its broker */
     bool accepted; /* by it */
     uint32_t seat; /* there; 0: it has heard of none */
@@ -153,7 +153,8 @@ static inline void net_register(struct net_agent *a, muster_State state)
                           .home = words(""),
                           .via = words(""),
                           .host = words(""),
-                          .since_wall_ns = a->since_wall_ns};
+                          .since_wall_ns = a->since_wall_ns,
+                          .newcomer = a->newcomer};
     muster_Registration r = {.process = a->process,
                              .broker = words(net_names[a->at]),
                              .incarnation = a->incarnation,

@@ -5,8 +5,9 @@ import json
 import pathlib
 import signal
 
-from support import (FOLLOW, MUSTER, Processes, check, check_equal, experiment_run, folder, members,
-                     muster, new_domain, places_taken, program, wait_for)
+from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
+                     experiment_run, folder, members, muster, new_domain, places_taken, program,
+                     wait_for)
 
 ROBOTS = ["red", "blue", "green", "yellow"]
 RUNNING = "1"
@@ -162,3 +163,29 @@ def test_nobody_waits_for_a_reader_that_is_stopped_or_killed():
         check_against_rows(seen, out / "report")
         check_against_summary(seen, summary)
         stopped.send_signal(signal.SIGCONT)
+
+
+def test_who_comes_late_learns_the_time_of_a_free_run():
+    """A broker that is started again hands out what is due by the time of the run, not by that of
+    its first Roster."""
+    with folder() as out, Processes() as processes:
+        domain, first, late = new_domain(), out / "first", out / "late"
+
+        def watch(path):
+            with open(path, "w") as file:
+                processes.start(program("roster_watcher"), domain, stdout=file)
+
+        broker_start(processes, domain)
+        watch(first)
+        wait_for(lambda: places_taken(domain) > 0, 10, "the first watcher")
+        rules = out / "red.clp"
+        rules.write_text("(defrule sit (position $?) => (update-sensors))\n")
+        processes.start(MUSTER, "robot", "red", "--rules", rules, "--domain", domain)
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red", "--free",
+                        "--domain", domain)
+        wait_for(lambda: "0 0" in first.read_text().split("\n"), 10, "the run begins")
+        watch(late)
+        wait_for(lambda: [line for line in late.read_text().split("\n")[:-1] if line != "0 0"], 10,
+                 "a later step")
+        check("1" not in [line.split()[1] for line in late.read_text().split("\n")[:-1]],
+              "no lock step")

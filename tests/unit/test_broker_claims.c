@@ -234,6 +234,73 @@ static void test_a_refusal_that_is_void_is_not_told(void)
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-late");
 }
 
+/* A newcomer waits for the name already when its holder sets out and lets go of it. */
+static void test_who_moves_keeps_its_name(void)
+{
+    story_begin();
+    story_join("red");
+    story_match("p1");
+    story_match("p2");
+    (void)story_collect();
+    register_epoch("p1", 0);
+    register_epoch("p-red", 1);
+    register_epoch("p2", 1); /* the platform that it goes to */
+    EXPECT("");
+    story_leave("red", "p-red");
+    EXPECT("red welcome 0");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
+    story_tick(1500 * MS);
+    EXPECT("red: held by another participant");
+    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+}
+
+static void register_since(const char *process, uint64_t since_wall_ns, bool newcomer)
+{
+    muster_Registration r = registration("red", process);
+    entry_of(&r)->since_wall_ns = since_wall_ns;
+    entry_of(&r)->newcomer = newcomer;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* The broker has died, and knows nobody: a newcomer is faster than who had the name all along. */
+static void test_who_outlived_the_broker_has_its_name_back(void)
+{
+    for (int since_is_less = 0; since_is_less <= 1; since_is_less++) {
+        story_begin();
+        story_match("p1");
+        story_match("p2");
+        (void)story_collect();
+        register_since("p2", 200, true);
+        EXPECT("red welcome 0");
+        story_tick(1000 * MS);
+        register_since("p1", since_is_less ? 100 : 300, false);
+        if (since_is_less) {
+            EXPECT("red: held by another participant; red welcome 0");
+            CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p1");
+        } else {
+            EXPECT("");
+            CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
+        }
+    }
+}
+
+/* It was stopped, and another one has taken its place. */
+static void test_who_was_away_does_not_have_its_name_back(void)
+{
+    story_begin();
+    story_match("p1");
+    story_match("p2");
+    story_tick(500 * MS);
+    register_since("p1", 100, true);
+    story_tick(1000 * MS);
+    story_gone("p1");
+    register_since("p2", 200, true);
+    (void)story_collect();
+    register_since("p1", 100, false);
+    EXPECT("");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p2");
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -251,6 +318,10 @@ int main(void)
          test_a_claim_ends_when_its_slot_bears_another_name},
         {"a claim is taken back", test_a_claim_is_taken_back},
         {"a refusal that is void is not told", test_a_refusal_that_is_void_is_not_told},
+        {"who moves keeps its name", test_who_moves_keeps_its_name},
+        {"who outlived the broker has its name back",
+         test_who_outlived_the_broker_has_its_name_back},
+        {"who was away does not have its name back", test_who_was_away_does_not_have_its_name_back},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/claims", tests);

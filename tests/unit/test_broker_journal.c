@@ -586,6 +586,38 @@ static void test_a_full_box_comes_back_in_order(void)
     }
 }
 
+static void newcomer_register(const char *name, const char *process)
+{
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->newcomer = true;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* For as long as a name that is held is waited for. */
+static void test_names_are_kept_for_who_had_them(void)
+{
+    team();
+    (void)commit(true);
+    die_and_come_back(SECOND);
+    story_match("p-new");
+    newcomer_register("red", "p-new");
+    newcomer_register("white", "p-new"); /* nobody had that one */
+    EXPECT("white welcome 0");
+    story_tick(1000 * MS);
+    story_register("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+    story_tick(500 * MS);
+    EXPECT("red: held by another participant");
+    die_and_come_back(SECOND);
+    story_match("p-new");
+    newcomer_register("red", "p-new");
+    story_tick(1500 * MS - 1);
+    EXPECT("");
+    story_tick(1);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-new");
+    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -610,6 +642,7 @@ int main(void)
         {"groups and services come back", test_groups_and_services_come_back},
         {"bad lines stay on disk", test_bad_lines_stay_on_disk},
         {"a full box comes back in order", test_a_full_box_comes_back_in_order},
+        {"names are kept for who had them", test_names_are_kept_for_who_had_them},
         CU_TEST_INFO_NULL,
     };
     return suite_run("journal", tests);

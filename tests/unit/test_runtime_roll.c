@@ -129,11 +129,13 @@ static void test_who_was_refused_says_that_it_is_not_there(void)
     CU_ASSERT_STRING_EQUAL(said[0].name, "a0");
     CU_ASSERT_EQUAL(said[0].state, muster_STATE_ABSENT);
     CU_ASSERT_EQUAL(said[1].state, muster_STATE_RUNNING);
+    CU_ASSERT(said[0].newcomer && said[1].newcomer);
     forget();
     accept(5); /* its holder has left, and nobody else was asked */
     CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
     write_in_vain();
     CU_ASSERT_EQUAL(said[0].state, muster_STATE_RUNNING);
+    CU_ASSERT(!said[0].newcomer && said[1].newcomer);
 }
 
 static void test_nobody_is_told_before_a_broker_is_known(void)
