@@ -613,7 +613,7 @@ int bus_wake_fd(struct bus *bus)
     return fd;
 }
 
-static const uint64_t AWAKE_NS = 100000;
+static const uint64_t AWAKE_NS = 200000;
 static const uint64_t BUSY_MACHINE_NS = 100000000;
 
 static bool has_come(const struct bus *bus, uint64_t samples)
