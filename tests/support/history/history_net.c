@@ -27,6 +27,8 @@ void net_register(struct process *p)
             .state = said && !a->leaving && !a->refused ? a->state : muster_STATE_ABSENT,
             .full = a->policy,
             .box_mails = a->box_mails,
+            .since_wall_ns = said ? a->life + 1 : 0,
+            .newcomer = said && a->incarnation == 0,
             .home = words("")};
     }
     r.agents._buffer = entries;
