@@ -51,10 +51,11 @@ void presence_set_state(struct broker *b, uint32_t agent, muster_State state);
 /** The lock step has let go of a process: departures that it held up take place. */
 void presence_settle(struct broker *b, uint32_t place);
 
-/** Its bearer is lost with a broker, and may come by itself: for a while newcomers wait. */
+/** Its bearer was lost with a broker, or is on its way to another platform, and may come by itself:
+ * for a while newcomers wait. */
 void presence_keep(struct broker *b, uint32_t agent);
 
-/** Refuses names that were waited for too long. */
+/** Who has waited long enough for a name is given it, if nobody has it, and else refused. */
 void presence_tick(struct broker *b);
 
 /** @return when presence_tick is needed next, or UINT64_MAX */

@@ -78,7 +78,7 @@ struct agent {
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
-    uint64_t kept_until_ns; /* so long the name is its last bearer's, who was lost with a broker */
+    uint64_t kept_until_ns; /* so long newcomers wait for its last bearer: see presence_keep */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
     uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
     bool verdict_due;

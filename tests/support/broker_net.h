@@ -191,7 +191,7 @@ static inline struct net_agent *net_join_as(const char *name, const char *tag, i
                                             uint64_t since_wall_ns)
 {
     struct net_agent *a = &net.agents[net.agents_count++];
-    *a = (struct net_agent){.since_wall_ns = since_wall_ns};
+    *a = (struct net_agent){.since_wall_ns = since_wall_ns, .newcomer = true};
     (void)mu_text_copy(a->name, sizeof a->name, name);
     snprintf(a->process, sizeof a->process, "p-%s%s", name, tag);
     net_enter(a, broker);
@@ -347,6 +347,7 @@ static inline void net_to_agent(int broker, const muster_Delivery *d)
         }
         for (uint32_t k = 0; k < d->verdicts._length; k++) {
             a->accepted = d->verdicts._buffer[k].accepted;
+            a->newcomer = a->newcomer && !a->accepted;
             a->seq = a->seq ? a->seq : d->verdicts._buffer[k].last_seq;
             if (!a->accepted) {
                 (void)mu_text_copy(a->refused, sizeof a->refused, d->verdicts._buffer[k].reason);

@@ -140,6 +140,15 @@ static inline void story_register(const char *name, const char *process)
     broker_registration(story.b, &r, story.now_ns);
 }
 
+/* No broker has given it the name before.  epoch: how often it has set out; 0: never */
+static inline void story_register_newcomer(const char *name, const char *process, uint64_t epoch)
+{
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->newcomer = true;
+    entry_of(&r)->epoch = epoch;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
 static inline void story_match(const char *process)
 {
     broker_matched(story.b, process, true, story.now_ns);

@@ -12,8 +12,6 @@ static struct net_agent *newcomer_at_the_other(void)
     net_join_as("red", "", A, 100);
     net_settle();
     struct net_agent *late = net_join_as("red", "2", B, 200);
-    late->newcomer = true;
-    net_register(late, muster_STATE_RUNNING);
     net_settle();
     return late;
 }
@@ -48,10 +46,7 @@ static void test_a_newcomer_asks_when_the_broker_is_lost(void)
     net_settle();
     net_link(A, B, false);
     net_settle();
-    struct net_agent *late = &net.agents[net.agents_count++];
-    *late = (struct net_agent){
-        .name = "red", .process = "p-red2", .since_wall_ns = 200, .newcomer = true};
-    net_enter(late, B);
+    struct net_agent *late = net_join_as("red", "2", B, 200);
     net_settle();
     CU_ASSERT_FALSE(late->accepted);
     net_tick(1000 * MS);

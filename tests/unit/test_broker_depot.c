@@ -664,14 +664,6 @@ static void test_words_to_the_dead_make_room(void)
     CU_ASSERT_EQUAL(story.b->depot.lost, 0);
 }
 
-static void register_newcomer(const char *process, uint64_t epoch)
-{
-    muster_Registration r = registration("red", process);
-    entry_of(&r)->epoch = epoch;
-    entry_of(&r)->newcomer = true;
-    broker_registration(story.b, &r, story.now_ns);
-}
-
 /* The host has said that it is ready, and its claim comes behind that. */
 static void test_a_name_is_kept_for_who_is_on_its_way(void)
 {
@@ -680,13 +672,13 @@ static void test_a_name_is_kept_for_who_is_on_its_way(void)
     host_join("north");
     story_match("p-thief");
     (void)story_collect();
-    register_newcomer("p-thief", 0);
+    story_register_newcomer("red", "p-thief", 0);
     register_as("p-red", "red", 1, muster_STATE_MOVING);
     deposit("p-red", "red", 1, "north", muster_STEP_NOW);
     (void)story_collect();
     story_leave("red", "p-red");
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
-    register_newcomer("p-north", 1);
+    story_register_newcomer("red", "p-north", 1);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
     story_tick(1500 * MS);
     (void)story_collect();

@@ -586,13 +586,6 @@ static void test_a_full_box_comes_back_in_order(void)
     }
 }
 
-static void newcomer_register(const char *name, const char *process)
-{
-    muster_Registration r = registration(name, process);
-    entry_of(&r)->newcomer = true;
-    broker_registration(story.b, &r, story.now_ns);
-}
-
 /* For as long as a name that is held is waited for. */
 static void test_names_are_kept_for_who_had_them(void)
 {
@@ -600,8 +593,8 @@ static void test_names_are_kept_for_who_had_them(void)
     (void)commit(true);
     die_and_come_back(SECOND);
     story_match("p-new");
-    newcomer_register("red", "p-new");
-    newcomer_register("white", "p-new"); /* nobody had that one */
+    story_register_newcomer("red", "p-new", 0);
+    story_register_newcomer("white", "p-new", 0); /* nobody had that one */
     EXPECT("white welcome 0");
     story_tick(1000 * MS);
     story_register("red", "p-red");
@@ -610,7 +603,7 @@ static void test_names_are_kept_for_who_had_them(void)
     EXPECT("red: held by another participant");
     die_and_come_back(SECOND);
     story_match("p-new");
-    newcomer_register("red", "p-new");
+    story_register_newcomer("red", "p-new", 0);
     story_tick(1500 * MS - 1);
     EXPECT("");
     story_tick(1);
