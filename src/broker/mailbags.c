@@ -8,12 +8,12 @@
 mu_result mailbags_open(struct mailbags *m, struct bus *bus, const struct bus_reader *ups,
                         bool once)
 {
-    *m = (struct mailbags){.bus = bus, .ups = ups};
+    *m = (struct mailbags){.bus = bus, .ups = ups, .once = once};
     mu_table_init(&m->names, MU_PROCESSES_MAX);
     for (uint32_t i = 0; i < MU_PROCESSES_MAX; i++) {
         m->order[i] = i;
     }
-    return once ? bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->circulars) : MU_OK;
+    return bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->circulars);
 }
 
 const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process)
@@ -22,14 +22,9 @@ const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process
     return bag ? &bag->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->circulars : NULL;
 }
 
-static bool has_circulars(const struct mailbags *m)
-{
-    return m->circulars.writer > 0;
-}
-
 bool mailbags_circulars_drained(const struct mailbags *m)
 {
-    return !has_circulars(m) || bus_drain(&m->circulars, 0);
+    return !m->once || bus_drain(&m->circulars, 0);
 }
 
 struct mailbag *mailbags_find(struct mailbags *m, const char *process)
@@ -108,7 +103,7 @@ static bool bag_stands(const struct mailbags *m, const struct mailbag *bag, cons
 
 static uint32_t hearers_count(const struct mailbags *m)
 {
-    return has_circulars(m) ? bus_writer_matches(&m->circulars) : 0;
+    return m->once ? bus_writer_matches(&m->circulars) : 0;
 }
 
 /* Who does not hear circulars, such as a simulator, is asked again when somebody more does. */

@@ -23,6 +23,7 @@ struct mailbag {
 struct mailbags {
     struct bus *bus;
     struct bus_writer circulars;
+    bool once; /* they are used */
     const struct bus_reader *ups;
     struct mailbag at[MU_PROCESSES_MAX];
     uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */

@@ -96,6 +96,16 @@ static bool is_taken(const struct bus_options *options, int index)
     return bind_try(interface, bus_port(options->domain, index)) == EADDRINUSE;
 }
 
+/* Those who share their indices begin to look at different ones: of a hundred that start together,
+ * the last one would try a hundred, and two would often want the same.
+ * @return as config_index */
+static int index_try(enum bus_place place, int n)
+{
+    enum { SHARED = CONFIG_INDEX_LAST - CONFIG_INDEX_FIRST + 1 };
+    bool shares = place == BUS_AGENT || place == BUS_OBSERVER;
+    return config_index(place, shares && n < SHARED ? (getpid() + n) % SHARED : n);
+}
+
 /* Never goes on after a failure: the participant would come up on all interfaces. */
 static mu_result domain_open(struct bus *bus, const struct bus_options *options)
 {
@@ -110,7 +120,7 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
     dds_set_log_sink(log_nothing, NULL);
     int index = 0;
     for (int i = 0; code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
-                    (index = config_index(options->place, i)) >= 0;
+                    (index = index_try(options->place, i)) >= 0;
          i++) {
         code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }
@@ -242,23 +252,29 @@ static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d
                                     .m_meta = d->m_meta};
 }
 
-/* One side of a topic describes its type, for tools.  Every description costs whoever hears of it:
- * a hundred processes would hear a hundred of the broker's writers describe the same. */
-static mu_result topic_open(struct bus *bus, enum bus_topic topic)
+static bool is_described(const struct bus *bus, const struct topic *t, const char *partition)
 {
-    if (bus->topics[topic]) {
-        return MU_OK;
+    if (bus->place == BUS_OBSERVER) {
+        return true;
     }
+    bool is_agent = bus->place == BUS_AGENT;
+    return t->describer == DESCRIBED_TO_ALL
+               ? !is_agent && partition && strcmp(partition, BUS_TO_ALL) == 0
+               : is_agent == (t->describer == DESCRIBED_BY_AGENTS);
+}
+
+/* @return the topic as an endpoint in that partition has it, or the fault of DDS */
+static dds_entity_t topic_open(struct bus *bus, enum bus_topic topic, const char *partition)
+{
     const struct topic *t = &topic_table[topic];
-    bool untyped = bus->place != BUS_OBSERVER && (bus->place == BUS_AGENT) != t->agents_describe_it;
-    const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
-    dds_entity_t made =
-        dds_create_topic(bus->participant, untyped ? &bare : t->descriptor, t->name, NULL, NULL);
-    if (made < 0) {
-        return dds_fault(t->name, made);
+    bool described = is_described(bus, t, partition);
+    int32_t *made = &bus->topics[topic][described];
+    if (*made <= 0) {
+        const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
+        *made = dds_create_topic(bus->participant, described ? t->descriptor : &bare, t->name, NULL,
+                                 NULL);
     }
-    bus->topics[topic] = made;
-    return MU_OK;
+    return *made;
 }
 
 /* Runs in a thread of DDS, once for each sample. */
@@ -291,7 +307,10 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
                                int32_t depth, struct bus_reader *reader)
 {
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
-    MU_TRY(topic_open(bus, topic));
+    dds_entity_t about = topic_open(bus, topic, partition);
+    if (about < 0) {
+        return dds_fault(topic_table[topic].name, about);
+    }
     for (int i = 0; i < BUS_BATCH; i++) {
         reader->samples[i] = bus_sample(topic);
     }
@@ -308,7 +327,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
     }
     dds_listener_t *listener = dds_create_listener(reader);
     dds_lset_data_available(listener, on_arrival);
-    reader->reader = dds_create_reader(subscriber, bus->topics[topic], qos, listener);
+    reader->reader = dds_create_reader(subscriber, about, qos, listener);
     dds_delete_listener(listener);
     dds_delete_qos(qos);
     if (reader->reader < 0) {
@@ -322,7 +341,10 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
                           const char *second, struct bus_writer *writer)
 {
     *writer = (struct bus_writer){0};
-    MU_TRY(topic_open(bus, topic));
+    dds_entity_t about = topic_open(bus, topic, first);
+    if (about < 0) {
+        return dds_fault(topic_table[topic].name, about);
+    }
     const char *partitions[] = {first ? first : "", second};
     dds_qos_t *group = dds_create_qos();
     dds_qset_partition(group, second ? 2 : 1, partitions);
@@ -332,7 +354,7 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
         return dds_fault("publisher", writer->publisher);
     }
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    writer->writer = dds_create_writer(writer->publisher, bus->topics[topic], qos, NULL);
+    writer->writer = dds_create_writer(writer->publisher, about, qos, NULL);
     dds_delete_qos(qos);
     if (writer->writer < 0) {
         dds_return_t why = writer->writer;

@@ -67,9 +67,9 @@ struct bus {
     int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
     int32_t participant;
     enum bus_place place;
-    int index;                  /* of the participant; -1: CYCLONEDDS_URI says */
-    int32_t topics[BUS_TOPICS]; /* 0: not opened yet */
-    uint64_t malformed;         /* samples refused at the border */
+    int index;                     /* of the participant; -1: CYCLONEDDS_URI says */
+    int32_t topics[BUS_TOPICS][2]; /* bare, and described (topics.h); 0: not opened yet */
+    uint64_t malformed;            /* samples refused at the border */
     /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
     pthread_mutex_t lock;
     pthread_cond_t arrival;

@@ -44,11 +44,22 @@ bool config_hosts_valid(const char *hosts)
     return count > 0 && count <= MU_PEERS_MAX;
 }
 
-/* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody. */
-static void host_write(struct mu_text *xml, const struct bus_options *options, const char *host,
-                       size_t len)
+static bool is_hub(const struct bus_options *options)
 {
-    if (options->place == BUS_OBSERVER) { /* the whole index range of the host */
+    return options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
+}
+
+static bool is_loopback(const char *interface)
+{
+    return strncmp(interface, "127.", strlen("127.")) == 0;
+}
+
+/* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody.  On its own
+ * host a hub calls on everyone itself; elsewhere it knows nobody, and is called. */
+static void host_write(struct mu_text *xml, const struct bus_options *options, const char *host,
+                       size_t len, bool own)
+{
+    if (options->place == BUS_OBSERVER || (own && is_hub(options))) { /* its whole index range */
         mu_text_format(xml, "<Peer address=\"%.*s\"/>", (int)len, host);
         return;
     }
@@ -66,11 +77,12 @@ static void peers_write(struct mu_text *xml, const struct bus_options *options, 
     size_t len;
     const char *host;
     for (const char *at = options->hub; (host = config_host(&at, &len));) {
-        own_named = own_named || (strlen(own) == len && memcmp(own, host, len) == 0);
-        host_write(xml, options, host, len);
+        bool is_own = strlen(own) == len && memcmp(own, host, len) == 0;
+        own_named = own_named || is_own;
+        host_write(xml, options, host, len, is_own);
     }
-    if (!options->hub || (options->place == BUS_BROKER && !own_named)) {
-        host_write(xml, options, own, strlen(own));
+    if (!options->hub || (is_hub(options) && !own_named)) {
+        host_write(xml, options, own, strlen(own), true);
     }
 }
 
@@ -80,11 +92,34 @@ static void peers_write(struct mu_text *xml, const struct bus_options *options, 
  */
 static void sizes_write(struct mu_text *xml, const char *interface)
 {
-    if (strncmp(interface, "127.", strlen("127.")) == 0) {
+    if (is_loopback(interface)) {
         mu_text_add(xml, "<MaxMessageSize>65000B</MaxMessageSize>"
                          "<MaxRexmitMessageSize>64000B</MaxRexmitMessageSize>"
                          "<FragmentSize>64000B</FragmentSize>");
     }
+}
+
+/* How often a process says to those with whom it peers that it is there (SPDP).  Where it knows all
+ * of them it is heard when it starts, and they when they do; what comes later is for packets that
+ * were lost, and wakes everyone.  A hub on another host is found by asking; with the default of
+ * 30 s, who starts before it would wait for 8 s. */
+static const char *presence_interval(const struct bus_options *options)
+{
+    if (options->place == BUS_BROKER) {
+        return "2s";
+    }
+    if (options->hub || options->place == BUS_OBSERVER) {
+        return "200ms";
+    }
+    return is_hub(options) ? "2s" : "1s";
+}
+
+/* How often a writer asks its readers what they have, while they have not said it.  Who waits for
+ * what it wrote to arrive, as at the end, waits so long.  A broker asks everyone, each time that
+ * somebody new has not answered yet: of a hundred that started together, half of all packets. */
+static const char *heartbeat_interval(const struct bus_options *options, const char *interface)
+{
+    return options->place == BUS_BROKER && is_loopback(interface) ? "100ms" : "20ms";
 }
 
 void config_write(struct mu_text *xml, const struct bus_options *options, int index)
@@ -100,22 +135,18 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    index, CONFIG_INDEX_LAST);
     peers_write(xml, options, interface);
-    /* SPDPInterval: with the default of 30 s a process that starts before its hub waits for 8 s. A
-     * broker waits for nobody, is answered when it starts, and wakes all whom it knows each time.
-     * Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
+    /* Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
      * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker
      * that was killed and is back would stop for 10 s, until the lease of the killed one ends.
-     * HeartbeatInterval: who waits for what it wrote to arrive, as at the end, waits so long;
-     * shorter ones make readers acknowledge more.
      * ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
      * process that was killed until its lease ends; the default is 1 MiB. */
     mu_text_format(
         xml,
         "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
         "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
-        "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">20ms</HeartbeatInterval>"
+        "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">%s</HeartbeatInterval>"
         "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit></Watermarks></Internal>"
         "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
         "</Domain></CycloneDDS>",
-        options->place == BUS_BROKER ? "2s" : "200ms");
+        presence_interval(options), heartbeat_interval(options, interface));
 }

@@ -132,14 +132,15 @@ mu_result feed_open(struct feed *feed, struct bus *bus, enum bus_topic topic, co
 {
     const char *partitions[] = {first ? first : "", second};
     *feed = (struct feed){0};
-    if (!bus->topics[topic]) {
-        bus->topics[topic] = dds_create_topic(bus->participant, topic_table[topic].descriptor,
-                                              topic_table[topic].name, NULL, NULL);
+    int32_t *described = &bus->topics[topic][true];
+    if (!*described) {
+        *described = dds_create_topic(bus->participant, topic_table[topic].descriptor,
+                                      topic_table[topic].name, NULL, NULL);
     }
     dds_qos_t *group = group_qos(partitions, second ? 2 : 1);
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
     history_widen(qos, DDS_HISTORY_KEEP_LAST, topics_depth(&topic_table[topic]));
-    mu_result opened = writer_open(feed, bus, bus->topics[topic], group, qos);
+    mu_result opened = writer_open(feed, bus, *described, group, qos);
     dds_delete_qos(group);
     dds_delete_qos(qos);
     return opened;

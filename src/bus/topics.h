@@ -10,13 +10,21 @@
 
 #include <dds/dds.h>
 
+/* Who says of a topic what its type is, for tools.  Every description costs who gives it a
+ * millisecond, and whoever hears of it: it is given once, or by the side that has fewer readers. */
+enum topic_describer {
+    DESCRIBED_BY_HUBS,
+    DESCRIBED_BY_AGENTS,
+    DESCRIBED_TO_ALL, /* by a hub's endpoint in the partition BUS_TO_ALL */
+};
+
 struct topic {
     const char *name;
     const dds_topic_descriptor_t *descriptor;
-    bool keeps_all;                    /* history KEEP_ALL; else KEEP_LAST */
-    int32_t depth;                     /* of KEEP_LAST; 0: 1 */
-    bool for_late_comers;              /* durability TRANSIENT_LOCAL */
-    bool agents_describe_it;           /* their readers say what the type is; else the other side */
+    bool keeps_all;       /* history KEEP_ALL; else KEEP_LAST */
+    int32_t depth;        /* of KEEP_LAST; 0: 1 */
+    bool for_late_comers; /* durability TRANSIENT_LOCAL */
+    enum topic_describer describer;
     int64_t liveliness_ns;             /* 0: infinite */
     bool (*check)(const void *sample); /* false: breaks a rule of the wire */
     const char *partition;             /* in words, for the reference page */

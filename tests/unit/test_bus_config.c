@@ -96,13 +96,18 @@ static void test_places_of_the_star(void)
         CU_ASSERT_TRUE(has("<NetworkInterface address=\"127.0.0.1\"/>"));
         CU_ASSERT_EQUAL(times("<NetworkInterface "), 1);
         CU_ASSERT_TRUE(has("<AllowMulticast>false</AllowMulticast>"));
+        CU_ASSERT_EQUAL(times("<Peers>"), 1);
+        if (places[i].place != BUS_AGENT) { /* on its own host a hub calls on everyone */
+            CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1\"/>"));
+            CU_ASSERT_EQUAL(times("<Peer "), 1);
+            continue;
+        }
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8160\"/>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8162\"/>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8164\"/>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8166\"/>"));
         CU_ASSERT_TRUE(has("<Peer address=\"127.0.0.1:8168\"/>"));
         CU_ASSERT_EQUAL(times("<Peer "), 5);
-        CU_ASSERT_EQUAL(times("<Peers>"), 1);
     }
 }
 
@@ -177,9 +182,40 @@ static void test_several_hosts(void)
     /* A broker peers with the others of its own host, too, and once. */
     write_for(BUS_BROKER, 2, "10.0.0.7", "10.0.0.1");
     CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.1:"), 5);
-    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.7:"), 5);
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.7\"/>"), 1);
+    CU_ASSERT_EQUAL(times("<Peer "), 6);
     write_for(BUS_BROKER, 2, "10.0.0.7", "10.0.0.1,10.0.0.7");
-    CU_ASSERT_EQUAL(times("<Peer "), 10);
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.7\"/>"), 1);
+    CU_ASSERT_EQUAL(times("<Peer "), 6);
+    write_for(BUS_SIMULATOR, 1, "10.0.0.7", "10.0.0.1");
+    CU_ASSERT_EQUAL(times("<Peer address=\"10.0.0.7\"/>"), 1);
+    CU_ASSERT_EQUAL(times("<Peer "), 6);
+}
+
+/* Who may have to look for its hub says often that it is there; a hub on loopback asks seldom what
+ * has arrived. */
+static void test_intervals(void)
+{
+    static const struct {
+        enum bus_place place;
+        const char *interface, *hub, *presence, *heartbeat;
+    } cases[] = {{BUS_AGENT, NULL, NULL, "1s", "20ms"},
+                 {BUS_AGENT, "10.0.0.7", NULL, "1s", "20ms"},
+                 {BUS_AGENT, NULL, "far.example", "200ms", "20ms"},
+                 {BUS_OBSERVER, NULL, NULL, "200ms", "20ms"},
+                 {BUS_SIMULATOR, NULL, NULL, "2s", "20ms"},
+                 {BUS_SIMULATOR, NULL, "far.example", "200ms", "20ms"},
+                 {BUS_BROKER, NULL, NULL, "2s", "100ms"},
+                 {BUS_BROKER, NULL, "far.example", "2s", "100ms"},
+                 {BUS_BROKER, "10.0.0.7", NULL, "2s", "20ms"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char presence[64], heartbeat[64];
+        write_for(cases[i].place, 10, cases[i].interface, cases[i].hub);
+        snprintf(presence, sizeof presence, "<SPDPInterval>%s<", cases[i].presence);
+        snprintf(heartbeat, sizeof heartbeat, ">%s</HeartbeatInterval>", cases[i].heartbeat);
+        CU_ASSERT_TRUE(has(presence));
+        CU_ASSERT_TRUE(has(heartbeat));
+    }
 }
 
 static void append(char *hosts)
@@ -249,6 +285,7 @@ int main(void)
         {"large packets stay on loopback", test_large_packets_stay_on_loopback},
         {"indices of the places", test_indices_of_the_places},
         {"several hosts", test_several_hosts},
+        {"intervals", test_intervals},
         {"limit: hosts", test_limit_hosts},
         {"limit: the longest configuration", test_limit_the_longest_configuration},
         {"limit: a text too small", test_limit_a_text_too_small_is_cut},
