@@ -12,9 +12,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 int main(int argc, char **argv)
 {
     const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
-    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
-    mu_result answered = MU_OK; /* the last mail */
-    struct mu_handlers handlers = {.self = &answered, .on_mail = on_mail};
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
+                                         .brief = true};
+    struct mu_handlers handlers = {.self = &(mu_result){MU_OK}, .on_mail = on_mail};
     mu_process *process = NULL;
     mu_agent *clock;
     int failed = mu_process_open(&process, &options) != MU_OK ||

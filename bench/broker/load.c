@@ -111,6 +111,13 @@ void load_send(const char *to, const char *text, int level)
     }
 }
 
+void load_spin_on(void)
+{
+    while (!load_is_over()) {
+        peer_spin(100000000);
+    }
+}
+
 void load_await(const uint64_t *count, uint64_t wanted)
 {
     uint64_t seen = *count;
@@ -218,9 +225,10 @@ static const struct {
     int words;
     void (*run)(char **words);
 } loads[] = {
-    {"crowd", 3, load_crowd}, {"ping", 3, load_ping},   {"flood", 3, load_flood},
-    {"tell", 3, load_tell},   {"visit", 2, load_visit}, {"store", 4, load_store},
-    {"drain", 3, load_drain}, {"pour", 3, load_pour},   {"deaf", 2, load_deaf},
+    {"crowd", 3, load_crowd}, {"sleepers", 3, load_sleepers}, {"ping", 3, load_ping},
+    {"flood", 3, load_flood}, {"tell", 3, load_tell},         {"visit", 2, load_visit},
+    {"store", 4, load_store}, {"drain", 3, load_drain},       {"pour", 3, load_pour},
+    {"deaf", 2, load_deaf},
 };
 
 int main(int argc, char **argv)

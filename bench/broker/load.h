@@ -31,6 +31,9 @@ void load_read(struct load_mail *mail, const char *text);
 /** Sends, and spins while nothing fits. */
 void load_send(const char *to, const char *text, int level);
 
+/** Spins until the program is told to end. */
+void load_spin_on(void);
+
 /** Spins until *count is at least wanted; ends the program after ten seconds without progress. */
 void load_await(const uint64_t *count, uint64_t wanted);
 
@@ -42,6 +45,7 @@ const char *load_me(void);
 
 /* load_crowd.c */
 void load_crowd(char **words);
+void load_sleepers(char **words);
 void load_tell(char **words);
 
 /* load_box.c */

@@ -96,23 +96,21 @@ static void on_mail(const char *text)
     }
 }
 
-static void one_live(const char *where, struct board *board, int index)
+static void one_live(const char *where, struct board *board, int index, bool brief)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     one.board = board;
     snprintf(one.name, sizeof one.name, "a%d", index);
-    struct peer_options options = {.where = where, .name = one.name, .on_mail = on_mail};
+    struct peer_options options = {
+        .where = where, .name = one.name, .brief = brief, .on_mail = on_mail};
     peer_open(&options);
     latest_note(&board->ready_ns);
     atomic_fetch_add(&board->ready, 1);
-    while (!load_is_over()) {
-        peer_spin(100000000);
-    }
+    peer_serve();
     _exit(0); /* a crowd that leaves one by one keeps the broker busy for nothing */
 }
 
-/* crowd WHERE COUNT BOARD: says how long they took, and stays until it is ended. */
-void load_crowd(char **words)
+static void crowd_live(char **words, bool brief)
 {
     static pid_t pids[CROWD_MAX];
     long count = strtol(words[1], NULL, 10);
@@ -124,7 +122,7 @@ void load_crowd(char **words)
     for (int i = 0; i < count; i++) {
         pids[i] = fork();
         if (pids[i] == 0) {
-            one_live(words[0], board, i);
+            one_live(words[0], board, i, brief);
         }
     }
     while (atomic_load(&board->ready) < (uint32_t)count && !load_is_over() &&
@@ -143,6 +141,18 @@ void load_crowd(char **words)
     while (wait(NULL) > 0) {
     }
     exit(0);
+}
+
+/* crowd WHERE COUNT BOARD: says how long they took, and stays until it is ended. */
+void load_crowd(char **words)
+{
+    crowd_live(words, true);
+}
+
+/* sleepers WHERE COUNT BOARD: the same, each with a thread that mail has to wake. */
+void load_sleepers(char **words)
+{
+    crowd_live(words, false);
 }
 
 /* --- telling all ------------------------------------------------------------------------------ */

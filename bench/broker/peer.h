@@ -4,7 +4,8 @@
  * What the loads ask of a broker: peer_muster.c, peer_mqtt.c and peer_redis.c are one program each,
  * and peer_dds.c, which has none.
  *
- * One connection, one thread.  What fails ends the program with a word on standard error.
+ * One connection; one thread, at a time.  What fails ends the program with a word on standard
+ * error.
  */
 #ifndef BENCH_BROKER_PEER_H
 #define BENCH_BROKER_PEER_H
@@ -21,6 +22,7 @@ struct peer_options {
     const char *where; /* the DDS domain; the TCP port of a broker on 127.0.0.1 */
     const char *name;  /* mail to it comes to on_mail */
     bool boxed;        /* the broker keeps mail for it while it is away */
+    bool brief;        /* it may handle mail in the thread that receives it */
     void (*on_mail)(const char *text);
 };
 
@@ -40,6 +42,9 @@ void peer_answer(const char *to, const char *text);
 
 /** Waits for at most timeout_ns, perhaps less, and handles what is there. */
 void peer_spin(int64_t timeout_ns);
+
+/** Handles what comes until the program is told to end. */
+void peer_serve(void);
 
 /** @return how many of the mails sent the broker has answered for; of MQTT's with level 1 */
 uint64_t peer_answered(void);

@@ -153,6 +153,11 @@ void peer_spin(int64_t timeout_ns)
     answers_send();
 }
 
+void peer_serve(void)
+{
+    load_spin_on();
+}
+
 uint64_t peer_answered(void)
 {
     return peer.answered;

@@ -50,7 +50,8 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 
 void peer_open(const struct peer_options *options)
 {
-    struct mu_process_options process = {.domain = (int)strtol(options->where, NULL, 10)};
+    struct mu_process_options process = {.domain = (int)strtol(options->where, NULL, 10),
+                                         .brief = options->brief};
     struct mu_handlers handlers = {
         .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
     peer.on_mail = options->on_mail;
@@ -91,6 +92,13 @@ void peer_answer(const char *to, const char *text)
 void peer_spin(int64_t timeout_ns)
 {
     if (mu_process_spin(peer.process, timeout_ns) != MU_OK) {
+        load_die("the process has ended");
+    }
+}
+
+void peer_serve(void)
+{
+    if (mu_process_run(peer.process) != MU_OK) {
         load_die("the process has ended");
     }
 }

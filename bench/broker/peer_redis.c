@@ -64,6 +64,11 @@ void peer_spin(int64_t timeout_ns)
     }
 }
 
+void peer_serve(void)
+{
+    load_spin_on();
+}
+
 uint64_t peer_answered(void)
 {
     return peer.answered;

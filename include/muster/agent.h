@@ -4,10 +4,10 @@
  * Agents: a name in the white pages, mail by name, and, for a robot, a body.
  *
  * A process opens a connection to the bus (mu_process), lets one or more agents join, and spins.
- * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there,
- * must not block, and may send, drive, join and leave.  Registering, leaving, acknowledging,
- * resending and the answers to directives are the runtime's: a controller has no line of code for
- * them.
+ * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there
+ * (but see mu_process_options.brief), must not block, and may send, drive, join and leave.
+ * Registering, leaving, acknowledging, resending and the answers to directives are the runtime's: a
+ * controller has no line of code for them.
  *
  * One thread at a time calls what has to do with one process; mu_process_stop alone may be called
  * from anywhere.  A child of fork has no connection: there, mu_process_close does nothing.
@@ -210,6 +210,11 @@ struct mu_process_options {
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
                               step wait for them, too */
+    bool brief;            /* its handlers are, far below 100 ms each: in mu_process_run they are
+                              called from the thread that has received, which spares a mail the
+                              waking of another, one at a time as ever.  While one runs the process
+                              receives nothing, and one of a second may cost its agents their place
+                              until it is over.  Not with the two above */
     uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
                            MU_OUTBOX_MOST at most */

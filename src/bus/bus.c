@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/bus.h"
 
+#include "bus/bus_arrivals.h"
 #include "bus/config.h"
 #include "bus/loopback.h"
 #include "bus/topics.h"
@@ -12,13 +13,10 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netdb.h>
-#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 static mu_result dds_fault(const char *what, dds_return_t code)
@@ -206,12 +204,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         domain_close(bus);
         return dds_fault("participant", bus->participant);
     }
-    pthread_condattr_t clock;
-    pthread_condattr_init(&clock);
-    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
-    pthread_mutex_init(&bus->lock, NULL);
-    pthread_cond_init(&bus->arrival, &clock);
-    pthread_condattr_destroy(&clock);
+    bus_arrivals_init(bus);
     return MU_OK;
 }
 
@@ -277,26 +270,6 @@ static dds_entity_t topic_open(struct bus *bus, enum bus_topic topic, const char
     return *made;
 }
 
-/* Runs in a thread of DDS, once for each sample. */
-static void on_arrival(dds_entity_t reader, void *self)
-{
-    (void)reader;
-    struct bus_reader *r = self;
-    struct bus *bus = r->bus;
-    pthread_mutex_lock(&bus->lock);
-    r->arrived++;
-    bus->arrived++;
-    bool enough = bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted;
-    bus->wanted = enough ? 0 : bus->wanted; /* one wake for one wait */
-    if (bus->wakes) {
-        (void)eventfd_write(bus->wake_fd, 1); /* full is readable, too */
-    }
-    pthread_mutex_unlock(&bus->lock);
-    if (enough) {
-        pthread_cond_signal(&bus->arrival); /* who wakes finds the lock free */
-    }
-}
-
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                           struct bus_reader *reader)
 {
@@ -326,7 +299,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
         dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth);
     }
     dds_listener_t *listener = dds_create_listener(reader);
-    dds_lset_data_available(listener, on_arrival);
+    dds_lset_data_available(listener, bus_arrivals_note);
     reader->reader = dds_create_reader(subscriber, about, qos, listener);
     dds_delete_listener(listener);
     dds_delete_qos(qos);
@@ -496,35 +469,7 @@ uint32_t bus_reader_matches(const struct bus_reader *reader)
     return code < 0 ? 0 : status.current_count;
 }
 
-/* A reader in which nothing has arrived is looked into all the same from time to time: the end of a
- * writer is no sample, and not every listener hears of it. */
-static const uint64_t LOOK_NS = 20000000;
-
 enum { BATCHES_TO_EMPTY = 4096 };
-
-/* @return whether the reader is worth a look; arrived: how many samples it has had until now */
-static bool reader_has_news(struct bus_reader *r, uint64_t *arrived)
-{
-    pthread_mutex_lock(&r->bus->lock);
-    *arrived = r->arrived;
-    bool news = r->arrived != r->taken;
-    pthread_mutex_unlock(&r->bus->lock);
-    uint64_t now_ns = mu_clock_ns();
-    news = news || now_ns - r->looked_ns > LOOK_NS;
-    if (news) {
-        r->looked_ns = now_ns;
-    }
-    return news;
-}
-
-/* The reader is empty but for what has arrived since. */
-static void reader_drained(struct bus_reader *r, uint64_t arrived)
-{
-    pthread_mutex_lock(&r->bus->lock);
-    r->bus->taken += arrived - r->taken;
-    r->taken = arrived;
-    pthread_mutex_unlock(&r->bus->lock);
-}
 
 /* The samples are ours: DDS writes the next ones over them and takes memory only for what is larger
  * than what was there.  Now and then they are emptied, or each would be as large as the largest. */
@@ -544,7 +489,7 @@ void bus_reader_close(struct bus_reader *r)
     }
     dds_delete(dds_get_parent(r->reader)); /* its subscriber, and it: nothing arrives any more */
     r->reader = 0;
-    reader_drained(r, r->arrived); /* nobody will look at what lies there */
+    bus_arrivals_taken(r, r->arrived); /* nobody will look at what lies there */
     samples_empty(r);
     r->count = r->next = 0;
 }
@@ -565,7 +510,7 @@ static bool batch_take(struct bus_reader *r)
 {
     r->count = r->next = 0;
     uint64_t arrived;
-    if (!reader_has_news(r, &arrived)) {
+    if (!bus_arrivals_are_news(r, &arrived)) {
         return false;
     }
     dds_sample_info_t infos[BUS_BATCH];
@@ -575,7 +520,7 @@ static bool batch_take(struct bus_reader *r)
     int32_t count = dds_take(r->reader, r->samples, infos, BUS_BATCH, BUS_BATCH);
     r->count = count > 0 ? count : 0;
     if (r->count < BUS_BATCH) {
-        reader_drained(r, arrived);
+        bus_arrivals_taken(r, arrived);
     }
     for (int32_t i = 0; i < r->count; i++) {
         sample_judge(r, i, &infos[i]);
@@ -621,89 +566,6 @@ void *bus_keep(struct bus_reader *r, void *spare)
     r->samples[r->next - 1] = spare;
     r->fates[r->next - 1] = BUS_DATA; /* there is nothing left to say it of */
     return kept;
-}
-
-int bus_wake_fd(struct bus *bus)
-{
-    pthread_mutex_lock(&bus->lock);
-    if (!bus->wakes) {
-        bus->wake_fd = eventfd(bus->arrived != bus->taken, EFD_NONBLOCK | EFD_CLOEXEC);
-        bus->wakes = bus->wake_fd >= 0;
-    }
-    int fd = bus->wake_fd;
-    pthread_mutex_unlock(&bus->lock);
-    return fd;
-}
-
-static const uint64_t AWAKE_NS = 200000;
-static const uint64_t BUSY_MACHINE_NS = 100000000;
-
-static bool has_come(const struct bus *bus, uint64_t samples)
-{
-    return bus->arrived - bus->taken >= samples;
-}
-
-/* Called with the lock.  Yields to whoever wants to run.  On a machine that is busy that is the
- * worse way: who sleeps is woken at once, who yields waits for its turn.  When a turn has taken
- * long, the next waits are asleep. */
-static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
-{
-    if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
-        return;
-    }
-    uint64_t end_ns = now_ns + AWAKE_NS < until_ns ? now_ns + AWAKE_NS : until_ns;
-    while (!has_come(bus, samples) && now_ns < end_ns) {
-        pthread_mutex_unlock(&bus->lock);
-        sched_yield();
-        pthread_mutex_lock(&bus->lock);
-        now_ns = mu_clock_ns();
-    }
-    if (now_ns > end_ns + AWAKE_NS) {
-        bus->asleep_until_ns = now_ns + BUSY_MACHINE_NS;
-    }
-}
-
-/* Called with the lock. */
-static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
-{
-    const struct timespec until = {.tv_sec = (time_t)(until_ns / 1000000000u),
-                                   .tv_nsec = (long)(until_ns % 1000000000u)};
-    int waited = 0;
-    bus->wanted = samples;
-    while (!has_come(bus, samples) && waited == 0) {
-        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
-    }
-    bus->wanted = 0;
-}
-
-static void arrivals_await(struct bus *bus, uint64_t samples, int64_t timeout_ns, bool awake)
-{
-    uint64_t began_ns = mu_clock_ns();
-    uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
-    pthread_mutex_lock(&bus->lock);
-    if (bus->wakes) {
-        eventfd_t count;
-        (void)eventfd_read(bus->wake_fd, &count); /* what comes from now on is news */
-    }
-    if (samples == 0) {
-        samples = bus->arrived - bus->taken + 1;
-    }
-    if (awake) {
-        wait_awake(bus, samples, began_ns, until_ns);
-    }
-    wait_asleep(bus, samples, until_ns);
-    pthread_mutex_unlock(&bus->lock);
-    bus->last_wait_ns = mu_clock_ns() - began_ns;
-}
-
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
-{
-    arrivals_await(bus, samples, timeout_ns, false);
-}
-
-void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns)
-{
-    arrivals_await(bus, samples, timeout_ns, true);
 }
 
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)

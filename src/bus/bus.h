@@ -3,9 +3,10 @@
  * @file bus.h
  * The network under muster: Eclipse Cyclone DDS behind a dozen calls.
  *
- * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread; no call
- * waits but those that take a time: bus_wait, bus_wait_awake and bus_drain.  The only listeners
- * count arrivals: nothing is read or written from them.
+ * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread at a
+ * time; no call waits but those that take a time: bus_wait and its like, and bus_drain.  The only
+ * listeners count arrivals: nothing is read or written from them, unless who waits lends its turn
+ * (bus_wait_lending).
  */
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
@@ -78,7 +79,11 @@ struct bus {
     uint64_t wanted;          /* bus_wait wakes when so many are there; 0: nobody waits */
     uint64_t last_wait_ns;    /* how long bus_wait waited last time */
     uint64_t asleep_until_ns; /* until then it does not wait awake */
-    bool wakes; /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
+    bool (*turn)(void *self); /* of who waits and lends it; NULL: nobody does */
+    void *turn_self;
+    bool turning; /* a thread of DDS has it */
+    bool called;  /* who has lent it wants it, or has to look */
+    bool wakes;   /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
     int wake_fd;
 };
 
@@ -258,6 +263,20 @@ void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
  * the time belongs to the others.
  */
 void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns);
+
+/**
+ * Waits, and lends its turn: whichever thread of DDS brings a sample calls turn there and then,
+ * which saves waking the caller.  Meanwhile the caller waits, so that one thread at a time has the
+ * bus.
+ *
+ * While turn runs, that thread receives nothing, and DDS holds the writer whose sample it brought:
+ * turn has to be brief, may take samples and write, and neither opens nor closes anything.
+ *
+ * @param timeout_ns  at most so long, and until a turn that has begun is over; not < 0
+ * @param turn        returns whether all is done, until more samples come; else the caller goes on,
+ *                    as it does when samples lie in readers that turn does not look into
+ */
+void bus_wait_lending(struct bus *bus, int64_t timeout_ns, bool (*turn)(void *self), void *self);
 
 /**
  * Gives a file descriptor that is readable when samples have arrived since the last bus_wait.

@@ -31,6 +31,9 @@ const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
+/* So much later than it is due something is looked at, if that saves a wake. */
+static const uint64_t LATE_NS = 1000000;
+
 /* Handlers that run for longer are worth a word in the white pages. */
 static const uint64_t BUSY_NS = 500000000;
 
@@ -80,7 +83,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
 static bool options_fit(const struct mu_process_options *options)
 {
     return options->agents <= MU_LOCAL_AGENTS_MAX && options->outbox <= MU_OUTBOX_MOST &&
-           !(options->with_body && options->watches);
+           options->with_body + options->watches + options->brief <= 1;
 }
 
 /* @return as mu_process_open; what it opened and cannot use is closed again */
@@ -109,6 +112,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->with_body = options->with_body;
     p->watches = options->watches;
+    p->brief = options->brief;
     p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);
     directory_init(&p->directory);
@@ -270,6 +274,12 @@ static uint64_t samples_wanted(const mu_process *p)
     return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
+/* What another broker says, or another life of ours, may open and close writers. */
+static bool mail_is_plain(const mu_process *p)
+{
+    return !p->mail || p->mail->broker_incarnation == p->link.incarnation;
+}
+
 /* @return whether something was handled */
 static bool handle_one(mu_process *p)
 {
@@ -280,6 +290,9 @@ static bool handle_one(mu_process *p)
     }
     if (!p->mail) {
         inbox_next(p);
+    }
+    if (p->lent && !mail_is_plain(p)) {
+        return false;
     }
     if (!p->step) {
         next_step(p);
@@ -308,20 +321,6 @@ static bool handle_one(mu_process *p)
         return true;
     }
     return false;
-}
-
-/* Whoever only looks while the mail of a step lies there already is a second sample.  While that is
- * late, because somebody else is, a first one may be his. */
-static void samples_await(mu_process *p, int64_t most_ns)
-{
-    uint64_t wanted = samples_wanted(p);
-    int64_t pair_ns = most_ns < PAIR_NS ? most_ns : PAIR_NS;
-    if (wanted == 2) {
-        bus_wait(&p->bus, 2, pair_ns);
-        most_ns -= pair_ns;
-        wanted = 1;
-    }
-    (p->in_lockstep ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
 }
 
 static void busy_say(mu_process *p, uint64_t busy_ns)
@@ -376,20 +375,72 @@ static int64_t patience_ns(mu_process *p)
     return settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
 }
 
+/* How long it may wait: until something is to be looked at, or acknowledgements are due. */
+static int64_t rest_ns(mu_process *p)
+{
+    int64_t most_ns = patience_ns(p);
+    int64_t owed_ns = p->in_lockstep ? INT64_MAX : owed_wait_ns(&p->owed, mu_clock_ns());
+    return owed_ns < most_ns ? owed_ns : most_ns;
+}
+
+static void handle_all(mu_process *p)
+{
+    while (!p->done && step_retry(p) && handle_next(p)) {
+    }
+}
+
+/* --- turns that the thread which brings mail takes itself ------------------------------------- */
+
+/* @return whether nothing is to be done but to handle mail */
+static bool may_lend(const mu_process *p)
+{
+    return p->brief && p->runs && !p->round && !p->stopped && !p->leaving && !p->mail &&
+           !p->out_pending && p->roll.due_count == 0 && mu_process_broker(p) != NULL;
+}
+
+/* @return whether who lent the turn may go on waiting, as long as it wanted to */
+static bool turn_take(void *self)
+{
+    mu_process *p = self;
+    p->lent = true;
+    handle_all(p);
+    step_flush(p);
+    p->lent = false;
+    return may_lend(p) && mu_clock_ns() + (uint64_t)rest_ns(p) + LATE_NS >= p->looks_ns;
+}
+
+/* --- spinning --------------------------------------------------------------------------------- */
+
+/* Whoever only looks while the mail of a step lies there already is a second sample.  While that is
+ * late, because somebody else is, a first one may be his. */
+static void samples_await(mu_process *p, int64_t most_ns)
+{
+    uint64_t wanted = samples_wanted(p);
+    if (wanted == 1 && may_lend(p)) {
+        p->looks_ns = mu_clock_ns() + (uint64_t)most_ns;
+        bus_wait_lending(&p->bus, most_ns, turn_take, p);
+        return;
+    }
+    int64_t pair_ns = most_ns < PAIR_NS ? most_ns : PAIR_NS;
+    if (wanted == 2) {
+        bus_wait(&p->bus, 2, pair_ns);
+        most_ns -= pair_ns;
+        wanted = 1;
+    }
+    (p->in_lockstep ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
+}
+
 static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
     MU_TRY(link_look(p));
     registrations_keep(p);
     roll_write(p);
-    int64_t most_ns = patience_ns(p);
     if (!p->in_lockstep) {
         step_flush(p);
-        int64_t owed_ns = owed_wait_ns(&p->owed, mu_clock_ns());
-        most_ns = owed_ns < most_ns ? owed_ns : most_ns;
     }
+    int64_t most_ns = rest_ns(p);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
-    while (!p->done && step_retry(p) && handle_next(p)) {
-    }
+    handle_all(p);
     if (p->in_lockstep) {
         step_say_trips(p);
     } else {
@@ -448,12 +499,14 @@ mu_result mu_process_run(mu_process *p)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_result spun = MU_OK;
+    p->runs = true;
     while (spun == MU_OK && !p->stopped && !signal_came) {
         spun = mu_process_spin(p, (int64_t)HEARTBEAT_NS);
         if (p->round && spun == MU_OK) {
             p->round(p->round_self);
         }
     }
+    p->runs = false;
     return spun < 0 || spun == MU_BUSY ? spun : MU_OK;
 }
 

@@ -92,6 +92,7 @@ struct mu_process {
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     char host[MU_FIELD_MAX + 1];
     bool with_body, watches; /* one at most; either: the simulator's steps are wanted */
+    bool brief;              /* neither of them: who brings mail handles it (bus_wait_lending) */
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */
@@ -99,6 +100,9 @@ struct mu_process {
     uint64_t incarnation;
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
+    bool runs;               /* in mu_process_run */
+    bool lent;               /* a thread of DDS handles what it has brought */
+    uint64_t looks_ns;       /* until then who has lent the turn waits */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;
     struct mu_table names; /* of agents */
