@@ -3,7 +3,10 @@
 
 #include "muster/memory.h"
 
+#include <stdbool.h>
 #include <string.h>
+
+enum { FIRST_SLOTS = 256 };
 
 static uint32_t name_hash(const char *name)
 {
@@ -31,21 +34,50 @@ void mu_table_init(struct mu_table *t, uint32_t capacity)
     while (slots < capacity + (uint64_t)capacity / 2) { /* two thirds full at most: short probes */
         slots *= 2;
     }
-    *t = (struct mu_table){.mask = slots - 1, .capacity = capacity};
+    *t = (struct mu_table){.mask_most = slots - 1, .capacity = capacity};
+    t->mask = t->mask_most < FIRST_SLOTS ? t->mask_most : FIRST_SLOTS - 1;
     t->slots = mu_startup_array(slots, sizeof *t->slots);
+}
+
+/* Twice as many slots.  In the order of probing, from behind a free slot on, each name goes to
+ * where it is found now: whatever it probes past has gone to its place before. */
+static void grow(struct mu_table *t)
+{
+    uint32_t old_mask = t->mask, first = 0;
+    while (t->slots[first].name) {
+        first++;
+    }
+    t->mask = 2 * old_mask + 1;
+    for (uint32_t k = 1; k <= old_mask; k++) {
+        uint32_t from = (first + k) & old_mask;
+        struct mu_table_slot moved = t->slots[from];
+        if (moved.name) {
+            t->slots[from] = (struct mu_table_slot){0};
+            t->slots[slot_find(t, moved.name, moved.hash)] = moved;
+        }
+    }
+}
+
+static bool is_crowded(const struct mu_table *t)
+{
+    return t->mask < t->mask_most && 3 * (uint64_t)t->count >= 2 * (uint64_t)t->mask;
 }
 
 mu_result mu_table_put(struct mu_table *t, const char *name, uint32_t index)
 {
     uint32_t hash = name_hash(name);
-    struct mu_table_slot *slot = &t->slots[slot_find(t, name, hash)];
-    if (slot->name) {
+    uint32_t slot = slot_find(t, name, hash);
+    if (t->slots[slot].name) {
         return MU_EXISTS;
     }
     if (t->count == t->capacity) {
         return MU_FULL;
     }
-    *slot = (struct mu_table_slot){.name = name, .hash = hash, .index = index};
+    if (is_crowded(t)) {
+        grow(t);
+        slot = slot_find(t, name, hash);
+    }
+    t->slots[slot] = (struct mu_table_slot){.name = name, .hash = hash, .index = index};
     t->count++;
     return MU_OK;
 }

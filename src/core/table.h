@@ -2,6 +2,10 @@
 /**
  * @file table.h
  * From a name to an index, in a table of fixed capacity: open addressing, linear probing.
+ *
+ * The memory is for all that fits in; of it a table uses as much as it needs, and twice as much
+ * when that is two thirds full.  So a hundred names in a table for thousands touch two pages
+ * instead of one each.
  */
 #ifndef MUSTER_CORE_TABLE_H
 #define MUSTER_CORE_TABLE_H
@@ -21,7 +25,8 @@ struct mu_table_slot {
 
 struct mu_table {
     struct mu_table_slot *slots;
-    uint32_t mask; /* slots less one; a power of two less one */
+    uint32_t mask;      /* slots in use less one; a power of two less one */
+    uint32_t mask_most; /* when all are in use */
     uint32_t count;
     uint32_t capacity;
 };

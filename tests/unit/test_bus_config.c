@@ -205,8 +205,8 @@ static void test_intervals(void)
                  {BUS_OBSERVER, NULL, NULL, "200ms", "20ms"},
                  {BUS_SIMULATOR, NULL, NULL, "2s", "20ms"},
                  {BUS_SIMULATOR, NULL, "far.example", "200ms", "20ms"},
-                 {BUS_BROKER, NULL, NULL, "2s", "100ms"},
-                 {BUS_BROKER, NULL, "far.example", "2s", "100ms"},
+                 {BUS_BROKER, NULL, NULL, "2s", "50ms"},
+                 {BUS_BROKER, NULL, "far.example", "2s", "50ms"},
                  {BUS_BROKER, "10.0.0.7", NULL, "2s", "20ms"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char presence[64], heartbeat[64];

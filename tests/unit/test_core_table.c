@@ -75,12 +75,46 @@ static void test_random_against_a_model(void)
     }
 }
 
+/* Tables that grow, each with names of its own, some of which go again: after each change all are
+ * found that are there, and nobody else. */
+static void test_growing_loses_nobody(void)
+{
+    enum { TABLES = 24, MOST = 700 };
+    static struct mu_table tables[TABLES]; /* static: leak checkers see their memory */
+    static char many[TABLES][MOST][12];
+    struct mu_random r;
+    mu_random_seed(&r, 2, "table");
+    for (unsigned k = 0; k < TABLES; k++) {
+        struct mu_table *t = &tables[k];
+        bool there[MOST] = {false};
+        mu_table_init(t, MOST);
+        uint32_t first_mask = t->mask;
+        for (uint32_t i = 0; i < MOST; i++) {
+            snprintf(many[k][i], sizeof many[k][i], "%u.%u", k, i);
+            CU_ASSERT_EQUAL_FATAL(mu_table_put(t, many[k][i], i), MU_OK);
+            there[i] = true;
+            uint32_t goes = (uint32_t)mu_random_between(&r, 0, (int)(4 * i));
+            if (goes < i && there[goes]) {
+                CU_ASSERT_EQUAL_FATAL(mu_table_remove(t, many[k][goes]), MU_OK);
+                there[goes] = false;
+            }
+            uint32_t wrong = 0;
+            for (uint32_t n = 0; n <= i; n++) {
+                wrong += mu_table_find(t, many[k][n]) != (there[n] ? n : MU_NONE);
+            }
+            CU_ASSERT_EQUAL_FATAL(wrong, 0);
+        }
+        CU_ASSERT(t->mask > first_mask);
+    }
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"put, find, remove", test_put_find_remove},
         {"limit: the table is full", test_limit_is_refused},
         {"random against a model", test_random_against_a_model},
+        {"growing loses nobody", test_growing_loses_nobody},
         CU_TEST_INFO_NULL,
     };
     return suite_run("core/table", tests);
