@@ -210,11 +210,14 @@ struct mu_process_options {
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
                               step wait for them, too */
-    bool brief;            /* its handlers are, far below 100 ms each: in mu_process_run they are
-                              called from the thread that has received, which spares a mail the
-                              waking of another, one at a time as ever.  While one runs the process
-                              receives nothing, and one of a second may cost its agents their place
-                              until it is over.  Not with the two above */
+    bool brief;            /* every handler returns within some milliseconds: mu_process_run has
+                              them called in the thread of DDS that has received the mail, one at
+                              a time as ever, with all signals blocked, instead of waking its own.
+                              Meanwhile the process receives nothing, and perhaps does not say that
+                              it lives: after a second the broker may take its agents for lost until
+                              the handler has returned.  It opens no process and no watch.  Not
+                              together with the two above; without effect while somebody is called
+                              after each round (mu_process_each_round) */
     uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
                            MU_OUTBOX_MOST at most */

@@ -133,7 +133,7 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
-    return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 119", code);
+    return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 118", code);
 }
 
 static void domain_close(struct bus *bus)

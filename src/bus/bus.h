@@ -21,9 +21,9 @@
 
 /* Where a process stands in the star: the participant index that the others find it at. */
 enum bus_place {
-    BUS_BROKER,    /* the first free one of 0, 2, 3, 4 */
-    BUS_SIMULATOR, /* index 1 */
-    BUS_AGENT,     /* the first free index from 10 on; peers with brokers and simulator alone */
+    BUS_BROKER,    /* the first free one of 0, 2, 3, 4; peers with all of its own host */
+    BUS_SIMULATOR, /* index 1; likewise */
+    BUS_AGENT,     /* a free index from 10 on; peers with brokers and simulator alone */
     BUS_OBSERVER,  /* the same; peers with the whole index range */
 };
 
@@ -59,7 +59,7 @@ struct bus_options {
     const char *name;      /* of the participant, for DDS tools */
     const char *interface; /* address of the network interface; NULL: 127.0.0.1 */
     const char *hub;       /* hosts of brokers and simulator, joined by commas; NULL: the
-                              interface's own address, which a broker always peers with, too */
+                              interface's own address, which hubs always peer with, too */
 };
 
 enum { BUS_BATCH = 32 };

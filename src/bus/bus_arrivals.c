@@ -31,7 +31,8 @@ static bool has_come(const struct bus *bus, uint64_t samples)
 
 /* --- counting --------------------------------------------------------------------------------- */
 
-/* Runs in the thread of DDS that has the turn, for as long as that empties the readers. */
+/* Runs in the thread of DDS that has the turn, for as long as that empties the readers.  As a rule
+ * it is the one that receives; the end of a writer is said by others. */
 static void turns_take(struct bus *bus)
 {
     bool again = true, call = false;
@@ -148,15 +149,21 @@ static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
     bus->wanted = 0;
 }
 
+/* Called with the lock: what comes from now on is news to a poll loop. */
+static void arrivals_forget(struct bus *bus)
+{
+    eventfd_t count;
+    if (bus->wakes) {
+        (void)eventfd_read(bus->wake_fd, &count);
+    }
+}
+
 static void arrivals_await(struct bus *bus, uint64_t samples, int64_t timeout_ns, bool awake)
 {
     uint64_t began_ns = mu_clock_ns();
     uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
     pthread_mutex_lock(&bus->lock);
-    if (bus->wakes) {
-        eventfd_t count;
-        (void)eventfd_read(bus->wake_fd, &count); /* what comes from now on is news */
-    }
+    arrivals_forget(bus);
     if (samples == 0) {
         samples = bus->arrived - bus->taken + 1;
     }
@@ -183,6 +190,7 @@ void bus_wait_lending(struct bus *bus, int64_t timeout_ns, bool (*turn)(void *se
     const struct timespec until = instant(mu_clock_ns() + (uint64_t)timeout_ns);
     int waited = 0;
     pthread_mutex_lock(&bus->lock);
+    arrivals_forget(bus);
     bus->turn = turn;
     bus->turn_self = self;
     bus->called = has_come(bus, 1);

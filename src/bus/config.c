@@ -99,10 +99,11 @@ static void sizes_write(struct mu_text *xml, const char *interface)
     }
 }
 
-/* How often a process says to those with whom it peers that it is there (SPDP).  Where it knows all
- * of them it is heard when it starts, and they when they do; what comes later is for packets that
- * were lost, and wakes everyone.  A hub on another host is found by asking; with the default of
- * 30 s, who starts before it would wait for 8 s. */
+/* How often a process says to those with whom it peers that it is there (SPDP).  On one host
+ * members call on the hubs when they start, and hubs on everybody when they do; what they say
+ * later, which wakes whoever hears it, is for packets that were lost.  A hub on another host does
+ * not call, and is found by asking; with the default of 30 s, who starts before it would wait for 8
+ * s. */
 static const char *presence_interval(const struct bus_options *options)
 {
     if (options->place == BUS_BROKER) {
@@ -135,7 +136,7 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
     mu_text_format(xml,
                    "</General><Discovery><ParticipantIndex>%d</ParticipantIndex>"
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
-                   index, CONFIG_INDEX_LAST);
+                   index, CONFIG_INDEX_END);
     peers_write(xml, options, interface);
     /* Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
      * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker

@@ -133,7 +133,7 @@ mu_result feed_open(struct feed *feed, struct bus *bus, enum bus_topic topic, co
     const char *partitions[] = {first ? first : "", second};
     *feed = (struct feed){0};
     int32_t *described = &bus->topics[topic][true];
-    if (!*described) {
+    if (*described <= 0) {
         *described = dds_create_topic(bus->participant, topic_table[topic].descriptor,
                                       topic_table[topic].name, NULL, NULL);
     }

@@ -10,8 +10,9 @@
 
 #include <dds/dds.h>
 
-/* Who says of a topic what its type is, for tools.  Every description costs who gives it a
- * millisecond, and whoever hears of it: it is given once, or by the side that has fewer readers. */
+/* Who says of a topic what its type is, for tools.  A description costs a millisecond where it is
+ * given, and again wherever it is heard, so that one side alone gives it; observers, who are few,
+ * always do. */
 enum topic_describer {
     DESCRIBED_BY_HUBS,
     DESCRIBED_BY_AGENTS,

@@ -274,12 +274,6 @@ static uint64_t samples_wanted(const mu_process *p)
     return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
-/* What another broker says, or another life of ours, may open and close writers. */
-static bool mail_is_plain(const mu_process *p)
-{
-    return !p->mail || p->mail->broker_incarnation == p->link.incarnation;
-}
-
 /* @return whether something was handled */
 static bool handle_one(mu_process *p)
 {
@@ -290,9 +284,6 @@ static bool handle_one(mu_process *p)
     }
     if (!p->mail) {
         inbox_next(p);
-    }
-    if (p->lent && !mail_is_plain(p)) {
-        return false;
     }
     if (!p->step) {
         next_step(p);
@@ -398,14 +389,13 @@ static bool may_lend(const mu_process *p)
            !p->out_pending && p->roll.due_count == 0 && mu_process_broker(p) != NULL;
 }
 
-/* @return whether who lent the turn may go on waiting, as long as it wanted to */
+/* What opens, closes or waits is left to who lent the turn: another broker, somebody who leaves.
+ * @return whether he may go on waiting, as long as he wanted to */
 static bool turn_take(void *self)
 {
     mu_process *p = self;
-    p->lent = true;
     handle_all(p);
     step_flush(p);
-    p->lent = false;
     return may_lend(p) && mu_clock_ns() + (uint64_t)rest_ns(p) + LATE_NS >= p->looks_ns;
 }
 
@@ -499,6 +489,7 @@ mu_result mu_process_run(mu_process *p)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_result spun = MU_OK;
+    bool ran = p->runs; /* a handler called this, and hears MU_BUSY */
     p->runs = true;
     while (spun == MU_OK && !p->stopped && !signal_came) {
         spun = mu_process_spin(p, (int64_t)HEARTBEAT_NS);
@@ -506,7 +497,7 @@ mu_result mu_process_run(mu_process *p)
             p->round(p->round_self);
         }
     }
-    p->runs = false;
+    p->runs = ran;
     return spun < 0 || spun == MU_BUSY ? spun : MU_OK;
 }
 

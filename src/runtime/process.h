@@ -101,7 +101,6 @@ struct mu_process {
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
     bool runs;               /* in mu_process_run */
-    bool lent;               /* a thread of DDS handles what it has brought */
     uint64_t looks_ns;       /* until then who has lent the turn waits */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;

@@ -167,7 +167,8 @@ static void test_indices_of_the_places(void)
     CU_ASSERT_EQUAL(config_index(BUS_SIMULATOR, 0), 1);
     CU_ASSERT_EQUAL(config_index(BUS_SIMULATOR, 1), -1);
     CU_ASSERT_EQUAL(config_index(BUS_AGENT, 0), 10);
-    CU_ASSERT_EQUAL(config_index(BUS_AGENT, 109), 119);
+    CU_ASSERT_EQUAL(config_index(BUS_AGENT, 108), 118);
+    CU_ASSERT_EQUAL(config_index(BUS_AGENT, 109), -1);
     CU_ASSERT_EQUAL(config_index(BUS_OBSERVER, 110), -1);
 }
 
@@ -192,8 +193,8 @@ static void test_several_hosts(void)
     CU_ASSERT_EQUAL(times("<Peer "), 6);
 }
 
-/* Who may have to look for its hub says often that it is there; a hub on loopback asks seldom what
- * has arrived. */
+/* Who may have to look for its hub says often that it is there; a broker on loopback asks less
+ * often what has arrived. */
 static void test_intervals(void)
 {
     static const struct {

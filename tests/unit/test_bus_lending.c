@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const int64_t SHORT_NS = 100000000, LONG_NS = 20000000000;
+static const int64_t LONG_NS = 20000000000;
 
 static struct bus bus; /* static: DDS keeps pointers into it */
 static struct bus_reader reader, other;
@@ -27,6 +27,7 @@ static struct {
     atomic_bool two_at_a_time, lender_had_it;
     pthread_t lender;
     bool takes, done;
+    int enough; /* taken: then all is done no more; 0: never */
     useconds_t works_us;
 } seen;
 
@@ -49,10 +50,10 @@ static int end(void)
     return 0;
 }
 
-static void write_one(const struct bus_writer *to)
+static mu_result write_one(const struct bus_writer *to)
 {
     muster_Delivery d = {.process = words("p"), .step = 1};
-    CU_ASSERT_EQUAL(bus_write(to, &d), MU_OK);
+    return bus_write(to, &d);
 }
 
 static int take_all(struct bus_reader *from)
@@ -73,7 +74,7 @@ static bool turn(void *self)
     seen.taken += seen.takes ? take_all(&reader) : 0;
     seen.turns++;
     atomic_fetch_sub(&seen.inside, 1);
-    return seen.done;
+    return seen.done && (seen.enough == 0 || seen.taken < seen.enough);
 }
 
 /* Forgets, and says what turns are to do: to take what lies in the reader, to say that all is done.
@@ -101,32 +102,44 @@ static void check_one_at_a_time(void)
 static struct {
     pthread_t thread;
     const struct bus_writer *to;
-    int samples;
-    useconds_t first_us;
+    int samples, written;
+    bool to_a_lender;
 } errand;
+
+static bool is_lent(void)
+{
+    pthread_mutex_lock(&bus.lock);
+    bool lent = bus.turn && !bus.called;
+    pthread_mutex_unlock(&bus.lock);
+    return lent;
+}
 
 static void *errand_run(void *unused)
 {
-    usleep(errand.first_us);
+    while (errand.to_a_lender && !is_lent()) {
+        usleep(200);
+    }
     for (int i = 0; i < errand.samples; i++) {
-        write_one(errand.to);
+        errand.written += write_one(errand.to) == MU_OK;
         usleep(2000);
     }
     return unused;
 }
 
-/* Somebody writes so many samples, the first one when the lender waits, as a rule. */
-static void errand_begin(const struct bus_writer *to, int samples)
+/* Somebody writes so many samples, to_a_lender: the first one when the turn is lent. */
+static void errand_begin(const struct bus_writer *to, int samples, bool to_a_lender)
 {
     errand.to = to;
     errand.samples = samples;
-    errand.first_us = 10000;
+    errand.written = 0;
+    errand.to_a_lender = to_a_lender;
     CU_ASSERT_EQUAL_FATAL(pthread_create(&errand.thread, NULL, errand_run, NULL), 0);
 }
 
 static void errand_end(void)
 {
     CU_ASSERT_EQUAL(pthread_join(errand.thread, NULL), 0);
+    CU_ASSERT_EQUAL(errand.written, errand.samples);
 }
 
 /* --- tests ------------------------------------------------------------------------------------ */
@@ -134,19 +147,19 @@ static void errand_end(void)
 static void test_handled_where_it_came(void)
 {
     expect(true, true, 0);
-    errand_begin(&writer, 5);
-    bus_wait_lending(&bus, SHORT_NS, turn, &seen);
+    seen.enough = 5;
+    errand_begin(&writer, 5, true);
+    bus_wait_lending(&bus, LONG_NS, turn, &seen);
     errand_end();
     check_one_at_a_time();
-    int left = take_all(&reader); /* a machine that is busy: what came when the time was over */
-    CU_ASSERT_EQUAL(seen.taken + left, 5);
-    CU_ASSERT(seen.turns > 0 || left == 5);
+    CU_ASSERT(seen.turns > 0);
+    CU_ASSERT_EQUAL(seen.taken, 5);
 }
 
 static void test_a_turn_that_is_not_done_calls(void)
 {
     expect(true, false, 0);
-    errand_begin(&writer, 1);
+    errand_begin(&writer, 1, true);
     bus_wait_lending(&bus, LONG_NS, turn, &seen); /* or the alarm ends this test */
     errand_end();
     check_one_at_a_time();
@@ -157,7 +170,7 @@ static void test_a_turn_that_is_not_done_calls(void)
 static void test_what_a_turn_leaves_calls(void)
 {
     expect(true, true, 0);
-    errand_begin(&to_other, 1);
+    errand_begin(&to_other, 1, true);
     bus_wait_lending(&bus, LONG_NS, turn, &seen);
     errand_end();
     CU_ASSERT_EQUAL(seen.turns, 1);
@@ -165,7 +178,7 @@ static void test_what_a_turn_leaves_calls(void)
     CU_ASSERT_EQUAL(take_all(&other), 1);
 
     expect(false, true, 0); /* nor does it go round for ever */
-    errand_begin(&writer, 1);
+    errand_begin(&writer, 1, true);
     bus_wait_lending(&bus, LONG_NS, turn, &seen);
     errand_end();
     CU_ASSERT_EQUAL(seen.turns, 1);
@@ -175,23 +188,29 @@ static void test_what_a_turn_leaves_calls(void)
 static void test_what_lies_there_is_the_lender_s(void)
 {
     expect(true, true, 0);
-    write_one(&writer);
+    CU_ASSERT_EQUAL(write_one(&writer), MU_OK);
     bus_wait_lending(&bus, LONG_NS, turn, &seen);
     CU_ASSERT_EQUAL(seen.turns, 0);
     CU_ASSERT_EQUAL(take_all(&reader), 1);
 }
 
+/* Whoever has the turn when the time is over is done before the lender goes on. */
 static void test_a_turn_that_has_begun_is_awaited(void)
 {
+    int turns = 0, inside = 0;
     for (int i = 0; i < 10; i++) {
-        expect(true, true, 20000);
-        errand_begin(&writer, 3);
-        bus_wait_lending(&bus, 12000000 + i * 1000000, turn, &seen);
-        check_one_at_a_time();
+        expect(true, true, 5000);
+        errand_begin(&writer, 3, false);
+        for (int mine = 0; seen.taken + mine < 3; mine += take_all(&reader)) {
+            bus_wait_lending(&bus, 1000000 + i * 500000, turn, &seen);
+            inside += seen.inside;
+        }
         errand_end();
         check_one_at_a_time();
-        CU_ASSERT_EQUAL(seen.taken + take_all(&reader), 3);
+        turns += seen.turns;
     }
+    CU_ASSERT_EQUAL(inside, 0);
+    CU_ASSERT(turns > 0);
 }
 
 /* Nobody has lent anything: what comes waits. */
@@ -199,7 +218,7 @@ static void test_nothing_is_lent_between_waits(void)
 {
     expect(true, true, 0);
     bus_wait_lending(&bus, 1000000, turn, &seen);
-    errand_begin(&writer, 3);
+    errand_begin(&writer, 3, false);
     errand_end();
     CU_ASSERT_EQUAL(seen.turns, 0);
     bus_wait(&bus, 3, LONG_NS);
