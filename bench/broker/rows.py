@@ -79,7 +79,7 @@ def names(here):
         found["direct_us"] = here.direct_us()
         # As there: one pair may happen to share a processor, or not.
         asked = [(ask("lookup", NAMES_FEW, PINGS), ask("lookup", NAMES_MANY, PINGS))
-                 for _ in range(5)]
+                 for _ in range(9)]
         found["lookup_few_us"], found["lookup_us"] = map(statistics.median, zip(*asked))
         found["cached_ns"] = ask("cached", NAMES_MANY, CACHED)
     return found

@@ -102,8 +102,7 @@ static void sizes_write(struct mu_text *xml, const char *interface)
 /* How often a process says to those with whom it peers that it is there (SPDP).  On one host
  * members call on the hubs when they start, and hubs on everybody when they do; what they say
  * later, which wakes whoever hears it, is for packets that were lost.  A hub on another host does
- * not call, and is found by asking; with the default of 30 s, who starts before it would wait for 8
- * s. */
+ * not call, and is found by asking: with the default of 30 s that took 8 s. */
 static const char *presence_interval(const struct bus_options *options)
 {
     if (options->place == BUS_BROKER) {
@@ -118,8 +117,7 @@ static const char *presence_interval(const struct bus_options *options)
 /* How often a writer asks its readers what they have, while they have not said it.  Who waits for
  * what it wrote to arrive, as at the end, waits so long.  A broker asks everyone, each time that
  * somebody new has not answered yet: of a hundred that start together half of all packets were
- * that. Who has missed the question waits for the next one: at 100 ms a run begins a tenth of a
- * second later. */
+ * that.  Who has missed the question waits for the next: at 100 ms a run begins 0.15 s later. */
 static const char *heartbeat_interval(const struct bus_options *options, const char *interface)
 {
     return options->place == BUS_BROKER && is_loopback(interface) ? "50ms" : "20ms";
