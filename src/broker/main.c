@@ -10,6 +10,7 @@
 #include "broker/peers.h"
 #include "broker/settings.h"
 #include "bus/bus.h"
+#include "bus/config.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
@@ -299,7 +300,7 @@ static int network_join(struct post *p, const struct mu_network *network,
         fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
                 bus.domain);
     }
-    bool on_loopback = !network->interface || strncmp(network->interface, "127.", 4) == 0;
+    bool on_loopback = config_is_loopback(network->interface);
     bool joined = opened == MU_OK && post_open(p, broker->name, on_loopback) == MU_OK &&
                   herald_open(&p->herald, &p->bus, broker) == MU_OK;
     return joined ? MU_EXIT_DONE : MU_EXIT_DDS;

@@ -49,9 +49,9 @@ static bool is_hub(const struct bus_options *options)
     return options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
 }
 
-static bool is_loopback(const char *interface)
+bool config_is_loopback(const char *interface)
 {
-    return strncmp(interface, "127.", strlen("127.")) == 0;
+    return !interface || strncmp(interface, "127.", strlen("127.")) == 0;
 }
 
 /* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody.  On its own
@@ -92,7 +92,7 @@ static void peers_write(struct mu_text *xml, const struct bus_options *options, 
  */
 static void sizes_write(struct mu_text *xml, const char *interface)
 {
-    if (is_loopback(interface)) {
+    if (config_is_loopback(interface)) {
         mu_text_add(xml, "<MaxMessageSize>65000B</MaxMessageSize>"
                          "<MaxRexmitMessageSize>64000B</MaxRexmitMessageSize>"
                          "<FragmentSize>64000B</FragmentSize>");
@@ -120,7 +120,7 @@ static const char *presence_interval(const struct bus_options *options)
  * that.  Who has missed the question waits for the next: at 100 ms a run begins 0.15 s later. */
 static const char *heartbeat_interval(const struct bus_options *options, const char *interface)
 {
-    return options->place == BUS_BROKER && is_loopback(interface) ? "50ms" : "20ms";
+    return options->place == BUS_BROKER && config_is_loopback(interface) ? "50ms" : "20ms";
 }
 
 void config_write(struct mu_text *xml, const struct bus_options *options, int index)

@@ -36,6 +36,9 @@ const char *config_host(const char **at, size_t *len);
 /** @return whether a list of hosts can be peered with: 1 to MU_PEERS_MAX names or addresses */
 bool config_hosts_valid(const char *hosts);
 
+/** @return whether an interface, by its address, is loopback; NULL, the usual one, is */
+bool config_is_loopback(const char *interface);
+
 /** Writes the configuration of one participant index. */
 void config_write(struct mu_text *xml, const struct bus_options *options, int index);
 

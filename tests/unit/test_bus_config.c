@@ -158,6 +158,15 @@ static void test_large_packets_stay_on_loopback(void)
     }
 }
 
+static void test_what_is_loopback(void)
+{
+    CU_ASSERT_TRUE(config_is_loopback(NULL));
+    CU_ASSERT_TRUE(config_is_loopback("127.0.0.1"));
+    CU_ASSERT_TRUE(config_is_loopback("127.3.2.1"));
+    CU_ASSERT_FALSE(config_is_loopback("12.7.0.1"));
+    CU_ASSERT_FALSE(config_is_loopback("192.168.127.1"));
+}
+
 static void test_indices_of_the_places(void)
 {
     static const int brokers[] = {0, 2, 3, 4, -1};
@@ -285,6 +294,7 @@ int main(void)
         {"interface and hub", test_interface_and_hub},
         {"large packets stay on loopback", test_large_packets_stay_on_loopback},
         {"indices of the places", test_indices_of_the_places},
+        {"what is loopback", test_what_is_loopback},
         {"several hosts", test_several_hosts},
         {"intervals", test_intervals},
         {"limit: hosts", test_limit_hosts},
