@@ -359,6 +359,7 @@ static void resend_tick(struct broker *b)
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t agent = b->mailbox.watch_head;
         mailbox_repeat(&b->mailbox, agent);
+        presence_tell_number(b, agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         tenants_wake(&b->registry, &b->places, agent);
     }

@@ -39,6 +39,9 @@ static bool is_awake(const struct broker *b, bool lockstep)
 /* @return whether there is a directive to hand out, or anything to go out once more */
 static bool box_is_urgent(struct broker *b, uint32_t agent)
 {
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return false;
+    }
     const struct box *box = mailbox_box(&b->mailbox, agent);
     bool has_room = box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE;
     return box->out != MU_NONE ||

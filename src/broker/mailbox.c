@@ -339,16 +339,15 @@ void mailbox_repeat(struct mailbox *m, uint32_t agent)
     box->written = 0;
 }
 
-bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
-{
-    const struct box *box = &m->boxes[agent];
-    return number <= box->acked || number - box->acked <= box->lists[POST_FLIGHT].count;
-}
-
 uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
 {
     const struct box *box = &m->boxes[agent];
     return box->begun ? box->acked + box->lists[POST_FLIGHT].count : m->base;
+}
+
+bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
+{
+    return number <= mailbox_last_number(m, agent);
 }
 
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)

@@ -78,7 +78,8 @@ struct mailbox {
 
 void mailbox_init(struct mailbox *m, uint32_t agents);
 
-/** @return the box of an agent */
+/** @return the box of an agent; it begins if it has not, which is for who puts mail into it alone:
+ *          another broker is told where (presence_tell_number) */
 struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 
 /** @return whether the agent's box was ever used: memory of others stays untouched */

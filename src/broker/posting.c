@@ -44,7 +44,9 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
 static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held)
 {
     uint32_t victim = MU_NONE;
-    presence_begin_box(b, agent);
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        presence_tell_number(b, agent);
+    }
     enum boxroom room = boxroom_ask(&b->mailbox, agent, m, &victim);
     for (; room == BOXROOM_DROP; room = boxroom_ask(&b->mailbox, agent, m, &victim)) {
         post_drop(b, victim, agent);

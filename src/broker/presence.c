@@ -264,11 +264,10 @@ static void verdict_owe(struct broker *b, uint32_t agent)
     a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
 }
 
-void presence_begin_box(struct broker *b, uint32_t agent)
+void presence_tell_number(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    bool lives_beyond = a->process != MU_NONE && b->places.at[a->process].is_broker;
-    if (lives_beyond && !mailbox_is_begun(&b->mailbox, agent)) {
+    if (a->process != MU_NONE && b->places.at[a->process].is_broker) {
         a->verdict_due = true;
     }
 }

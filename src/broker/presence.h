@@ -61,9 +61,9 @@ void presence_tick(struct broker *b);
 /** @return when presence_tick is needed next, or UINT64_MAX */
 uint64_t presence_deadline_ns(const struct broker *b);
 
-/** A mail comes for an agent: if it is the first, and the agent lives at another broker, that one
- * is to know where the numbers of the box begin. */
-void presence_begin_box(struct broker *b, uint32_t agent);
+/** The broker at which an agent lives, if it is another one, is to know after which number its box
+ * goes on: it takes none that does not follow. */
+void presence_tell_number(struct broker *b, uint32_t agent);
 
 /** Whoever reads for a place may have missed what was written: all that stands is told again. */
 void presence_tell_again(struct broker *b, uint32_t place);

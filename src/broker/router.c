@@ -165,11 +165,14 @@ void router_admit_due(struct broker *b, uint64_t run_ns)
 
 void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
 {
-    struct box *box = mailbox_box(&b->mailbox, agent);
     if (!mailbox_number_valid(&b->mailbox, agent, number)) {
         b->counters.malformed++;
         return;
     }
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(&b->mailbox, agent);
     if (number <= box->acked) {
         return;
     }

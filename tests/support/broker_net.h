@@ -65,9 +65,10 @@ static const char *const net_names[NET_BROKERS] = {"a", "b", "c"};
 
 static inline void net_broker_open(int i)
 {
-    net.incarnation[i] += 1000000; /* far beyond the numbers of boxes */
+    net.incarnation[i] += 1000000; /* far beyond the numbers of a box in a test */
     struct broker_options options = {.name = net_names[i],
                                      .incarnation = net.incarnation[i],
+                                     .number_base = net.incarnation[i], /* as with a store */
                                      .host = "here",
                                      .pid = 9,
                                      .wall_ns = 1000};
