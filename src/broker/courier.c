@@ -43,9 +43,13 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
         return false;
     }
     const struct box *box = mailbox_box(&b->mailbox, agent);
-    bool has_room = box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE;
-    return box->out != MU_NONE ||
-           (box->lists[POST_URGENT].count > 0 && has_room && router_gate(b, agent) != GATE_SHUT);
+    uint32_t first = box->lists[POST_URGENT].head;
+    if (box->out != MU_NONE || first == MU_NONE) {
+        return box->out != MU_NONE;
+    }
+    bool may_go = !b->mailbox.posts[first].mail->journal_written || journal_room(b, agent) > 0;
+    return may_go && box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
+           router_gate(b, agent) != GATE_SHUT;
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
@@ -137,7 +141,7 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
 {
     uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    if (m->place[SCHEDULE_EXPIRY] == MU_NONE || !b->places.at[b->courier.open].is_broker) {
+    if (at_ns == 0 || !b->places.at[b->courier.open].is_broker) {
         return m->letter.ttl_ns;
     }
     return at_ns > mail_ns ? at_ns - mail_ns : 1;
@@ -491,6 +495,9 @@ bool courier_next(struct broker *b, const char **process, muster_Delivery *d)
             return true;
         }
         parts_return_passed_by(b); /* behind whoever is urgent, or until the courier wakes */
+        if (b->courier.parts_count == COURIER_AGENTS) {
+            places_wake(&b->places, place); /* more of them have not been looked at */
+        }
         b->courier.parts_count = 0;
         b->courier.open = MU_NONE;
     }

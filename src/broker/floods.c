@@ -47,6 +47,7 @@ bool floods_hold(struct broker *b, uint32_t place)
     bool holds = b->clock.now_ns < at->flooded_until_ns && is_flooded(b, place);
     if (holds && !at->flood_queued) {
         at->flood_queued = true;
+        at->flood_wake_ns = at->flooded_until_ns;
         f->ring[(f->head + f->count++) % MU_PROCESSES_MAX] = place;
     }
     return holds;
@@ -75,5 +76,5 @@ void floods_tick(struct broker *b)
 uint64_t floods_deadline_ns(const struct broker *b)
 {
     const struct floods *f = &b->floods;
-    return f->count ? b->places.at[f->ring[f->head]].flooded_until_ns : UINT64_MAX;
+    return f->count ? b->places.at[f->ring[f->head]].flood_wake_ns : UINT64_MAX;
 }

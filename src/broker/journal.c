@@ -132,8 +132,12 @@ static void agent_mark(struct broker *b, uint32_t agent)
     }
 }
 
-static void row_give(struct journal *j, struct mail *m)
+static void row_give(struct broker *b, struct mail *m)
 {
+    struct journal *j = &b->journal;
+    for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
+        journal_agent(b, b->mailbox.posts[post].agent); /* if others alone have told of it */
+    }
     m->row = ++j->rows;
     journal_enter(j, m);
     mail_mark(j, m);
@@ -156,7 +160,7 @@ static void ram_take_along(struct broker *b, const struct mail *durable)
     }
     for (struct mail *m = first; m && m != durable; m = m->newer) {
         if (is_in_ram(m, durable->sender)) {
-            row_give(&b->journal, m);
+            row_give(b, m);
         }
     }
 }
@@ -174,7 +178,7 @@ void journal_put(struct broker *b, struct mail *m)
         ram_take_along(b, m);
         a->ram_behind = false;
     }
-    row_give(&b->journal, m);
+    row_give(b, m);
     a->durable_order = m->letter.hops == 0 ? m->order : a->durable_order;
     if (m->letter.hops == 0 && m->letter.seq > a->durable_seq) {
         a->durable_seq = m->letter.seq;
@@ -330,7 +334,7 @@ static const char *waiting_of(struct broker *b, const struct mail *m)
 
 static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
 {
-    if (m->place[SCHEDULE_EXPIRY] == MU_NONE) {
+    if (m->at_ns[SCHEDULE_EXPIRY] == 0) { /* in flight it may be due already */
         return 0;
     }
     uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];

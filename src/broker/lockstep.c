@@ -67,6 +67,23 @@ static bool mail_is_durable(const struct mail *m)
     return m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
 }
 
+static bool mail_is_for_many(const struct mail *m)
+{
+    bool is_for_names = mu_address_kind(m->letter.dst) == MU_ADDRESS_NAMES;
+    return m->only == MU_NONE && !(is_for_names && !strchr(m->letter.dst, ','));
+}
+
+/* Counts a mail from outside that is kept, or is kept no longer. */
+static void outside_count(struct lockstep *l, const struct mail *m, uint32_t by)
+{
+    bool is_relayed = m->letter.hops > 0 && m->letter.level != muster_LEVEL_RAM;
+    l->outside_waiting += by;
+    l->turns[m->sender].many += mail_is_for_many(m) ? by : 0;
+    if (is_relayed && m->only != MU_NONE) {
+        l->turns[m->only].relayed += by;
+    }
+}
+
 bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 {
     static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
@@ -79,9 +96,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         }
         share_add(&turn->outside_use, &want);
         share_add(&l->outside_use, &want);
-        l->outside_waiting++;
-        turn->addresses += mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
-        turn->durable += mail_is_durable(m);
+        outside_count(l, m, 1);
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -94,7 +109,12 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
 bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m)
 {
     const struct turn *turn = &l->turns[m->sender];
-    return turn->addresses > 0 || (mail_is_durable(m) && turn->durable > 0);
+    return turn->many > 0 || (mail_is_durable(m) && turn->outside.first);
+}
+
+bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent)
+{
+    return l->turns[agent].relayed > 0;
 }
 
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
@@ -205,9 +225,7 @@ static void outside_apply(struct broker *b)
         struct turn *turn = &l->turns[l->active[i]];
         while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
             struct mail *m = list_pop(&turn->outside);
-            l->outside_waiting--;
-            turn->addresses -= mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
-            turn->durable -= mail_is_durable(m);
+            outside_count(l, m, UINT32_MAX); /* one less */
             struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
             share_subtract(&turn->outside_use, &less);
             share_subtract(&l->outside_use, &less);
@@ -223,10 +241,23 @@ static void outside_apply(struct broker *b)
 
 void lockstep_keep_replay(struct broker *b, struct mail *m)
 {
+    if (b->replays.count == SHARE_MAILS_MAX) {
+        router_turn_away(b, m);
+        return;
+    }
     m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
     m->order = ++b->orders;
     schedule_add(&b->replays, m);
     outcome_stored(b, m);
+}
+
+/* The run that they are of is over. */
+static void replays_drop(struct broker *b)
+{
+    for (struct mail *m; (m = schedule_first(&b->replays));) {
+        schedule_remove(&b->replays, m);
+        router_drop(b, m);
+    }
 }
 
 /* What came in with this step when it was recorded comes in with it again. */
@@ -449,6 +480,16 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
     }
 }
 
+/* Whoever's mail waited for a process that was to come gets it. */
+static void lockstep_hold(struct broker *b, bool held)
+{
+    bool ends = b->lockstep.held && !held;
+    b->lockstep.held = held;
+    for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+}
+
 static void lockstep_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
@@ -460,6 +501,8 @@ static void lockstep_end(struct broker *b)
     } while (l->outside_waiting > 0);
     lockstep_told(b);
     l->on = false;
+    lockstep_hold(b, false);
+    replays_drop(b);
     uint32_t count = l->roster_count, simulator = l->simulator;
     l->roster_count = l->answered = 0;
     l->simulator = MU_NONE;
@@ -505,7 +548,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 static void lockstep_change(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
-    l->held = roster->held;
+    lockstep_hold(b, roster->held);
     roster_shrink(b, roster);
     roster_grow(b, roster, true);
     if (roster->step > l->step || step_is_complete(l)) {

@@ -31,9 +31,9 @@ struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
-    uint32_t addresses; /* among the mails from outside: those to SCHEME:REST */
-    uint32_t durable;   /* among them: mails of its own that are to go to the store */
-    bool active;        /* in the list of those of whom anything was collected */
+    uint32_t many;    /* among the mails from outside: those that are not for one name */
+    uint32_t relayed; /* mails from outside for it alone, which another broker still has on disk */
+    bool active;      /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;
@@ -96,12 +96,15 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
  * from outside. */
 void lockstep_keep_replay(struct broker *b, struct mail *m);
 
+/** @return whether mail for an agent waits here that is on another broker's disk alone */
+bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent);
+
 void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
 
 /**
- * @return whether mail of the same sender waits here that a mail must not overtake: its receivers
- *         are not known yet, or both are for the disk, where they are to go in order
+ * @return whether mail of the same sender waits here that a mail must not overtake: it may be for
+ *         the same receiver, or this one is for the disk, which is to have what was sent before
  */
 bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m);
 

@@ -25,7 +25,9 @@ bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns)
         }
         return true;
     }
-    a->until_ns = pause_end_ns(now_ns);
+    if (!a->queued) { /* else others would wait behind it once more */
+        a->until_ns = pause_end_ns(now_ns);
+    }
     return false;
 }
 

@@ -48,10 +48,11 @@ struct place {
     uint64_t incarnation;  /* of the process */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
     uint64_t flooded_until_ns;
-    uint32_t seat;        /* its number; no other place ever had it */
-    uint64_t serial;      /* of the last Delivery to it */
-    int64_t step_had;     /* the step of the last Delivery of this lock step */
-    uint64_t version_had; /* of the white pages */
+    uint64_t flood_wake_ns; /* when it is woken, if it is among those */
+    uint32_t seat;          /* its number; no other place ever had it */
+    uint64_t serial;        /* of the last Delivery to it */
+    int64_t step_had;       /* the step of the last Delivery of this lock step */
+    uint64_t version_had;   /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */

@@ -111,6 +111,16 @@ static void sender_answer(struct broker *b, struct mail *m, const struct audienc
     }
 }
 
+static void desks_take(struct broker *b, struct mail *m, const struct audience *to)
+{
+    for (uint32_t i = 0; i < to->count; i++) {
+        if (registry_is_own(to->agents[i])) {
+            b->counters.delivered++;
+            desk_take(b, to->agents[i], m);
+        }
+    }
+}
+
 void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
 {
     bool held = posting_is_held(b, m), fits = true, stored = held;
@@ -118,16 +128,16 @@ void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
         if (registry_is_own(agent)) {
-            b->counters.delivered++;
-            desk_take(b, agent, m);
-        } else if (!post_put(b, m, agent, held)) {
+            continue;
+        }
+        if (!post_put(b, m, agent, held)) {
             fits = fits && audience_veils(b, m, agent);
         } else {
             stored = stored || router_gate(b, agent) < needs;
         }
     }
     booking_give_back(b, m);
-    sender_answer(b, m, to, fits, stored);
+    store_keep(m); /* what a desk answers may drop it from all boxes again */
     if (m->unsettled == 0) {
         store_release(&b->store, m);
     } else {
@@ -135,4 +145,7 @@ void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
         journal_put(b, m);
         circulars_note(b, m);
     }
+    desks_take(b, m, to);
+    sender_answer(b, m, to, fits, stored);
+    store_release(&b->store, m);
 }

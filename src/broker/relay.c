@@ -103,7 +103,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
         agent = registry_find(&b->registry, parcel->box);
         sender = sender_of(b, parcel->letter.src);
     }
-    if (agent == MU_NONE || sender == MU_NONE || registry_is_own(agent)) {
+    if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
         return;
     }
@@ -119,6 +119,11 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
     ack_owe(p, agent);
     p->taken[agent] = parcel->number;
     b->liaison.count.parcels_in++;
+    if (sender == MU_NONE) { /* no room for its name: what follows must not wait until there is */
+        b->counters.sent++;
+        b->counters.box_full++;
+        return;
+    }
     mail_take(b, agent, sender, &parcel->letter);
 }
 
@@ -216,11 +221,26 @@ void relay_take(struct broker *b, const muster_Delivery *d)
 
 /* --- acknowledgements ------------------------------------------------------------------------- */
 
+/* Moves those to the end whose mail this broker has as safely as it is asked to.
+ * @return how many they are */
+static uint32_t acks_ready(const struct broker *b, struct peer *p)
+{
+    uint32_t waiting = 0;
+    for (uint32_t i = 0; i < p->acks_count; i++) {
+        uint32_t agent = p->acks[i];
+        if (lockstep_keeps_relayed(&b->lockstep, agent)) {
+            p->acks[i] = p->acks[waiting];
+            p->acks[waiting++] = agent;
+        }
+    }
+    return p->acks_count - waiting;
+}
+
 bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
 {
     struct liaison *l = &b->liaison;
-    uint32_t i = 0;
-    while (i < l->peers_count && l->peers[i].acks_count == 0) {
+    uint32_t i = 0, ready = 0;
+    while (i < l->peers_count && (ready = acks_ready(b, &l->peers[i])) == 0) {
         i++;
     }
     if (i == l->peers_count) {
@@ -228,7 +248,7 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
     }
     struct peer *p = &l->peers[i];
     l->peer_open = i;
-    l->acks_open_count = p->acks_count < LIAISON_ACKS ? p->acks_count : LIAISON_ACKS;
+    l->acks_open_count = ready < LIAISON_ACKS ? ready : LIAISON_ACKS;
     for (uint32_t k = 0; k < l->acks_open_count; k++) {
         uint32_t agent = p->acks[p->acks_count - 1 - k];
         l->acks_open[k] =

@@ -433,6 +433,60 @@ static void test_events(void)
     CU_ASSERT_STRING_EQUAL(line, "");
 }
 
+/* alice asks the broker, and has room for one mail: the answer takes the place of the question,
+ * which is for herself, too. */
+static void test_an_answer_that_drops_its_question(void)
+{
+    story_begin();
+    muster_Registration r = registration("alice", "p-alice");
+    entry_of(&r)->full = muster_BOX_DROP_OLDEST;
+    entry_of(&r)->box_mails = 1;
+    broker_registration(story.b, &r, story.now_ns);
+    story_match("p-alice");
+    (void)story_collect();
+    muster_Mail m = letter("alice", 1, "alice,broker", "x");
+    m.layer = 2;
+    m.performative = words("groups");
+    story_mail(m);
+    const char *heard = story_collect();
+    CU_ASSERT_PTR_NOT_NULL(strstr(heard, "alice 1-1 dropped"));
+    CU_ASSERT_PTR_NULL(strstr(heard, "alice/1"));
+    story_ack("alice", 1);
+    CU_ASSERT_EQUAL(story_status().waiting, 0);
+    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+}
+
+/* Red presses, and whatever it is told comes later for that; blue waits no longer than it has to.
+ */
+static void test_bad_news_waits_for_its_own_sender_alone(void)
+{
+    story_begin();
+    muster_Registration r = registration("green", "p-green");
+    entry_of(&r)->box_mails = 1;
+    broker_registration(story.b, &r, story.now_ns);
+    story_match("p-green");
+    story_join("red");
+    story_join("blue");
+    (void)story_collect();
+    uint64_t red = 0;
+    for (; red < 3; story_tick(red == 1 ? 1000 * MS : 0)) {
+        story_send("red", ++red, "green", "x");
+    }
+    story_send("blue", 1, "green", "x");
+    story_send("blue", 2, "green", "x");
+    (void)story_collect();
+    story_send("blue", 3, "green", "x");
+    EXPECT("");
+    bool told = false;
+    for (int ms = 0; ms < 300 && !told; ms++) {
+        story.now_ns += MS;
+        story_send("red", ++red, "green", "x");
+        broker_tick(story.b, story.now_ns);
+        told = strstr(story_collect(), "blue 3-3 box-full");
+    }
+    CU_ASSERT_TRUE(told);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -453,6 +507,8 @@ int main(void)
         {"broadcasts have priorities", test_broadcasts_have_priorities},
         {"every wait ends", test_every_wait_ends},
         {"events", test_events},
+        {"an answer that drops its question", test_an_answer_that_drops_its_question},
+        {"bad news", test_bad_news_waits_for_its_own_sender_alone},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/box", tests);

@@ -337,6 +337,40 @@ static void test_a_crowd_is_inherited(void)
     CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
 }
 
+/* All agents of a process have something acknowledged, and one behind a Delivery's worth of them
+ * has mail. */
+static void test_mail_behind_many_that_have_none(void)
+{
+    enum { MANY = COURIER_AGENTS + 100 };
+    static muster_Ack acks[MANY];
+    static char box[MANY][MU_NAME_MAX + 1];
+    const char *process;
+    muster_Delivery d;
+    uint32_t mails = 0;
+    story_begin();
+    story_join("red");
+    crowd_register("p-many", MANY);
+    story_match("p-many");
+    for (uint32_t i = 0; i < MANY; i++) {
+        snprintf(box[i], sizeof box[i], "a%u", i);
+        story_send("red", i + 1, box[i], "one");
+        acks[i] = (muster_Ack){.box = box[i], .number = 1};
+    }
+    (void)story_collect();
+    muster_Up up = {.process = words("p-many"),
+                    .step = muster_STEP_NOW,
+                    .broker_incarnation = story.b->incarnation};
+    up.acks._buffer = acks;
+    up.acks._length = up.acks._maximum = MANY;
+    broker_up(story.b, &up, story.now_ns);
+    story_send("red", MANY + 1, box[MANY - 1], "two");
+    while (broker_next(story.b, &process, &d)) {
+        mails += d.parcels._length;
+        broker_delivered(story.b, story.now_ns);
+    }
+    CU_ASSERT_EQUAL(mails, 1);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -352,6 +386,7 @@ int main(void)
         {"agents that live elsewhere", test_agents_that_live_elsewhere},
         {"limits of a box are carried", test_limits_of_a_box_are_carried},
         {"a crowd is inherited", test_a_crowd_is_inherited},
+        {"mail behind many that have none", test_mail_behind_many_that_have_none},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/crowd", tests);

@@ -2,6 +2,8 @@
 /* Durable mail while the disk fails: nobody is told or handed what is not there. */
 #include "../support/disk_story.h"
 
+#include <unistd.h>
+
 static void lockstep_of(const char *process)
 {
     char *processes[] = {words(process)};
@@ -351,6 +353,31 @@ static void test_a_lock_step_finds_the_store_full(void)
     CU_ASSERT_TRUE(story_status().over_share > 0);
 }
 
+/* More directives are on disk than a window holds, the disk fails, and ordinary mail goes out in
+ * intervals: the courier has nothing that may go, and is done. */
+static void test_directives_behind_the_window_with_an_interval(void)
+{
+    team();
+    courier_set_interval(story.b, 100 * MS);
+    story_join("operator");
+    for (uint64_t i = 1; i <= MU_WINDOW_MAX + 20; i++) {
+        muster_Mail m = directive("operator", i, "green", "x");
+        m.level = muster_LEVEL_LOGGED;
+        story_mail(m);
+    }
+    CU_ASSERT_TRUE(commit(true));
+    (void)story_collect();
+    log_mail(1, "green", "last");
+    CU_ASSERT_TRUE(commit(false));
+    story_register("green", "p-green");
+    story_match("p-green");
+    alarm(10);
+    const char *heard = story_collect();
+    alarm(0);
+    CU_ASSERT_PTR_NOT_NULL(strstr(heard, "green #200 "));
+    CU_ASSERT_PTR_NULL(strstr(heard, "green #201 "));
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -368,6 +395,7 @@ int main(void)
         {"a file with mail for nobody", test_a_file_with_mail_for_nobody},
         {"a time to live beyond all time", test_a_time_to_live_beyond_all_time},
         {"a lock step finds the store full", test_a_lock_step_finds_the_store_full},
+        {"directives behind the window", test_directives_behind_the_window_with_an_interval},
         CU_TEST_INFO_NULL,
     };
     return suite_run("failing", tests);

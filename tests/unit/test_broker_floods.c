@@ -159,6 +159,45 @@ static void test_a_process_that_ends_is_not_waited_for(void)
     CU_ASSERT_EQUAL(green_gets(), FLOODS_MANY + 100);
 }
 
+/* Green is no longer flooded, and gets a mail all the time: gray, which is, waits for its own pause
+ * alone. */
+static void test_who_is_held_holds_up_nobody(void)
+{
+    uint64_t white_seq = 0;
+    uint32_t gray_got = 0;
+    begin();
+    story_join("white");
+    flood(FLOODS_MANY);
+    (void)green_gets();
+    story_ack("green", red_seq);
+    blue_speaks();
+    flood(1);
+    (void)green_gets();
+    CU_ASSERT_EQUAL(story.b->floods.count, 1);
+    story_register("green2", "p-green"); /* the broker's word to it passes */
+    (void)green_gets();
+    for (int round = 0; round < 400; round++) { /* of half a millisecond */
+        for (int i = 0; i < 150 && round % 4 == 0 && white_seq < 450; i++) {
+            story_send("white", ++white_seq, "gray", "w");
+        }
+        const char *process;
+        muster_Delivery d;
+        while (broker_next(story.b, &process, &d)) {
+            uint32_t mails = d.parcels._length;
+            uint64_t number = mails ? d.parcels._buffer[mails - 1].number : 0;
+            bool is_gray = strcmp(process, "p-gray") == 0;
+            broker_delivered(story.b, story.now_ns);
+            gray_got += is_gray ? mails : 0;
+            if (number && (is_gray || strcmp(process, "p-green") == 0)) {
+                story_ack(is_gray ? "gray" : "green", number);
+            }
+        }
+        story_tick(FLOODS_PAUSE_NS / 2);
+        flood(1);
+    }
+    CU_ASSERT_EQUAL(gray_got, white_seq);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -170,6 +209,7 @@ int main(void)
         {"a few mails are no flood", test_a_few_mails_are_no_flood},
         {"a directive passes", test_a_directive_passes},
         {"a process that ends is not waited for", test_a_process_that_ends_is_not_waited_for},
+        {"who is held holds up nobody", test_who_is_held_holds_up_nobody},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/floods", tests);
