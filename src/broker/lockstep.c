@@ -112,6 +112,14 @@ bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m)
     return turn->many > 0 || (mail_is_durable(m) && turn->outside.first);
 }
 
+bool lockstep_keeps_for(const struct broker *b, const struct mail *m, uint32_t agent)
+{
+    const struct lockstep *l = &b->lockstep;
+    uint32_t place = b->registry.agents[agent].process;
+    return l->turns[m->sender].outside.first && place != MU_NONE &&
+           b->places.at[place].step_left == l->step + 1;
+}
+
 bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent)
 {
     return l->turns[agent].relayed > 0;
@@ -218,25 +226,44 @@ static void mails_apply(struct broker *b)
     }
 }
 
-static void outside_apply(struct broker *b)
+static void outside_take(struct broker *b, struct turn *turn)
+{
+    struct lockstep *l = &b->lockstep;
+    struct mail *m = list_pop(&turn->outside);
+    outside_count(l, m, UINT32_MAX); /* one less */
+    struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
+    share_subtract(&turn->outside_use, &less);
+    share_subtract(&l->outside_use, &less);
+    store_keep(m);
+    if (router_route(b, m)) {
+        l->told[l->told_count++] = m;
+    } else {
+        store_release(&b->store, m);
+    }
+}
+
+/* @param each  so many of one sender at most */
+static void outside_apply(struct broker *b, uint32_t each)
 {
     struct lockstep *l = &b->lockstep;
     for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
         struct turn *turn = &l->turns[l->active[i]];
-        while (turn->outside.first && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
-            struct mail *m = list_pop(&turn->outside);
-            outside_count(l, m, UINT32_MAX); /* one less */
-            struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
-            share_subtract(&turn->outside_use, &less);
-            share_subtract(&l->outside_use, &less);
-            store_keep(m);
-            if (router_route(b, m)) {
-                l->told[l->told_count++] = m;
-            } else {
-                store_release(&b->store, m);
-            }
+        uint32_t left = each;
+        while (turn->outside.first && left > 0 && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
+            outside_take(b, turn);
+            left--;
         }
     }
+}
+
+/* @return how many mails of one sender have room in a step if all who have some get as much */
+static uint32_t outside_share(const struct lockstep *l)
+{
+    uint32_t senders = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        senders += l->turns[l->active[i]].outside.first != NULL;
+    }
+    return senders < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX / (senders + !senders) : 1;
 }
 
 void lockstep_keep_replay(struct broker *b, struct mail *m)
@@ -290,7 +317,8 @@ static void step_apply(struct broker *b)
     pages_expire(b, runclock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
-    outside_apply(b);
+    outside_apply(b, outside_share(&b->lockstep));
+    outside_apply(b, UINT32_MAX);
     resolve_expire(b, runclock_mail_ns(&b->clock));
     turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
@@ -380,6 +408,7 @@ static void place_leave(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->rostered = false;
+    at->step_left = b->lockstep.step + 1;
     at->answered = false;
     at->step_due = false;
     pages_forget_told(at); /* it was not shown all */

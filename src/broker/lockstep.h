@@ -96,6 +96,10 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
  * from outside. */
 void lockstep_keep_replay(struct broker *b, struct mail *m);
 
+/** @return whether mail of the same sender may wait here for this agent, whose process the lock
+ * step has let go of in this step */
+bool lockstep_keeps_for(const struct broker *b, const struct mail *m, uint32_t agent);
+
 /** @return whether mail for an agent waits here that is on another broker's disk alone */
 bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent);
 

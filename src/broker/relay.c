@@ -23,7 +23,9 @@ static uint32_t sender_of(struct broker *b, const char *src)
     }
     if (sender != MU_NONE && !registry_is_own(sender) &&
         b->registry.agents[sender].process == MU_NONE) {
-        b->registry.agents[sender].awaited = true; /* its neighbour will say that it is there */
+        struct agent *a = &b->registry.agents[sender];
+        a->awaited = true; /* its neighbour will say that it is there */
+        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : presence_wall_ns(b);
     }
     return sender;
 }

@@ -44,7 +44,7 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
     for (uint32_t i = 0; i < to.count && !meets; i++) {
         /* What changes the broker itself takes effect between steps, too. */
         meets =
-            presence_in_lockstep(b, to.agents[i]) ||
+            presence_in_lockstep(b, to.agents[i]) || lockstep_keeps_for(b, m, to.agents[i]) ||
             (registry_is_own(to.agents[i]) && (m->letter.layer == 0 || query_changes_member(b, m)));
     }
     return meets;

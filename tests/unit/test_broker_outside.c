@@ -122,6 +122,50 @@ static void test_limit_a_recording(void)
     CU_ASSERT_EQUAL(story.b->store.mails, 0);
 }
 
+static void test_mail_follows_who_leaves_the_lock_step(void)
+{
+    run_begin();
+    roster_say(true, 0, "p-green p-blue");
+    (void)story_collect();
+    story_send("operator", 1, "blue", "one");
+    roster_say(true, 0, "p-green");
+    story_send("operator", 2, "blue", "two");
+    story_send("red", 1, "blue", "other");
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "operator/2"));
+    answer("green", 0);
+    const char *heard = story_collect();
+    const char *one = strstr(heard, "operator/1 one"), *two = strstr(heard, "operator/2 two");
+    CU_ASSERT_TRUE(one && two && one < two);
+    story_send("operator", 3, "blue", "three");
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "operator/3 three"));
+}
+
+/* So much of operator waits that each step is full of it; red has a mail now and then. */
+static void test_limit_who_comes_first_by_name(void)
+{
+    uint64_t seq = 0;
+    run_begin();
+    for (int i = 0; i < 2 * LOCKSTEP_OUTSIDE_MAX; i++) {
+        story_send("operator", ++seq, "green", "m");
+    }
+    story_send("red", 1, "green", "mine");
+    (void)story_collect();
+    answer("green", 0);
+    uint32_t told = 0;
+    bool has_red = false;
+    const char *process;
+    muster_Delivery d;
+    while (broker_next(story.b, &process, &d)) {
+        for (uint32_t i = 0; i < d.outside._length; i++) {
+            has_red = has_red || strcmp(d.outside._buffer[i].src, "red") == 0;
+        }
+        told += d.outside._length;
+        broker_delivered(story.b, story.now_ns);
+    }
+    CU_ASSERT_TRUE(has_red);
+    CU_ASSERT_EQUAL(told, LOCKSTEP_OUTSIDE_MAX);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -131,6 +175,8 @@ int main(void)
         {"a lock step that was held", test_a_robot_outside_a_lock_step_that_was_held},
         {"a recording ends", test_a_recording_ends_with_its_run},
         {"limit: a recording", test_limit_a_recording},
+        {"mail follows who leaves", test_mail_follows_who_leaves_the_lock_step},
+        {"limit: who comes first by name", test_limit_who_comes_first_by_name},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/outside", tests);
