@@ -106,18 +106,13 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
     return true;
 }
 
-bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m)
-{
-    const struct turn *turn = &l->turns[m->sender];
-    return turn->many > 0 || (mail_is_durable(m) && turn->outside.first);
-}
-
-bool lockstep_keeps_for(const struct broker *b, const struct mail *m, uint32_t agent)
+bool lockstep_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver)
 {
     const struct lockstep *l = &b->lockstep;
-    uint32_t place = b->registry.agents[agent].process;
-    return l->turns[m->sender].outside.first && place != MU_NONE &&
-           b->places.at[place].step_left == l->step + 1;
+    const struct turn *turn = &l->turns[m->sender];
+    uint32_t place = b->registry.agents[receiver].process;
+    bool has_left = place != MU_NONE && b->places.at[place].step_left == l->step + 1;
+    return turn->many > 0 || (turn->outside.first && (mail_is_durable(m) || has_left));
 }
 
 bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent)
@@ -515,7 +510,9 @@ static void lockstep_hold(struct broker *b, bool held)
     bool ends = b->lockstep.held && !held;
     b->lockstep.held = held;
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
-        tenants_wake(&b->registry, &b->places, agent);
+        if (!presence_in_lockstep(b, agent)) {
+            tenants_wake(&b->registry, &b->places, agent);
+        }
     }
 }
 

@@ -96,10 +96,6 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
  * from outside. */
 void lockstep_keep_replay(struct broker *b, struct mail *m);
 
-/** @return whether mail of the same sender may wait here for this agent, whose process the lock
- * step has let go of in this step */
-bool lockstep_keeps_for(const struct broker *b, const struct mail *m, uint32_t agent);
-
 /** @return whether mail for an agent waits here that is on another broker's disk alone */
 bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent);
 
@@ -107,10 +103,11 @@ void lockstep_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
 void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
 
 /**
- * @return whether mail of the same sender waits here that a mail must not overtake: it may be for
- *         the same receiver, or this one is for the disk, which is to have what was sent before
+ * @return whether mail of the same sender waits here that a mail to that agent must not overtake:
+ *         it is for many, or for who has left the lock step in this step; or this one is for the
+ *         disk, which is to have what was sent before
  */
-bool lockstep_keeps_before(const struct lockstep *l, const struct mail *m);
+bool lockstep_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver);
 
 /** No agent is on its way any more: the step that was held ends. */
 void lockstep_release(struct broker *b);

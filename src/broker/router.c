@@ -40,12 +40,14 @@ bool router_meets_lockstep(struct broker *b, const struct mail *m)
         return resolve_is_possible(b, m->letter.dst); /* only members of the lock step are asked */
     }
     audience_of_mail(b, m, &to);
-    bool meets = lockstep_keeps_before(&b->lockstep, m);
+    bool meets = false;
     for (uint32_t i = 0; i < to.count && !meets; i++) {
-        /* What changes the broker itself takes effect between steps, too. */
-        meets =
-            presence_in_lockstep(b, to.agents[i]) || lockstep_keeps_for(b, m, to.agents[i]) ||
-            (registry_is_own(to.agents[i]) && (m->letter.layer == 0 || query_changes_member(b, m)));
+        uint32_t agent = to.agents[i];
+        if (registry_is_own(agent)) { /* what changes the broker takes effect between steps, too */
+            meets = m->letter.layer == 0 || query_changes_member(b, m);
+        } else {
+            meets = presence_in_lockstep(b, agent) || lockstep_keeps_before(b, m, agent);
+        }
     }
     return meets;
 }
