@@ -634,7 +634,8 @@ void depot_answered(struct broker *b, uint32_t agent, uint32_t place)
 bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch)
 {
     const struct agent *a = &b->registry.agents[agent];
-    if ((a->passed && b->places.at[place].rostered) || (a->left == place && epoch < a->is.epoch)) {
+    const struct place *at = &b->places.at[place];
+    if ((a->passed && at->rostered) || (a->left == at->seat && epoch < a->is.epoch)) {
         return true;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {

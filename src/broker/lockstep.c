@@ -407,6 +407,8 @@ static void place_leave(struct broker *b, uint32_t place)
     at->answered = false;
     at->step_due = false;
     pages_forget_told(at); /* it was not shown all */
+    at->roll_call_due = at->roll_call_due || at->overruled;
+    at->overruled = false;
     for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
          agent = tenants_next(&b->registry, &b->places, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
@@ -527,6 +529,9 @@ static void lockstep_end(struct broker *b)
     } while (l->outside_waiting > 0);
     lockstep_told(b);
     l->on = false;
+    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
+        b->registry.agents[agent].left = MU_NONE; /* who has its name from now on is another one */
+    }
     lockstep_hold(b, false);
     replays_drop(b);
     uint32_t count = l->roster_count, simulator = l->simulator;
@@ -550,6 +555,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     for (uint32_t agent = 0; agent < b->registry.count; agent++) {
         b->registry.agents[agent].let_go = false;
         b->registry.agents[agent].passed = false;
+        b->registry.agents[agent].left = MU_NONE;
     }
     resolve_give_up(b);
     l->on = true;

@@ -44,6 +44,7 @@ struct place {
     bool flooded;          /* its last Delivery had many mails: see floods.h */
     bool flood_queued;     /* among the places that are held for that */
     bool hears;            /* circulars */
+    bool overruled;        /* a lock step has passed over a name that it asked for */
     bool is_broker;        /* a broker, and its agents live beyond it */
     uint64_t incarnation;  /* of the process */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */

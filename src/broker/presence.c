@@ -216,6 +216,7 @@ static void claims_grant(struct broker *b, uint32_t agent)
         uint32_t copy = copy_claim(b, agent);
         struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
         if (depot_overrules(b, agent, heir.process, heir.presence.epoch)) {
+            b->places.at[heir.process].overruled = true;
             places_tidy(&b->places, heir.process);
         } else {
             presence_seat(b, agent, heir.process, heir.slot, &heir.presence);
@@ -308,7 +309,7 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     uint32_t from = b->registry.agents[agent].process;
     tenants_remove(&b->registry, &b->places, agent);
     mailbox_unwatch(&b->mailbox, agent);
-    b->registry.agents[agent].left = from;
+    b->registry.agents[agent].left = b->places.at[from].seat;
     b->registry.agents[agent].passed = true;
     presence_seat(b, agent, place, slot, is);
     places_tidy(&b->places, from);
@@ -451,9 +452,11 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
 {
     const struct agent *a = &b->registry.agents[agent];
     if (a->process != place && depot_overrules(b, agent, place, is->epoch)) {
+        b->places.at[place].overruled = true;
         return;
     }
-    if (a->process == place && a->tenant.slot != slot && !b->places.at[place].rostered) {
+    bool is_other = a->tenant.slot != slot || a->is.since_wall_ns != is->since_wall_ns;
+    if (a->process == place && is_other && !b->places.at[place].rostered) {
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
@@ -561,9 +564,11 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     if (r->incarnation < at->incarnation) {
         return MU_NONE; /* late, from a process that is no more */
     }
-    at->speaks = true; /* it stays, whoever leaves it */
-    if (r->incarnation > at->incarnation && at->agents_count > 0) {
-        place_leave(b, place);
+    at->speaks = true;                      /* it stays, whoever leaves it */
+    if (r->incarnation > at->incarnation) { /* its pages are empty, if we saw its agents go, too */
+        if (at->agents_count > 0) {
+            place_leave(b, place);
+        }
         at->version_had = 0;
         pages_forget_told(at);
     }
@@ -589,6 +594,9 @@ void presence_register(struct broker *b, const muster_Registration *r)
     if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
         uint32_t left = places_find(&b->places, r->process);
         if (left != MU_NONE) {
+            if (r->part == 0) {
+                glances_gone(b, left); /* it answers to the other one now */
+            }
             part_leave(b, left, r->part, NULL);
         }
         return;

@@ -64,7 +64,7 @@ struct agent {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
     uint32_t process;               /* MU_NONE when absent */
-    uint32_t left;                  /* the place that a lock step took it from, or MU_NONE */
+    uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
     uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
     struct tenant tenant;           /* while it has a process */
     struct presence is;

@@ -47,6 +47,12 @@ static bool name_is_held(mu_process *p, const char *name)
     return holder && !holder->gone;
 }
 
+/* @return whether it has mail or acknowledgements that are still to go out */
+static bool has_last_words(const struct mu_agent *a)
+{
+    return a->leaving && (a->links[QUEUE_SEND].in || a->links[QUEUE_ACK].in);
+}
+
 /* @return a place for one more agent: a new one, or that of one that has left; NULL: full */
 static struct mu_agent *place_take(mu_process *p)
 {
@@ -54,7 +60,7 @@ static struct mu_agent *place_take(mu_process *p)
         return &p->agents[p->agent_count++];
     }
     struct mu_agent *a = p->agents;
-    while (a < p->agents + p->agent_count && !a->gone) {
+    while (a < p->agents + p->agent_count && (!a->gone || has_last_words(a))) {
         a++;
     }
     if (a == p->agents + p->agent_count || p->out_pending) { /* what is pending speaks of it */
@@ -82,6 +88,8 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     if (!mu_name_valid(name) || !kind_is_one(kind)) {
         return MU_MALFORMED;
     }
+    const struct mu_agent *holder = agent_find(p, name);
+    bool follows = holder && (holder->leaving || holder->follows);
     if (name_is_held(p, name)) {
         return MU_EXISTS;
     }
@@ -90,6 +98,7 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
         return MU_FULL;
     }
     uint32_t index = (uint32_t)(a - p->agents);
+    a->follows = follows;
     a->process = p;
     mu_text_copy(a->name, sizeof a->name, name);
     (void)mu_table_put(&p->names, a->name, index);

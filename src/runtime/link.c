@@ -78,7 +78,8 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
     l->incarnation = incarnation;
     l->silent = false;
     glances_review(p);
-    agents_say(p, is_other, mu_clock_ns());
+    /* Nor does a life that has answered already, and that we had taken for another. */
+    agents_say(p, is_other || p->broker_incarnation == incarnation, mu_clock_ns());
     return MU_OK;
 }
 

@@ -126,21 +126,40 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     return MU_OK;
 }
 
-/* Who is gone leaves the white pages when its last mails and acknowledgements are out: its next
- * life must not get again what this one took. */
-static void agents_leave(mu_process *p)
+/* @return whether nothing of what it has said, or owes, is still to go out */
+static bool has_said_all(const struct mu_agent *a)
 {
-    if (!p->leaving) {
+    return !a->links[QUEUE_SEND].in && !a->links[QUEUE_ACK].in;
+}
+
+/* Who is gone leaves the white pages when its last mails and acknowledgements are out, and the
+ * broker has them: it takes no mail of who has left, and the next life must not get again what this
+ * one took. */
+static void agents_leave(mu_process *p, bool closes)
+{
+    if (!p->leaving || (!closes && p->out_pending)) {
         return;
     }
-    (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
+    bool drained = bus_drain(&p->up, closes ? CLOSE_PATIENCE_NS : EXPECTANT_NS);
+    if (!drained && !closes && bus_writer_matches(&p->up) > 0) {
+        return;
+    }
+    p->leaving = false;
     for (uint32_t i = 0; i < p->agent_count; i++) {
-        if (p->agents[i].leaving) {
-            p->agents[i].leaving = false;
+        struct mu_agent *a = &p->agents[i];
+        if (a->leaving && !closes && !has_said_all(a)) {
+            p->leaving = true;
+        } else if (a->leaving) {
+            a->leaving = false;
+            roll_mark(a);
+        }
+    }
+    for (uint32_t i = 0; i < p->agent_count && !p->leaving; i++) {
+        if (p->agents[i].follows) {
+            p->agents[i].follows = false;
             roll_mark(&p->agents[i]);
         }
     }
-    p->leaving = false;
 }
 
 void mu_process_close(mu_process *p)
@@ -158,7 +177,8 @@ void mu_process_close(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
-    agents_leave(p);
+    step_flush(p); /* what was said in on_state */
+    agents_leave(p, true);
     roll_end(p);
     (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     bus_close(&p->bus);
@@ -267,7 +287,7 @@ static bool mail_is_held(const mu_process *p)
 /* How many samples are worth waking up for. */
 static uint64_t samples_wanted(const mu_process *p)
 {
-    if (inbox_lacks(p) || (p->mail && mail_is_held(p))) {
+    if (inbox_lacks(p) || p->out_pending || (p->mail && mail_is_held(p))) {
         return 0; /* more mail may lie in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
@@ -436,7 +456,7 @@ static mu_result spin(mu_process *p, int64_t timeout_ns)
     } else {
         step_flush(p);
     }
-    agents_leave(p);
+    agents_leave(p, false);
     roll_write(p);
     return p->done ? MU_DONE : MU_OK;
 }

@@ -65,6 +65,7 @@ struct mu_agent {
     bool departed;            /* it lives in another process now */
     bool leaving;             /* its registration is still there, until its last mails are out, */
     enum mu_state last_state; /* in the state that it had */
+    bool follows;             /* one of its name that is leaving: the broker hears of it later */
     struct outbox outbox;
     uint64_t progress_ns;    /* wall: when the broker last answered for mail, or mail went out */
     uint64_t earlier_end;    /* mails below this number were there before that one came */

@@ -41,7 +41,7 @@ static muster_State state_of(const struct mu_agent *a)
 {
     /* Who was refused says that it does not want the name any more: it may have asked once more
      * before it heard of that, and would be given what nobody takes. */
-    if (a->refused) {
+    if (a->refused || a->follows) {
         return muster_STATE_ABSENT;
     }
     return (muster_State)(a->leaving ? a->last_state : a->state);
@@ -49,7 +49,7 @@ static muster_State state_of(const struct mu_agent *a)
 
 static muster_Entry entry_of(struct mu_agent *a)
 {
-    return (muster_Entry){.name = a->name,
+    return (muster_Entry){.name = a->follows ? nothing : a->name,
                           .kind = (muster_Kind)a->kind,
                           .state = state_of(a),
                           .no_broadcasts = a->no_broadcasts,
@@ -91,7 +91,7 @@ static void part_said(mu_process *p, uint32_t part)
 {
     uint32_t first = part * MU_PART_AGENTS;
     for (uint32_t i = first; i < p->agent_count && i < first + MU_PART_AGENTS; i++) {
-        p->agents[i].said = true;
+        p->agents[i].said = !p->agents[i].follows;
     }
 }
 

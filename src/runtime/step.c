@@ -155,8 +155,12 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
+/* Before anything went out it is of an earlier one of the name, and of no mail that waits here. */
 static void receipt_note(struct outbox *box, const muster_Receipt *r)
 {
+    if (!box->begun) {
+        return;
+    }
     if (r->result == muster_OUTCOME_DUPLICATE) {
         outbox_had(box, r->first_seq, r->last_seq);
     } else if (r->result == muster_OUTCOME_STORED) {

@@ -184,7 +184,8 @@ class Processes:
     def start(self, *words, **kwargs):
         kwargs.setdefault("stdout", subprocess.DEVNULL)
         kwargs.setdefault("stderr", subprocess.DEVNULL)
-        p = subprocess.Popen([str(w) for w in words], stdin=subprocess.DEVNULL, **kwargs)
+        kwargs.setdefault("stdin", subprocess.DEVNULL)
+        p = subprocess.Popen([str(w) for w in words], **kwargs)
         self.started.append(p)
         return p
 
