@@ -301,7 +301,8 @@ const char *mu_process_broker(const mu_process *p);
  *                     comes again up to it is dropped.  0 when it keeps no record.
  * @return MU_OK; MU_MALFORMED: not a name, or no kind; MU_EXISTS: an agent of this process bears
  * it; MU_FULL: the process has room for no more.  The place of an agent that has left is taken when
- * no other is free; from then on what pointed to it points to the new one
+ * no other is free, and its last mails are out; from then on what pointed to it points to the new
+ * one
  */
 MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
                                     enum mu_kind kind, uint64_t last_number,

@@ -564,8 +564,9 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     if (r->incarnation < at->incarnation) {
         return MU_NONE; /* late, from a process that is no more */
     }
-    at->speaks = true;                      /* it stays, whoever leaves it */
-    if (r->incarnation > at->incarnation) { /* its pages are empty, if we saw its agents go, too */
+    at->speaks = true; /* it stays, whoever leaves it */
+    /* Its pages are empty, if we saw its agents go, too. */
+    if (r->incarnation > at->incarnation) {
         if (at->agents_count > 0) {
             place_leave(b, place);
         }
