@@ -427,7 +427,12 @@ void liaison_hear(struct broker *b, const muster_Registration *r)
     if (strcmp(name, b->name) == 0) {
         return; /* our own */
     }
-    struct peer *p = liaison_meet(b, name, r->incarnation);
+    struct peer *p = liaison_peer(b, name);
+    if (p && !p->there && r->incarnation < p->incarnation) {
+        numbers_forget(b, p); /* a later life, whose clock has been set back */
+        p->incarnation = 0;
+    }
+    p = liaison_meet(b, name, r->incarnation);
     if (!p || place_hear(b, p) == MU_NONE) {
         return;
     }

@@ -99,7 +99,12 @@ static void subscriber_tell(struct broker *b, struct subscription *s, uint32_t l
     bool found = mu_attributes_match(&s->query, mu_pairs_first(&all->pairs, line),
                                      all->lines[line].attributes) &&
                  pages_shows(b, line, pages_inside(b, receiver));
-    if (subscriptions_note(s, line, found) && !silently) {
+    bool owed = !pages_inside(b, receiver) && subscriptions_owe(s, line, false);
+    bool news = (owed && !found) || subscriptions_note(s, line, found);
+    if (news && silently) {
+        (void)subscriptions_owe(s, line, !found);
+    } else if (news) {
+        (void)subscriptions_owe(s, line, false);
         subscriber_send(b, receiver, s, line, found);
     }
 }
@@ -194,6 +199,19 @@ void pages_enter(struct broker *b, uint32_t agent)
     pages_presence(b, agent);
 }
 
+/* What was said in a lock step has a stamp of the run, and a lease that counts its time. */
+uint64_t pages_lease_ns(const struct broker *b, uint32_t line)
+{
+    const struct service_line *l = &b->pages.services.lines[line];
+    uint64_t wall_ns = presence_wall_ns(b), mail_ns = runclock_mail_ns(&b->clock);
+    if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !l->offered) {
+        return l->lease_ns;
+    }
+    uint64_t age_ns = wall_ns > l->stamp_ns ? wall_ns - l->stamp_ns : 0;
+    uint64_t left_ns = l->until_ns > mail_ns ? l->until_ns - mail_ns : 1;
+    return age_ns < INT64_MAX && left_ns < INT64_MAX - age_ns ? age_ns + left_ns : INT64_MAX;
+}
+
 /* --- deliveries ------------------------------------------------------------------------------- */
 
 void pages_forget_told(struct place *at)
@@ -224,8 +242,10 @@ static void offers_fill(struct broker *b, const struct place *at, muster_Deliver
     for (uint32_t line = changes_after(c, at->services_had);
          line != MU_NONE && d->offers._length < max; line = changes_next(c, line)) {
         /* Another broker sees for itself whom it shows. */
+        muster_Offer *offer = &d->offers._buffer[d->offers._length++];
         services_line(&p->services, line, at->is_broker || pages_shows(b, line, at->rostered),
-                      &d->offers._buffer[d->offers._length++]);
+                      offer);
+        offer->lease_ns = at->is_broker ? pages_lease_ns(b, line) : offer->lease_ns;
         p->services_open = changes_version(c, line);
     }
 }

@@ -80,6 +80,9 @@ void pages_journal_mark(struct broker *b, uint64_t groups_since, uint64_t servic
 /** @return whether there is nothing of it that a place has not been told */
 bool pages_has_told(const struct broker *b, const struct place *at);
 
+/** @return the lease of a line as others are to have it, who count it from its stamp by the wall */
+uint64_t pages_lease_ns(const struct broker *b, uint32_t line);
+
 /** The Delivery has gone out. */
 void pages_delivered(struct broker *b, struct place *at);
 

@@ -54,7 +54,7 @@ static bool offer_line(struct broker *b, uint32_t slot, struct journal_line *out
                                  .present = o.offered,
                                  .attributes = o.attributes,
                                  .origin = o.origin,
-                                 .lease_ns = o.lease_ns,
+                                 .lease_ns = pages_lease_ns(b, slot),
                                  .stamp_ns = o.stamp_ns};
     return true;
 }

@@ -164,6 +164,7 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
 static void lines_take(struct broker *b, const muster_Delivery *d)
 {
     struct said said = pages_said(b);
+    struct said by_the_wall = {.stamp_ns = presence_wall_ns(b), .origin = said.origin};
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         if (m->group && m->agent && m->origin &&
@@ -175,7 +176,7 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
     for (uint32_t i = 0; i < d->offers._length; i++) {
         const muster_Offer *o = &d->offers._buffer[i];
         if (o->service && o->agent && o->origin && o->attributes &&
-            services_merge(&b->pages.services, o, &said, runclock_mail_ns(&b->clock)) !=
+            services_merge(&b->pages.services, o, &by_the_wall, runclock_mail_ns(&b->clock)) !=
                 MU_MALFORMED) {
             continue;
         }

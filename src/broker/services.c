@@ -34,17 +34,28 @@ static void line_forget(struct services *s, uint32_t line)
     mu_pairs_remove(&s->pairs, line);
 }
 
-/* @return whether a line that is withdrawn has made room, the oldest first */
+/* @return the oldest line that is withdrawn; first of all one that no subscriber who is away is
+ *         still to hear of */
+static uint32_t spare_find(const struct services *s, bool any)
+{
+    uint32_t line = s->changes.first;
+    while (line != MU_NONE &&
+           (s->lines[line].offered || changes_version(&s->changes, line) > s->told ||
+            (!any && s->told_to && subscriptions_rest_on(s->told_to, line)))) {
+        line = changes_next(&s->changes, line);
+    }
+    return line;
+}
+
+/* @return whether a line that is withdrawn has made room */
 static bool line_spare(struct services *s)
 {
-    for (uint32_t line = s->changes.first; line != MU_NONE;
-         line = changes_next(&s->changes, line)) {
-        if (!s->lines[line].offered && changes_version(&s->changes, line) <= s->told) {
-            line_forget(s, line);
-            return true;
-        }
+    uint32_t line = spare_find(s, false);
+    line = line != MU_NONE ? line : spare_find(s, true);
+    if (line != MU_NONE) {
+        line_forget(s, line);
     }
-    return false;
+    return line != MU_NONE;
 }
 
 bool services_full(const struct services *s)

@@ -56,18 +56,42 @@ void subscriptions_remove(struct subscriptions *s, uint32_t index)
     s->order[s->count] = slot;
 }
 
-bool subscriptions_note(struct subscription *s, uint32_t line, bool found)
+/* @return whether it was set */
+static bool bit_set(uint64_t *bits, uint32_t line, bool on)
 {
     uint64_t bit = 1ull << (line % 64);
-    uint64_t *told = &s->told[line / 64];
-    bool had = (*told & bit) != 0;
-    *told = found ? *told | bit : *told & ~bit;
-    return had != found;
+    uint64_t *at = &bits[line / 64];
+    bool had = (*at & bit) != 0;
+    *at = on ? *at | bit : *at & ~bit;
+    return had;
+}
+
+bool subscriptions_note(struct subscription *s, uint32_t line, bool found)
+{
+    return bit_set(s->told, line, found) != found;
+}
+
+bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed)
+{
+    return bit_set(s->owed, line, owed);
+}
+
+bool subscriptions_rest_on(const struct subscriptions *s, uint32_t line)
+{
+    uint64_t bit = 1ull << (line % 64);
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct subscription *one = subscriptions_at(s, i);
+        if (((one->told[line / 64] | one->owed[line / 64]) & bit) != 0) {
+            return true;
+        }
+    }
+    return false;
 }
 
 void subscriptions_forget(struct subscriptions *s, uint32_t line)
 {
     for (uint32_t i = 0; i < s->count; i++) {
         (void)subscriptions_note(subscriptions_at(s, i), line, false);
+        (void)subscriptions_owe(subscriptions_at(s, i), line, false);
     }
 }

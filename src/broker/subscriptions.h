@@ -19,6 +19,7 @@ struct subscription {
     char in_reply_to[MU_FIELD_MAX + 1], conversation[MU_FIELD_MAX + 1]; /* of what he is sent */
     struct mu_query query;
     uint64_t told[(MU_SERVICES_MAX + 63) / 64]; /* a bit for each line of the services */
+    uint64_t owed[(MU_SERVICES_MAX + 63) / 64]; /* gone from his sight without a word */
 };
 
 struct subscriptions {
@@ -43,6 +44,12 @@ void subscriptions_remove(struct subscriptions *s, uint32_t index);
 
 /** Notes whether a line is found now.  @return whether that is news */
 bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
+
+/** Notes whether he is owed a word about a line.  @return whether he was */
+bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed);
+
+/** @return whether somebody was told that a line is found, and has not heard otherwise since */
+bool subscriptions_rest_on(const struct subscriptions *s, uint32_t line);
 
 /** A line of the services is no more; another one will have its index. */
 void subscriptions_forget(struct subscriptions *s, uint32_t line);
