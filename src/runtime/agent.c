@@ -241,6 +241,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
         agent_accepted(a, v);
     } else {
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_remove(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     }
     bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;

@@ -247,6 +247,18 @@ void inbox_next(mu_process *p)
     }
 }
 
+bool inbox_has_step_behind(const mu_process *p)
+{
+    const struct inbox *box = &p->inbox;
+    for (uint32_t i = 1; i < box->count; i++) {
+        const muster_Delivery *d = box->at[i];
+        if (d->step != muster_STEP_NOW && d->broker_incarnation == p->mail->broker_incarnation) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool inbox_lacks(const mu_process *p)
 {
     return p->inbox.lacks_ns != 0;

@@ -53,6 +53,9 @@ void inbox_drop(mu_process *p);
  * none, or one before it is missing. */
 void inbox_next(mu_process *p);
 
+/** @return whether mail of another step waits behind p->mail */
+bool inbox_has_step_behind(const mu_process *p);
+
 /** @return whether something has come too early */
 bool inbox_lacks(const mu_process *p);
 

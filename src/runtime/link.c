@@ -37,6 +37,8 @@ static void beacons_take(struct link *l)
     const muster_Beacon *beacon;
     while ((beacon = bus_next(&l->beacons, &life))) {
         if (life == BUS_DATA) {
+            bool is_ours = beacon->incarnation == l->incarnation;
+            l->lives_ns = is_ours ? mu_clock_ns() : l->lives_ns;
             choice_note(&l->choice, beacon);
         } else {
             choice_lose(&l->choice, beacon->broker);
@@ -94,6 +96,7 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d)
 {
     struct link *l = &p->link;
     if (d->broker_incarnation == l->incarnation) {
+        l->lives_ns = p->leaving ? mu_clock_ns() : l->lives_ns;
         return true;
     }
     if (p->in_lockstep || d->broker_incarnation < l->incarnation ||

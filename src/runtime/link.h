@@ -20,6 +20,7 @@ struct link {
     char partition[LINK_PARTITION_MAX]; /* of its Up reader */
     uint64_t incarnation;               /* of the broker */
     bool silent;                        /* nothing is heard of it */
+    uint64_t lives_ns;                  /* its last heartbeat, or word while an agent leaves */
     uint64_t asked_ns;                  /* when it was told of all agents last */
     uint64_t heard_ns;                  /* when the first broker was heard of; 0: none */
     uint64_t looked_ns;                 /* when link_look was here last */

@@ -31,6 +31,11 @@ const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 /* How long a process that closes waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
+/* One that goes on gives them so long, and waits no longer once it hears of its broker after that:
+ * DDS awaits the word of a reader that was killed, too, until its lease ends.  Whoever asks for the
+ * name meanwhile is not refused before that. */
+static const uint64_t LEAVE_PATIENCE_NS = 500000000;
+
 /* So much later than it is due something is looked at, if that saves a wake. */
 static const uint64_t LATE_NS = 1000000;
 
@@ -132,6 +137,16 @@ static bool has_said_all(const struct mu_agent *a)
     return !a->links[QUEUE_SEND].in && !a->links[QUEUE_ACK].in;
 }
 
+/* @return whether the broker has what was written, or is not who DDS still waits for */
+static bool last_words_are_out(mu_process *p)
+{
+    if (bus_drain(&p->up, EXPECTANT_NS) || bus_writer_matches(&p->up) == 0) {
+        return true;
+    }
+    p->leaving_ns = p->leaving_ns ? p->leaving_ns : mu_clock_ns();
+    return p->link.lives_ns > p->leaving_ns + LEAVE_PATIENCE_NS;
+}
+
 /* Who is gone leaves the white pages when its last mails and acknowledgements are out, and the
  * broker has them: it takes no mail of who has left, and the next life must not get again what this
  * one took. */
@@ -140,11 +155,13 @@ static void agents_leave(mu_process *p, bool closes)
     if (!p->leaving || (!closes && p->out_pending)) {
         return;
     }
-    bool drained = bus_drain(&p->up, closes ? CLOSE_PATIENCE_NS : EXPECTANT_NS);
-    if (!drained && !closes && bus_writer_matches(&p->up) > 0) {
+    if (closes) {
+        (void)bus_drain(&p->up, CLOSE_PATIENCE_NS);
+    } else if (!last_words_are_out(p)) {
         return;
     }
     p->leaving = false;
+    p->leaving_ns = 0;
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
         if (a->leaving && !closes && !has_said_all(a)) {
@@ -255,11 +272,11 @@ static void registrations_keep(mu_process *p)
 /* Takes the step that is there: the reader keeps only the newest. */
 static void next_step(mu_process *p)
 {
-    enum bus_life life;
-    const muster_Sense *sense;
-    do {
-        sense = process_takes_steps(p) ? bus_next(&p->sense, &life) : NULL;
-    } while (sense && life != BUS_DATA);
+    enum bus_life life = BUS_LOST;
+    const muster_Sense *sense = NULL;
+    while (process_takes_steps(p) && life != BUS_DATA && (sense = bus_next(&p->sense, &life))) {
+        p->step = NULL; /* its sample is written over */
+    }
     if (!sense) {
         return;
     }
@@ -292,6 +309,21 @@ static uint64_t samples_wanted(const mu_process *p)
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
     return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
+}
+
+/* Step and mail do not belong together: one of them is of an earlier lock step, whose simulator or
+ * broker is gone.  That is the mail, if that of another step lies behind it; else the step, when
+ * there is another one, or its writer is lost.
+ * @return whether one of them has gone */
+static bool pair_mend(mu_process *p)
+{
+    if (inbox_has_step_behind(p)) {
+        inbox_drop(p);
+        return true;
+    }
+    const muster_Sense *held = p->step;
+    next_step(p);
+    return p->step != held;
 }
 
 /* @return whether something was handled */
@@ -327,11 +359,7 @@ static bool handle_one(mu_process *p)
         inbox_drop(p);
         return true;
     }
-    if (p->step && p->mail) {
-        inbox_drop(p); /* of an earlier lock step, whose simulator is gone */
-        return true;
-    }
-    return false;
+    return p->step && p->mail && pair_mend(p);
 }
 
 static void busy_say(mu_process *p, uint64_t busy_ns)

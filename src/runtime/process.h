@@ -130,6 +130,7 @@ struct mu_process {
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
     bool leaving;                /* one of the agents is, or all are */
+    uint64_t leaving_ns;         /* when the network did not take their last words; 0: it did */
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
     char
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */

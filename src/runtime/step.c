@@ -45,7 +45,9 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
     if (!a || a->gone || a->state == MU_MOVING || awaits_verdict(a)) {
         return false;
     }
-    queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    if (!a->refused) {
+        queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+    }
     bool had = parcel->number <= a->last_number;
     if (!number_take(a, parcel->number)) {
         if (had && !taken_has(a->taken, m)) {

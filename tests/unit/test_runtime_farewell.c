@@ -99,11 +99,38 @@ static void test_last_words_go_out_before_the_place_is_given_away(void)
     CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, 1);
 }
 
+/* What it took is another one's business, and nothing that it waits for. */
+static void test_who_is_refused_owes_nothing(void)
+{
+    struct mu_agent *red = begin(0);
+    red->said = true;
+    red->handlers.on_mail = NULL;
+    accept_red(0);
+    muster_Parcel parcel = {
+        .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "go")};
+    muster_Delivery d = delivery();
+    d.parcels._buffer = &parcel;
+    d.parcels._length = 1;
+    step_take_delivery(&process, &d, NULL);
+    CU_ASSERT_TRUE(red->links[QUEUE_ACK].in);
+    muster_Verdict v = {.agent = words("red"), .broker_incarnation = 5, .reason = words("taken")};
+    muster_Delivery refusal = delivery();
+    refusal.verdicts._buffer = &v;
+    refusal.verdicts._length = 1;
+    step_take_delivery(&process, &refusal, NULL);
+    CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
+    parcel.number = 2; /* was under way to it */
+    parcel.letter.seq = 2;
+    step_take_delivery(&process, &d, NULL);
+    CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"a receipt of an earlier life", test_a_receipt_of_an_earlier_life},
         {"last words", test_last_words_go_out_before_the_place_is_given_away},
+        {"refused", test_who_is_refused_owes_nothing},
         CU_TEST_INFO_NULL,
     };
     return suite_run("runtime/farewell", tests);
