@@ -53,6 +53,16 @@ static void accept_red(uint64_t last_seq)
     step_take_delivery(&process, &d, NULL);
 }
 
+static void take_mail(uint64_t number)
+{
+    muster_Parcel parcel = {
+        .box = words("red"), .number = number, .letter = letter("blue", number, "red", "go")};
+    muster_Delivery d = delivery();
+    d.parcels._buffer = &parcel;
+    d.parcels._length = 1;
+    step_take_delivery(&process, &d, NULL);
+}
+
 /* What is said of an earlier one's mail is not said of what waits for the broker's yes. */
 static void test_a_receipt_of_an_earlier_life(void)
 {
@@ -83,12 +93,7 @@ static void test_last_words_go_out_before_the_place_is_given_away(void)
 {
     (void)begin(1);
     accept_red(0);
-    muster_Parcel parcel = {
-        .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "go")};
-    muster_Delivery d = delivery();
-    d.parcels._buffer = &parcel;
-    d.parcels._length = 1;
-    step_take_delivery(&process, &d, NULL);
+    take_mail(1);
     CU_ASSERT_EQUAL(joined, MU_FULL);
     capture_begin();
     step_hello(&process);
@@ -106,12 +111,7 @@ static void test_who_is_refused_owes_nothing(void)
     red->said = true;
     red->handlers.on_mail = NULL;
     accept_red(0);
-    muster_Parcel parcel = {
-        .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "go")};
-    muster_Delivery d = delivery();
-    d.parcels._buffer = &parcel;
-    d.parcels._length = 1;
-    step_take_delivery(&process, &d, NULL);
+    take_mail(1);
     CU_ASSERT_TRUE(red->links[QUEUE_ACK].in);
     muster_Verdict v = {.agent = words("red"), .broker_incarnation = 5, .reason = words("taken")};
     muster_Delivery refusal = delivery();
@@ -119,9 +119,7 @@ static void test_who_is_refused_owes_nothing(void)
     refusal.verdicts._length = 1;
     step_take_delivery(&process, &refusal, NULL);
     CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
-    parcel.number = 2; /* was under way to it */
-    parcel.letter.seq = 2;
-    step_take_delivery(&process, &d, NULL);
+    take_mail(2); /* was under way to it */
     CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
 }
 
