@@ -36,21 +36,20 @@ const char *mu_outcome_text(enum mu_outcome outcome)
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 
-/* @return whether an agent of that name is here and has not left; an earlier one gives it up */
-static bool name_is_held(mu_process *p, const char *name)
+/* One of that name who has left gives it up: who comes now answers for it. */
+static void name_free(mu_process *p, const char *name)
 {
-    const struct mu_agent *holder = agent_find(p, name);
-    if (holder && holder->gone) {
+    struct mu_agent *holder = agent_find(p, name);
+    if (holder) {
         (void)mu_table_remove(&p->names, name);
-        p->agents[holder - p->agents].departed = true; /* who comes now answers for the name */
+        holder->departed = true;
     }
-    return holder && !holder->gone;
 }
 
-/* @return whether it has mail or acknowledgements that are still to go out */
-static bool has_last_words(const struct mu_agent *a)
+bool agent_has_last_words(const struct mu_agent *a)
 {
-    return a->leaving && (a->links[QUEUE_SEND].in || a->links[QUEUE_ACK].in);
+    bool is_mute = a->departed && a->process->in_lockstep; /* another process answers for it */
+    return (a->links[QUEUE_SEND].in && !is_mute) || a->links[QUEUE_ACK].in;
 }
 
 /* @return a place for one more agent: a new one, or that of one that has left; NULL: full */
@@ -60,7 +59,8 @@ static struct mu_agent *place_take(mu_process *p)
         return &p->agents[p->agent_count++];
     }
     struct mu_agent *a = p->agents;
-    while (a < p->agents + p->agent_count && (!a->gone || has_last_words(a))) {
+    while (a < p->agents + p->agent_count &&
+           (!a->gone || (a->leaving && agent_has_last_words(a)))) {
         a++;
     }
     if (a == p->agents + p->agent_count || p->out_pending) { /* what is pending speaks of it */
@@ -90,13 +90,14 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     }
     const struct mu_agent *holder = agent_find(p, name);
     bool follows = holder && (holder->leaving || holder->follows);
-    if (name_is_held(p, name)) {
+    if (holder && !holder->gone) {
         return MU_EXISTS;
     }
     struct mu_agent *a = place_take(p);
     if (!a) {
         return MU_FULL;
     }
+    name_free(p, name);
     uint32_t index = (uint32_t)(a - p->agents);
     a->follows = follows;
     a->process = p;

@@ -250,13 +250,12 @@ void inbox_next(mu_process *p)
 bool inbox_has_step_behind(const mu_process *p)
 {
     const struct inbox *box = &p->inbox;
-    for (uint32_t i = 1; i < box->count; i++) {
+    bool has = box->count - box->circulars == INBOX_EACH; /* it may lie behind these */
+    for (uint32_t i = 1; i < box->count && !has; i++) {
         const muster_Delivery *d = box->at[i];
-        if (d->step != muster_STEP_NOW && d->broker_incarnation == p->mail->broker_incarnation) {
-            return true;
-        }
+        has = d->step != muster_STEP_NOW && d->broker_incarnation == p->mail->broker_incarnation;
     }
-    return false;
+    return has;
 }
 
 bool inbox_lacks(const mu_process *p)

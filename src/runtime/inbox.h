@@ -53,7 +53,7 @@ void inbox_drop(mu_process *p);
  * none, or one before it is missing. */
 void inbox_next(mu_process *p);
 
-/** @return whether mail of another step waits behind p->mail */
+/** @return whether mail of another step waits behind p->mail, or there is no room to see it */
 bool inbox_has_step_behind(const mu_process *p);
 
 /** @return whether something has come too early */

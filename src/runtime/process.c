@@ -28,12 +28,12 @@ static const int64_t PAIR_NS = 50000000;
 /* A process with bodies holds its mail for the next step; when no step comes, for this long. */
 const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
-/* How long a process that closes waits for the network to take its last words. */
+/* How long a process waits for the network to take the last words of who leaves. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
-/* One that goes on gives them so long, and waits no longer once it hears of its broker after that:
- * DDS awaits the word of a reader that was killed, too, until its lease ends.  Whoever asks for the
- * name meanwhile is not refused before that. */
+/* One that goes on gives them so long, now and then, and no longer once it hears of its broker
+ * then: DDS awaits the word of a reader that was killed, too, until its lease ends.  Whoever asks
+ * for the name meanwhile is not refused before that. */
 static const uint64_t LEAVE_PATIENCE_NS = 500000000;
 
 /* So much later than it is due something is looked at, if that saves a wake. */
@@ -56,6 +56,7 @@ static mu_result endpoints_open(mu_process *p, const char *broker)
     inbox_init(&p->inbox);
     if (process_takes_steps(p)) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
+        p->step_kept = bus_sample(BUS_SENSE);
     }
     return MU_OK;
 }
@@ -131,20 +132,14 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     return MU_OK;
 }
 
-/* @return whether nothing of what it has said, or owes, is still to go out */
-static bool has_said_all(const struct mu_agent *a)
-{
-    return !a->links[QUEUE_SEND].in && !a->links[QUEUE_ACK].in;
-}
-
 /* @return whether the broker has what was written, or is not who DDS still waits for */
 static bool last_words_are_out(mu_process *p)
 {
-    if (bus_drain(&p->up, EXPECTANT_NS) || bus_writer_matches(&p->up) == 0) {
-        return true;
-    }
+    /* A broker that lives has them soon, and no sample comes then that would wake us. */
+    int64_t most_ns = p->leaving_ns ? EXPECTANT_NS : CLOSE_PATIENCE_NS;
     p->leaving_ns = p->leaving_ns ? p->leaving_ns : mu_clock_ns();
-    return p->link.lives_ns > p->leaving_ns + LEAVE_PATIENCE_NS;
+    return bus_drain(&p->up, most_ns) || bus_writer_matches(&p->up) == 0 ||
+           p->link.lives_ns > p->leaving_ns + LEAVE_PATIENCE_NS;
 }
 
 /* Who is gone leaves the white pages when its last mails and acknowledgements are out, and the
@@ -164,7 +159,7 @@ static void agents_leave(mu_process *p, bool closes)
     p->leaving_ns = 0;
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        if (a->leaving && !closes && !has_said_all(a)) {
+        if (a->leaving && !closes && agent_has_last_words(a)) {
             p->leaving = true;
         } else if (a->leaving) {
             a->leaving = false;
@@ -212,13 +207,15 @@ const char *mu_process_broker(const mu_process *p)
     return answered && !p->link.silent ? p->link.broker : NULL;
 }
 
+/* Last words that did not go out were for the earlier broker: who is leaving has left. */
 void process_register(mu_process *p)
 {
-    p->ready = false;
+    p->ready = p->leaving = false;
+    p->leaving_ns = 0;
     p->heartbeat_ns = mu_clock_ns();
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        a->registered = false;
+        a->registered = a->leaving = a->follows = false;
         queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
     }
@@ -275,17 +272,19 @@ static void next_step(mu_process *p)
     enum bus_life life = BUS_LOST;
     const muster_Sense *sense = NULL;
     while (process_takes_steps(p) && life != BUS_DATA && (sense = bus_next(&p->sense, &life))) {
-        p->step = NULL; /* its sample is written over */
+        p->step = NULL; /* there is another one, or its writer is lost */
     }
     if (!sense) {
         return;
     }
+    sense = p->step_kept = bus_keep(&p->sense, p->step_kept);
     if (sense->step < 0) {
         p->greeted = true;
         return;
     }
     p->step_wall_ns = mu_clock_ns();
     p->in_lockstep = sense->lockstep && !sense->last;
+    p->lockstep_step = sense->lockstep ? sense->step : p->lockstep_step;
     p->step = sense->last ? NULL : sense;
     if (sense->last && p->watches) {
         lockstep_leave(p); /* it serves the next run, too */
@@ -299,6 +298,14 @@ static bool mail_is_held(const mu_process *p)
 {
     return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
            p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
+}
+
+/* What came with the end of a lock step is, too, when that is over: no step comes for it any more.
+ */
+static bool mail_is_for_now(const mu_process *p)
+{
+    bool is_over = !p->in_lockstep && p->lockstep_step > 0;
+    return p->mail->step == muster_STEP_NOW || (is_over && p->mail->step >= p->lockstep_step - 1);
 }
 
 /* How many samples are worth waking up for. */
@@ -345,7 +352,7 @@ static bool handle_one(mu_process *p)
         p->step = NULL;
         return true;
     }
-    if (p->mail && (p->mail->step == muster_STEP_NOW)) {
+    if (p->mail && mail_is_for_now(p)) {
         if (mail_is_held(p)) {
             return false;
         }

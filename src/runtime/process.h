@@ -125,12 +125,14 @@ struct mu_process {
     bool ready;                  /* all that lock step needs has matched */
     bool in_lockstep;
     bool lived_in_lockstep;      /* a step of it, at least */
-    const muster_Sense *step;    /* a step that waits for its mail, on loan */
+    int64_t lockstep_step;       /* the newest one of this lock step, or of the last one */
+    const muster_Sense *step;    /* a step that waits for its mail */
+    void *step_kept;             /* its sample, for the reader when the next one comes */
     const muster_Delivery *mail; /* the first delivery of the inbox, in hand; NULL: none is */
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
     bool leaving;                /* one of the agents is, or all are */
-    uint64_t leaving_ns;         /* when the network did not take their last words; 0: it did */
+    uint64_t leaving_ns;         /* since when their last words are awaited; 0: they are not */
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
     char
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
@@ -184,6 +186,9 @@ void process_register(mu_process *p);
 
 /** Takes the broker's answer to a registration. */
 void agent_verdict(struct mu_agent *a, const muster_Verdict *v);
+
+/** @return whether mail or acknowledgements of it are still to go out, and can */
+bool agent_has_last_words(const struct mu_agent *a);
 
 /** Its mail went out, or was answered for. */
 void agent_progress(struct mu_agent *a);

@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A process whose agents leave, and come again under their names.
+ *
  *   mail_lives DOMAIN again    thirty lives of red in one place: each is to be accepted
+ *
  *   mail_lives DOMAIN words    forty lives of red, each with last words: the first words of the
- * next are to arrive mail_lives DOMAIN crowd    says "ready"; at a line on its standard input
- * thirty agents fill their outboxes and leave: all of that is to arrive mail_lives DOMAIN close
- * says something in on_state, when its process is closed The last line is "SO MANY of SO MANY".
+ *                              next are to arrive
+ *
+ *   mail_lives DOMAIN crowd    says "ready"; at a line on its standard input thirty agents fill
+ *                              their outboxes and leave: all of that is to arrive
+ *
+ *   mail_lives DOMAIN close    says something in on_state, when its process is closed
+ *
+ * The last line is "SO MANY of SO MANY".
  */
 #include <muster/muster.h>
 

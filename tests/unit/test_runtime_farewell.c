@@ -10,6 +10,7 @@
 
 static mu_process process;
 static mu_result joined;
+static const char *next_name = "next";
 
 /* Says good-bye, and another one takes over. */
 static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
@@ -20,7 +21,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     struct mu_mail bye = {.dst = "blue", .content = "bye"};
     CU_ASSERT_EQUAL(mu_agent_send(a, &bye, NULL), MU_OK);
     mu_agent_set_state(a, MU_GONE);
-    joined = mu_agent_join(a->process, &next, "next", MU_KIND_AGENT, 0, NULL);
+    joined = mu_agent_join(a->process, &next, next_name, MU_KIND_AGENT, 0, NULL);
 }
 
 static const struct mu_handlers hears = {.on_mail = on_mail};
@@ -104,6 +105,29 @@ static void test_last_words_go_out_before_the_place_is_given_away(void)
     CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, 1);
 }
 
+/* Who could not join has not taken the name from who is still to be heard. */
+static void test_last_words_are_in_the_answer_to_a_step(void)
+{
+    (void)begin(1);
+    accept_red(0);
+    muster_Parcel parcel = {
+        .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "go")};
+    muster_Delivery d = delivery();
+    d.step = 6;
+    d.parcels._buffer = &parcel;
+    d.parcels._length = 1;
+    muster_Sense sense = {.process = words("p1"), .step = 7, .lockstep = true};
+    next_name = "red";
+    capture_begin();
+    step_live(&process, &sense, &d);
+    capture_end();
+    next_name = "next";
+    CU_ASSERT_EQUAL(joined, MU_FULL);
+    CU_ASSERT_EQUAL_FATAL(process.out.acts._length, 1);
+    CU_ASSERT_EQUAL_FATAL(process.out.acts._buffer[0].mails._length, 1);
+    CU_ASSERT_STRING_EQUAL(process.out.acts._buffer[0].mails._buffer[0].content, "bye");
+}
+
 /* What it took is another one's business, and nothing that it waits for. */
 static void test_who_is_refused_owes_nothing(void)
 {
@@ -128,6 +152,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"a receipt of an earlier life", test_a_receipt_of_an_earlier_life},
         {"last words", test_last_words_go_out_before_the_place_is_given_away},
+        {"last words in a step", test_last_words_are_in_the_answer_to_a_step},
         {"refused", test_who_is_refused_owes_nothing},
         CU_TEST_INFO_NULL,
     };
