@@ -198,7 +198,7 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
                    (effect != EFFECT_STEP && b->lockstep.on && router_meets_lockstep(b, m));
     if (effect != EFFECT_STEP && !outside) {
         (void)router_route(b, m);
-    } else if (!lockstep_keep(&b->lockstep, m, outside)) {
+    } else if (!lockstep_keep(b, m, outside)) {
         router_turn_away(b, m);
     }
 }

@@ -380,6 +380,7 @@ static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
     is.state = free ? c->state : is.state;
     (void)mu_text_copy(is.host, sizeof is.host, host->host);
     (free ? presence_seat : presence_move)(b, c->agent, c->target, slot, &is);
+    b->registry.agents[c->agent].handed = true;
     seat_tell(b, c);
     c->phase = DEPOT_KEPT;
 }
@@ -408,6 +409,7 @@ static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
                           .pid = host->pid};
     (void)mu_text_copy(is.host, sizeof is.host, host->host);
     presence_seat(b, agent, c->target, slot, &is);
+    b->registry.agents[agent].handed = true;
     seat_tell(b, c);
     capsule_drop(b, c);
 }
@@ -631,11 +633,21 @@ void depot_answered(struct broker *b, uint32_t agent, uint32_t place)
     }
 }
 
-bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch)
+/* @return whether this is late word of who has set out from there; behind a run, who has its name
+ * since another time is another one */
+static bool has_left(const struct broker *b, const struct agent *a, uint32_t seat,
+                     const struct presence *is)
+{
+    bool is_same = b->lockstep.on || is->since_wall_ns == a->left_wall_ns;
+    return a->left == seat && is->epoch < a->is.epoch && is_same;
+}
+
+bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place,
+                     const struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
     const struct place *at = &b->places.at[place];
-    if ((a->passed && at->rostered) || (a->left == at->seat && epoch < a->is.epoch)) {
+    if ((a->passed && at->rostered) || has_left(b, a, at->seat, is)) {
         return true;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {

@@ -94,7 +94,8 @@ void depot_answered(struct broker *b, uint32_t agent, uint32_t place);
  *          after it will have been seated there: neither is a claim on the name.  A registration
  *          says nothing of the step that it was written in, so that one of a lock step may be of
  *          any life that a name has had in it */
-bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place, uint64_t epoch);
+bool depot_overrules(const struct broker *b, uint32_t agent, uint32_t place,
+                     const struct presence *is);
 
 /** @return whether a copy of an agent is kept here */
 bool depot_keeps(const struct broker *b, uint32_t agent);

@@ -16,6 +16,9 @@ enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
 static const uint64_t PAUSE_NS = LIAISON_PAUSE_MS * 1000000ull;
 
+/* So long DDS keeps what somebody has written who is not heard. */
+static const uint64_t OVER_NS = 10000000000;
+
 void liaison_init(struct liaison *l)
 {
     *l = (struct liaison){.part_open = MU_NONE, .peer_open = MU_NONE};
@@ -316,6 +319,13 @@ static void numbers_forget(struct broker *b, struct peer *p)
     p->acks_count = 0;
 }
 
+/* @return whether a life of a neighbour has been silent for so long that what is said by an earlier
+ * number cannot be a word that was under way */
+static bool is_over(const struct broker *b, const struct peer *p)
+{
+    return !p->there && b->clock.now_ns - p->heard_ns >= OVER_NS;
+}
+
 struct peer *liaison_meet(struct broker *b, const char *name, uint64_t incarnation)
 {
     struct peer *p = liaison_peer(b, name);
@@ -323,6 +333,7 @@ struct peer *liaison_meet(struct broker *b, const char *name, uint64_t incarnati
     if (!p || incarnation < p->incarnation) {
         return NULL;
     }
+    p->heard_ns = b->clock.now_ns;
     if (incarnation > p->incarnation) {
         ways_lose(b, p);
         numbers_forget(b, p);
@@ -428,7 +439,7 @@ void liaison_hear(struct broker *b, const muster_Registration *r)
         return; /* our own */
     }
     struct peer *p = liaison_peer(b, name);
-    if (p && !p->there && r->incarnation < p->incarnation) {
+    if (p && r->incarnation < p->incarnation && is_over(b, p)) {
         numbers_forget(b, p); /* a later life, whose clock has been set back */
         p->incarnation = 0;
     }

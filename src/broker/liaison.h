@@ -52,6 +52,7 @@ struct peer {
     char place[MU_PROCESS_MAX + 1];
     bool there; /* it is not silent */
     uint64_t incarnation;
+    uint64_t heard_ns; /* when this life of it was heard last */
     /* One for each agent of the registry: */
     struct way *ways;
     uint64_t *taken; /* the last number of its box there that was taken here */

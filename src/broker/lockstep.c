@@ -73,19 +73,30 @@ static bool mail_is_for_many(const struct mail *m)
     return m->only == MU_NONE && !(is_for_names && !strchr(m->letter.dst, ','));
 }
 
+/* @return whom a mail is for alone, or MU_NONE */
+static uint32_t mail_receiver(const struct broker *b, const struct mail *m)
+{
+    if (m->only != MU_NONE || mail_is_for_many(m)) {
+        return m->only;
+    }
+    return registry_find(&b->registry, m->letter.dst);
+}
+
 /* Counts a mail from outside that is kept, or is kept no longer. */
 static void outside_count(struct lockstep *l, const struct mail *m, uint32_t by)
 {
     bool is_relayed = m->letter.hops > 0 && m->letter.level != muster_LEVEL_RAM;
     l->outside_waiting += by;
     l->turns[m->sender].many += mail_is_for_many(m) ? by : 0;
-    if (is_relayed && m->only != MU_NONE) {
-        l->turns[m->only].relayed += by;
+    if (m->kept_for != MU_NONE) {
+        l->turns[m->kept_for].awaited += by;
+        l->turns[m->kept_for].relayed += is_relayed ? by : 0;
     }
 }
 
-bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
+bool lockstep_keep(struct broker *b, struct mail *m, bool from_outside)
 {
+    struct lockstep *l = &b->lockstep;
     static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
     static const struct share_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
     struct turn *turn = turn_open(l, m->sender);
@@ -96,6 +107,7 @@ bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside)
         }
         share_add(&turn->outside_use, &want);
         share_add(&l->outside_use, &want);
+        m->kept_for = mail_receiver(b, m);
         outside_count(l, m, 1);
     } else if (want.bytes > l->turn_bytes) {
         return false;
@@ -110,9 +122,8 @@ bool lockstep_keeps_before(const struct broker *b, const struct mail *m, uint32_
 {
     const struct lockstep *l = &b->lockstep;
     const struct turn *turn = &l->turns[m->sender];
-    uint32_t place = b->registry.agents[receiver].process;
-    bool has_left = place != MU_NONE && b->places.at[place].step_left == l->step + 1;
-    return turn->many > 0 || (turn->outside.first && (mail_is_durable(m) || has_left));
+    bool may_overtake = l->turns[receiver].awaited > 0 || mail_is_durable(m);
+    return turn->many > 0 || (turn->outside.first && may_overtake);
 }
 
 bool lockstep_keeps_relayed(const struct lockstep *l, uint32_t agent)
@@ -237,20 +248,6 @@ static void outside_take(struct broker *b, struct turn *turn)
     }
 }
 
-/* @param each  so many of one sender at most */
-static void outside_apply(struct broker *b, uint32_t each)
-{
-    struct lockstep *l = &b->lockstep;
-    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
-        struct turn *turn = &l->turns[l->active[i]];
-        uint32_t left = each;
-        while (turn->outside.first && left > 0 && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
-            outside_take(b, turn);
-            left--;
-        }
-    }
-}
-
 /* @return how many mails of one sender have room in a step if all who have some get as much */
 static uint32_t outside_share(const struct lockstep *l)
 {
@@ -259,6 +256,32 @@ static uint32_t outside_share(const struct lockstep *l)
         senders += l->turns[l->active[i]].outside.first != NULL;
     }
     return senders < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX / (senders + !senders) : 1;
+}
+
+/* @return how many have room beyond the shares: of who comes first by name */
+static uint32_t outside_spare(const struct lockstep *l, uint32_t share)
+{
+    uint32_t used = l->told_count;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        uint32_t count = l->turns[l->active[i]].outside.count;
+        used += count < share ? count : share;
+    }
+    return used < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX - used : 0;
+}
+
+/* Those that have room go in order of (sender, number), as a recording is put in again. */
+static void outside_apply(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    uint32_t share = outside_share(l), spare = outside_spare(l, share);
+    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        uint32_t left = share;
+        while (turn->outside.first && left + spare > 0 && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
+            outside_take(b, turn);
+            *(left > 0 ? &left : &spare) -= 1;
+        }
+    }
 }
 
 void lockstep_keep_replay(struct broker *b, struct mail *m)
@@ -288,7 +311,7 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
     for (struct mail *m = schedule_first(&b->replays); m && m->at_ns[SCHEDULE_DUE] <= run_ns;
          m = schedule_first(&b->replays)) {
         schedule_remove(&b->replays, m);
-        if (!lockstep_keep(&b->lockstep, m, true)) {
+        if (!lockstep_keep(b, m, true)) {
             router_turn_away(b, m);
         }
     }
@@ -312,8 +335,7 @@ static void step_apply(struct broker *b)
     pages_expire(b, runclock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
-    outside_apply(b, outside_share(&b->lockstep));
-    outside_apply(b, UINT32_MAX);
+    outside_apply(b);
     resolve_expire(b, runclock_mail_ns(&b->clock));
     turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
@@ -403,7 +425,6 @@ static void place_leave(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
     at->rostered = false;
-    at->step_left = b->lockstep.step + 1;
     at->answered = false;
     at->step_due = false;
     pages_forget_told(at); /* it was not shown all */
@@ -529,9 +550,6 @@ static void lockstep_end(struct broker *b)
     } while (l->outside_waiting > 0);
     lockstep_told(b);
     l->on = false;
-    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
-        b->registry.agents[agent].left = MU_NONE; /* who has its name from now on is another one */
-    }
     lockstep_hold(b, false);
     replays_drop(b);
     uint32_t count = l->roster_count, simulator = l->simulator;
@@ -549,14 +567,20 @@ static void lockstep_end(struct broker *b)
     places_tidy(&b->places, simulator);
 }
 
-static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
+/* What an earlier run did with names is nothing to the next. */
+static void run_forget(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
     for (uint32_t agent = 0; agent < b->registry.count; agent++) {
         b->registry.agents[agent].let_go = false;
         b->registry.agents[agent].passed = false;
         b->registry.agents[agent].left = MU_NONE;
     }
+}
+
+static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
+{
+    struct lockstep *l = &b->lockstep;
+    run_forget(b);
     resolve_give_up(b);
     l->on = true;
     l->held = roster->held;

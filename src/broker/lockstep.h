@@ -32,7 +32,8 @@ struct turn {
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
     struct share_use outside_use;
     uint32_t many;    /* among the mails from outside: those that are not for one name */
-    uint32_t relayed; /* mails from outside for it alone, which another broker still has on disk */
+    uint32_t awaited; /* mails from outside for it alone, */
+    uint32_t relayed; /* and those of them that another broker still has on disk */
     bool active;      /* in the list of those of whom anything was collected */
     bool has_ack, has_state;
     uint64_t ack;
@@ -90,7 +91,7 @@ void lockstep_open_turn(struct lockstep *l);
  * @return false: it does not fit into its process's part of MU_STEP_BYTES_MAX, or, from outside,
  *         into its sender's share of a quarter of that
  */
-bool lockstep_keep(struct lockstep *l, struct mail *m, bool from_outside);
+bool lockstep_keep(struct broker *b, struct mail *m, bool from_outside);
 
 /** Keeps an admitted mail of a recording until the step that ends when it is due; there it is one
  * from outside. */
@@ -104,8 +105,8 @@ void lockstep_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
 
 /**
  * @return whether mail of the same sender waits here that a mail to that agent must not overtake:
- *         it is for many, or for who has left the lock step in this step; or this one is for the
- *         disk, which is to have what was sent before
+ *         it is for many, or for that agent, which may have left the lock step since; or this one
+ *         is for the disk, which is to have what was sent before
  */
 bool lockstep_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver);
 

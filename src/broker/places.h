@@ -53,7 +53,6 @@ struct place {
     uint32_t seat;          /* its number; no other place ever had it */
     uint64_t serial;        /* of the last Delivery to it */
     int64_t step_had;       /* the step of the last Delivery of this lock step */
-    int64_t step_left;      /* the one in which a lock step has let go of it, and one; 0: none */
     uint64_t version_had;   /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;

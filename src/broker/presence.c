@@ -215,7 +215,7 @@ static void claims_grant(struct broker *b, uint32_t agent)
     while (a->process == MU_NONE && a->claim != MU_NONE) {
         uint32_t copy = copy_claim(b, agent);
         struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
-        if (depot_overrules(b, agent, heir.process, heir.presence.epoch)) {
+        if (depot_overrules(b, agent, heir.process, &heir.presence)) {
             b->places.at[heir.process].overruled = true;
             places_tidy(&b->places, heir.process);
         } else {
@@ -310,6 +310,7 @@ void presence_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t sl
     tenants_remove(&b->registry, &b->places, agent);
     mailbox_unwatch(&b->mailbox, agent);
     b->registry.agents[agent].left = b->places.at[from].seat;
+    b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
     b->registry.agents[agent].passed = true;
     presence_seat(b, agent, place, slot, is);
     places_tidy(&b->places, from);
@@ -451,12 +452,14 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
                            struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
-    if (a->process != place && depot_overrules(b, agent, place, is->epoch)) {
+    if (a->process != place && depot_overrules(b, agent, place, is)) {
         b->places.at[place].overruled = true;
         return;
     }
-    bool is_other = a->tenant.slot != slot || a->is.since_wall_ns != is->since_wall_ns;
+    bool is_other =
+        a->tenant.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
     if (a->process == place && is_other && !b->places.at[place].rostered) {
+        b->registry.agents[agent].kept_until_ns = 0; /* whom it was kept for had come */
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {

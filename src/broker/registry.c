@@ -117,7 +117,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->is = *presence;
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
-    a->gone = a->awaited = a->ended = false;
+    a->gone = a->awaited = a->ended = a->handed = false;
     registry_touch(r, agent);
 }
 
@@ -144,6 +144,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
                 strcmp(a->is.home, presence->home) == 0 &&
                 strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
+    a->handed = false;
     if (same) {
         return false;
     }

@@ -65,6 +65,7 @@ struct agent {
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
     uint32_t process;               /* MU_NONE when absent */
     uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
+    uint64_t left_wall_ns;          /* since when who left that had its name */
     uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
     struct tenant tenant;           /* while it has a process */
     struct presence is;
@@ -84,6 +85,8 @@ struct agent {
     bool verdict_due;
     bool seated;     /* it has acknowledged a later one */
     bool let_go;     /* a lock step waits for it to come back in another process */
+    bool handed;     /* the broker has given it to its process, which has not said since when it is
+                        there */
     bool gone;       /* its process went in lock step: counts when that ends */
     bool ended;      /* it was disposed of in lock step, whose members are to know */
     bool passed;     /* a lock step has taken the name from a process since it began */

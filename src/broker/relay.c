@@ -72,7 +72,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     m->only = agent;
     if (!b->lockstep.on || !router_meets_lockstep(b, m)) {
         (void)router_route(b, m);
-    } else if (!lockstep_keep(&b->lockstep, m, true)) {
+    } else if (!lockstep_keep(b, m, true)) {
         router_turn_away(b, m);
     }
 }

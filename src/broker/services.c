@@ -34,24 +34,29 @@ static void line_forget(struct services *s, uint32_t line)
     mu_pairs_remove(&s->pairs, line);
 }
 
-/* @return the oldest line that is withdrawn; first of all one that no subscriber who is away is
- *         still to hear of */
-static uint32_t spare_find(const struct services *s, bool any)
+/* @return the oldest line that is withdrawn, and is none of these; MU_NONE: there is none */
+static uint32_t spare_find(const struct services *s, const uint64_t kept[SUBSCRIPTIONS_WORDS])
 {
     uint32_t line = s->changes.first;
     while (line != MU_NONE &&
            (s->lines[line].offered || changes_version(&s->changes, line) > s->told ||
-            (!any && s->told_to && subscriptions_rest_on(s->told_to, line)))) {
+            (kept[line / 64] >> (line % 64) & 1) != 0)) {
         line = changes_next(&s->changes, line);
     }
     return line;
 }
 
-/* @return whether a line that is withdrawn has made room */
+/* First of all a line goes that no subscriber who is away is still to hear of.
+ * @return whether a line that is withdrawn has made room */
 static bool line_spare(struct services *s)
 {
-    uint32_t line = spare_find(s, false);
-    line = line != MU_NONE ? line : spare_find(s, true);
+    static const uint64_t none[SUBSCRIPTIONS_WORDS];
+    uint64_t rest[SUBSCRIPTIONS_WORDS] = {0};
+    if (s->told_to) {
+        subscriptions_rest(s->told_to, rest);
+    }
+    uint32_t line = spare_find(s, rest);
+    line = line != MU_NONE ? line : spare_find(s, none);
     if (line != MU_NONE) {
         line_forget(s, line);
     }

@@ -41,6 +41,7 @@ struct mail {
     uint64_t order;                 /* in which mails were routed */
     uint32_t sender;                /* an index of the registry */
     uint32_t only;      /* its one receiver, by another broker's word; MU_NONE: as dst says */
+    uint32_t kept_for;  /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
     uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
     uint32_t posts;     /* the first of its places in boxes; MU_NONE: none */
     uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */

@@ -76,16 +76,15 @@ bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed)
     return bit_set(s->owed, line, owed);
 }
 
-bool subscriptions_rest_on(const struct subscriptions *s, uint32_t line)
+void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS])
 {
-    uint64_t bit = 1ull << (line % 64);
+    memset(lines, 0, SUBSCRIPTIONS_WORDS * sizeof *lines);
     for (uint32_t i = 0; i < s->count; i++) {
         const struct subscription *one = subscriptions_at(s, i);
-        if (((one->told[line / 64] | one->owed[line / 64]) & bit) != 0) {
-            return true;
+        for (uint32_t word = 0; word < SUBSCRIPTIONS_WORDS; word++) {
+            lines[word] |= one->told[word] | one->owed[word];
         }
     }
-    return false;
 }
 
 void subscriptions_forget(struct subscriptions *s, uint32_t line)

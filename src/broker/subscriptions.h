@@ -13,13 +13,16 @@
 
 #include <stdint.h>
 
+/** A bit for each line of the services. */
+enum { SUBSCRIPTIONS_WORDS = (MU_SERVICES_MAX + 63) / 64 };
+
 struct subscription {
     char agent[MU_NAME_MAX + 1];
     char text[MU_QUERY_MAX + 1];
     char in_reply_to[MU_FIELD_MAX + 1], conversation[MU_FIELD_MAX + 1]; /* of what he is sent */
     struct mu_query query;
-    uint64_t told[(MU_SERVICES_MAX + 63) / 64]; /* a bit for each line of the services */
-    uint64_t owed[(MU_SERVICES_MAX + 63) / 64]; /* gone from his sight without a word */
+    uint64_t told[SUBSCRIPTIONS_WORDS]; /* lines that he knows of */
+    uint64_t owed[SUBSCRIPTIONS_WORDS]; /* gone from his sight without a word */
 };
 
 struct subscriptions {
@@ -48,8 +51,8 @@ bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
 /** Notes whether he is owed a word about a line.  @return whether he was */
 bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed);
 
-/** @return whether somebody was told that a line is found, and has not heard otherwise since */
-bool subscriptions_rest_on(const struct subscriptions *s, uint32_t line);
+/** Notes the lines that somebody was told are found, and has not heard otherwise of since. */
+void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS]);
 
 /** A line of the services is no more; another one will have its index. */
 void subscriptions_forget(struct subscriptions *s, uint32_t line);

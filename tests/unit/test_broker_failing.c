@@ -194,7 +194,7 @@ static void test_what_waits_for_a_step_goes_to_the_store_in_order(void)
     (void)commit(true);
     log_mail(1, "robo", "one");  /* waits for the end of the step, */
     log_mail(2, "green", "two"); /* and so does this */
-    send_at(muster_LEVEL_RAM, 3, "green", "three");
+    send_at(muster_LEVEL_RAM, 3, "blue", "three");
     EXPECT("red 3-3 stored");
     (void)commit(true);
     CU_ASSERT_EQUAL(disk.rows_count, 0);

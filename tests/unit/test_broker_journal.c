@@ -611,6 +611,24 @@ static void test_names_are_kept_for_who_had_them(void)
     CU_ASSERT_EQUAL(story.b->claims.count, 0);
 }
 
+static void red_say(uint64_t since_wall_ns, bool newcomer)
+{
+    muster_Registration r = registration("red", "p-red");
+    entry_of(&r)->since_wall_ns = since_wall_ns;
+    entry_of(&r)->newcomer = newcomer;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* Red has come for whom the name was kept, and the next red of its process takes its slot. */
+static void test_nobody_is_waited_for_who_has_come(void)
+{
+    team();
+    die_and_come_back(SECOND);
+    red_say(5, false);
+    red_say(6, true);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -636,6 +654,7 @@ int main(void)
         {"bad lines stay on disk", test_bad_lines_stay_on_disk},
         {"a full box comes back in order", test_a_full_box_comes_back_in_order},
         {"names are kept for who had them", test_names_are_kept_for_who_had_them},
+        {"who has come", test_nobody_is_waited_for_who_has_come},
         CU_TEST_INFO_NULL,
     };
     return suite_run("journal", tests);

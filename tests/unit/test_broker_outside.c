@@ -74,6 +74,18 @@ static void test_durable_mail_waits_for_what_was_sent_before(void)
     EXPECT("green #1 operator/1 m");
 }
 
+static void test_mail_does_not_overtake_durable_mail_that_waits(void)
+{
+    run_begin();
+    send_as("operator", 1, "green", muster_LEVEL_RAM, false);
+    send_as("operator", 2, "blue", muster_LEVEL_LOGGED, false);
+    send_as("operator", 3, "blue", muster_LEVEL_RAM, false);
+    answer("green", 0);
+    (void)commit(true);
+    const char *heard = story_collect();
+    CU_ASSERT_PTR_NOT_NULL(strstr(heard, "blue #1 operator/2 m; blue #2 operator/3 m"));
+}
+
 /* red is to come back in another process, and does not: nobody waits for it any more. */
 static void test_a_robot_outside_a_lock_step_that_was_held(void)
 {
@@ -140,6 +152,56 @@ static void test_mail_follows_who_leaves_the_lock_step(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "operator/3 three"));
 }
 
+/* @return how many mails from outside the simulator is told of now, in order of (sender, number) */
+static uint32_t outside_in_order(void)
+{
+    char last[MU_NAME_MAX + 1] = "";
+    uint64_t last_seq = 0;
+    uint32_t told = 0;
+    const char *process;
+    muster_Delivery d;
+    while (broker_next(story.b, &process, &d)) {
+        for (uint32_t i = 0; i < d.outside._length; i++) {
+            const muster_Mail *m = &d.outside._buffer[i];
+            int order = strcmp(last, m->src);
+            CU_ASSERT_TRUE(order < 0 || (order == 0 && last_seq < m->seq));
+            (void)mu_text_copy(last, sizeof last, m->src);
+            last_seq = m->seq;
+        }
+        told += d.outside._length;
+        broker_delivered(story.b, story.now_ns);
+    }
+    return told;
+}
+
+/* As much as a step takes, and more. */
+static void test_the_order_of_mail_from_outside(void)
+{
+    for (uint64_t many = 600; many <= 2400; many *= 2) {
+        run_begin();
+        for (uint64_t i = 1; i <= many; i++) {
+            story_send("operator", i, "green", "m");
+        }
+        story_send("red", 1, "green", "m");
+        (void)story_collect();
+        answer("green", 0);
+        uint64_t most = many + 1 < LOCKSTEP_OUTSIDE_MAX ? many + 1 : LOCKSTEP_OUTSIDE_MAX;
+        CU_ASSERT_EQUAL(outside_in_order(), most);
+    }
+}
+
+/* green was in the run before this one. */
+static void test_who_has_left_an_earlier_run(void)
+{
+    run_begin();
+    roster_say(false, 0, "");
+    roster_say(true, 0, "p-blue");
+    (void)story_collect();
+    story_send("operator", 1, "blue", "one");
+    story_send("operator", 2, "green", "two");
+    EXPECT("green #1 operator/2 two");
+}
+
 /* So much of operator waits that each step is full of it; red has a mail now and then. */
 static void test_limit_who_comes_first_by_name(void)
 {
@@ -172,10 +234,13 @@ int main(void)
         {"mail to many first", test_mail_to_one_does_not_overtake_mail_to_many},
         {"others do not wait", test_others_do_not_wait_for_it},
         {"durable mail waits", test_durable_mail_waits_for_what_was_sent_before},
+        {"durable mail that waits", test_mail_does_not_overtake_durable_mail_that_waits},
         {"a lock step that was held", test_a_robot_outside_a_lock_step_that_was_held},
         {"a recording ends", test_a_recording_ends_with_its_run},
         {"limit: a recording", test_limit_a_recording},
         {"mail follows who leaves", test_mail_follows_who_leaves_the_lock_step},
+        {"the order of mail from outside", test_the_order_of_mail_from_outside},
+        {"who has left an earlier run", test_who_has_left_an_earlier_run},
         {"limit: who comes first by name", test_limit_who_comes_first_by_name},
         CU_TEST_INFO_NULL,
     };

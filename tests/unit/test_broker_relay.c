@@ -5,6 +5,8 @@
 #include "../support/lockstep_story.h"
 #include "broker/liaison.h"
 
+static uint64_t life = 3; /* of beta, that is heard */
+
 /* A team, and beta, which says of one agent where it is. */
 static void hear_of(const char *name, muster_State state)
 {
@@ -18,7 +20,7 @@ static void hear_of(const char *name, muster_State state)
                       .since_wall_ns = 7};
     muster_Registration r = {.process = words("broker.beta"),
                              .broker = words(""),
-                             .incarnation = 3,
+                             .incarnation = life,
                              .host = words("there"),
                              .is_broker = true};
     r.agents._buffer = &e;
@@ -129,12 +131,32 @@ static void test_what_a_neighbour_did_not_hear_in_time(void)
     CU_ASSERT_EQUAL(ttl_ns, 1);
 }
 
+/* It comes late, when beta's next life is not heard for a while. */
+static void test_word_of_a_life_that_is_over(void)
+{
+    team();
+    story_join("green");
+    hear_of("far", muster_STATE_RUNNING);
+    parcel_comes(1, "far", 1, muster_LEVEL_RAM);
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "green #1 far/1 m"));
+    story_ack("green", 1);
+    story_gone("broker.beta");
+    life = 2;
+    hear_of("far", muster_STATE_RUNNING);
+    life = 3;
+    hear_of("far", muster_STATE_RUNNING);
+    parcel_comes(1, "far", 1, muster_LEVEL_RAM);
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "far/1"));
+    CU_ASSERT_EQUAL(acknowledged(), 1);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"a name that others have told of", test_durable_mail_for_a_name_that_others_have_told_of},
         {"a member of a lock step", test_durable_mail_for_a_member_of_a_lock_step},
         {"limit: a sender's name", test_limit_a_sender_for_whose_name_there_is_no_room},
+        {"a life that is over", test_word_of_a_life_that_is_over},
         {"not heard in time", test_what_a_neighbour_did_not_hear_in_time},
         CU_TEST_INFO_NULL,
     };

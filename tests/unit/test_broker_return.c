@@ -28,11 +28,21 @@ static void trip_say(const char *process, const char *agent, int64_t step, muste
     broker_up(story.b, &u.up, story.now_ns);
 }
 
-/* red moves from p-red to p-north in lock step, and the run ends. */
-static void run_with_a_move(void)
+/* What the process says of red where it sets out from. */
+static void first_red_say(void)
+{
+    muster_Registration r = registration("red", "p-red");
+    entry_of(&r)->since_wall_ns = 5;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* red moves from p-red to p-north in lock step, and the run ends.
+ * @param before  what happens before the host says that it has red, or NULL */
+static void run_with_a_move(void (*before)(void))
 {
     story_begin();
-    story_join("red");
+    first_red_say();
+    story_match("p-red");
     muster_Registration r = registration("north", "p-north");
     entry_of(&r)->kind = muster_KIND_HOST;
     broker_registration(story.b, &r, story.now_ns);
@@ -44,10 +54,16 @@ static void run_with_a_move(void)
     answer("north", 0);
     trip_say("p-red", "red", 0, muster_TRIP_DEPOSIT);
     EXPECT("p-north: red arrive 1 capsule");
+    if (before) {
+        before();
+    }
     trip_say("p-north", "", muster_STEP_NOW, muster_TRIP_READY);
     (void)story_collect();
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
-    roster_say(false, 1, "");
+    story_up_from("p-red", "red", 1);
+    story_up_from("p-north", "red", 1);
+    (void)story_collect();
+    roster_say(false, 2, "");
     (void)story_collect();
 }
 
@@ -60,7 +76,7 @@ static void process_ends(const char *process)
 /* Another process has the index among the places that the one had which red has left. */
 static void test_a_name_that_had_moved_is_given_again(void)
 {
-    run_with_a_move();
+    run_with_a_move(NULL);
     process_ends("p-red");
     process_ends("p-north");
     story_tick(60000 * MS);
@@ -69,6 +85,44 @@ static void test_a_name_that_had_moved_is_given_again(void)
     story_match("p-other");
     story_tick(300 * MS);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-other");
+}
+
+/* --- names that a lock step has handed over --------------------------------------------------- */
+
+/* What north's process says of the red that it has made. */
+static void copy_say(void)
+{
+    muster_Registration r = registration("red", "p-north");
+    entry_of(&r)->epoch = 1;
+    entry_of(&r)->since_wall_ns = 7;
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+/* It is heard before the host says that red is ready, and not again before the run is over: of a
+ * process with many parts, heartbeats repeat the first alone. */
+static void test_who_was_handed_over_stays_who_it_is(void)
+{
+    run_with_a_move(copy_say);
+    story_register_newcomer("red", "p-other", 0); /* it waits, for nothing */
+    story_match("p-other");
+    (void)story_collect();
+    copy_say();
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+    EXPECT("");
+}
+
+/* A registration has no step, and may be heard behind an answer, and a roster, that were written
+ * later. */
+static void test_late_word_of_who_was_left_behind(void)
+{
+    run_with_a_move(NULL);
+    copy_say();
+    first_red_say();
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+    process_ends("p-north");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-north");
+    story_register_newcomer("red", "p-red", 0); /* another one of that name */
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
 }
 
 /* --- after a lock step ------------------------------------------------------------------------ */
@@ -200,6 +254,8 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"a name that had moved", test_a_name_that_had_moved_is_given_again},
+        {"who was handed over", test_who_was_handed_over_stays_who_it_is},
+        {"who was left behind", test_late_word_of_who_was_left_behind},
         {"a name passed over", test_a_name_that_a_lock_step_passed_over_is_asked_for},
         {"told all again", test_who_was_at_another_broker_is_told_all_again},
         {"looked at no more", test_who_goes_to_another_broker_is_looked_at_no_more},
