@@ -300,8 +300,8 @@ static bool mail_is_held(const mu_process *p)
            p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
-/* What came with the end of a lock step is, too, when that is over: no step comes for it any more.
- */
+/* @return whether mail in hand belongs to no step, or to the end of a lock step that is over: no
+ * step comes for that any more */
 static bool mail_is_for_now(const mu_process *p)
 {
     bool is_over = !p->in_lockstep && p->lockstep_step > 0;
