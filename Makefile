@@ -107,7 +107,7 @@ MAIN_muster-replay := replay
 MAIN_muster-web    := web
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
-TESTS    := $(patsubst tests/unit/%.c,$(O)/test/%,$(wildcard tests/unit/test_*.c))
+UNITS    := $(patsubst tests/unit/%/,$(O)/unit/%,$(wildcard tests/unit/*/))
 BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/*.c))
 SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/null)
 # Who is not asked for by name, and was built once, is kept up to date: a helper or a bench of before
@@ -178,14 +178,24 @@ $(O)/gen/stranger.c $(O)/gen/stranger.h &: tests/programs/stranger.idl | deps
 # It counts what the static library allocates.
 $(O)/programs/memory_counter: LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
-# What a test or benchmark needs beside its module comes from tests/support.
-SUPPORT := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/*.c))
-test_module = $(word 2,$(subst _, ,$(1)))
-$(O)/test/%: $(O)/tests/unit/%.o $$(call module_objs,$$(call test_module,$$*)) $(SUPPORT)
-	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lcunit $(LIBS_$(call test_module,$*))
+# One program for the unit tests of a module: MODULE TOPIC runs tests/unit/MODULE/TOPIC.c.
+topics   = $(patsubst tests/unit/$(1)/%.c,%,$(wildcard tests/unit/$(1)/*.c))
+SUPPORT := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/unit/*.c))
+SUPPORT_broker := $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/unit/history/*.c))
+$(UNITS): $(O)/unit/%: $(SUPPORT) $(O)/unit/%.table.o $$(addsuffix .o,$$(addprefix $(O)/,$$(basename $$(wildcard tests/unit/$$*/*.c)))) \
+  $$(SUPPORT_$$*) $$(call module_objs,$$*)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) -lcunit $(LIBS_$*)
 
-$(O)/test/test_broker_history: $(patsubst %.c,$(O)/%.o,$(wildcard tests/support/history/*.c))
+$(O)/unit/%.table.c: tests/unit/% Makefile
+	@mkdir -p $(@D)
+	@{ printf '#include "units.h"\n'; printf 'int unit_%s(void);\n' $(call topics,$*); \
+	  echo 'const struct unit units[] = {'; printf '    {"%s", unit_%s},\n' $(foreach t,$(call topics,$*),$t $t); \
+	  echo '    {0}};'; } > $@
+$(O)/unit/%.table.o: $(O)/unit/%.table.c
+	$(Q)$(CC) -Itests/support/unit $(CFLAGS) -c -o $@ $<
+$(O)/tests/unit/%.o: override CPPFLAGS += -Itests/support/unit -Dmain=unit_$(*F)
+$(O)/tests/unit/%.o: CFLAGS += -Wno-missing-prototypes
 
 bench_module = $(word 2,$(subst _, ,$(1)))
 $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
@@ -242,12 +252,12 @@ test: all helpers ## every test: tidy, unit, rules, system, and again under the 
 
 check: test ## the same as test
 
-unit: $(TESTS) ## the unit tests of every module
-	@set -e; for t in $(TESTS); do echo "  TEST  $$t"; $$t; done
+unit: $(UNITS) ## the unit tests of every module
+	@BUILD=$(BUILD) tests/units
 
-rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/*.clp against their `; expect:` lines, tests/clips against the program clips
-	@$(O)/test/rules $(wildcard tests/rules/*.clp)
-	@BUILD=$(BUILD) tests/clips/run
+rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/muster/*.clp against their `; expect:` lines, tests/rules/engine against the program clips
+	@$(O)/test/rules $(wildcard tests/rules/muster/*.clp)
+	@BUILD=$(BUILD) tests/rules/engine/run
 
 system: all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
@@ -261,9 +271,9 @@ soak-builds: ## one hash of the simulator: gcc and clang, -O0 to -O3, every kern
 	@tests/soak/builds.py
 
 .PHONY: soak-model
-soak-model: $(O)/test/test_broker_history $(O)/test/test_broker_links ## a minute of random histories of the broker, from other seeds each time
-	@MUSTER_SECONDS=40 $(O)/test/test_broker_history
-	@MUSTER_SECONDS=20 $(O)/test/test_broker_links
+soak-model: $(O)/unit/broker ## a minute of random histories of the broker, from other seeds each time
+	@MUSTER_SECONDS=40 $(O)/unit/broker history
+	@MUSTER_SECONDS=20 $(O)/unit/broker links
 
 .PHONY: soak-store
 soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or change lost
@@ -290,37 +300,37 @@ soak-verify: all ## twenty recordings that go the same way again, and every stal
 	@BUILD=$(BUILD) tests/soak/verify.py
 
 .PHONY: soak-worlds
-soak-worlds: $(O)/test/test_world_garbage ## sixty thousand damaged world files, from another seed each time
-	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+soak-worlds: $(O)/unit/world ## sixty thousand damaged world files, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $< garbage
 
 .PHONY: soak-recordings
-soak-recordings: $(O)/test/test_mcap_garbage ## sixty thousand damaged recordings, from another seed each time
-	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $<
+soak-recordings: $(O)/unit/mcap ## sixty thousand damaged recordings, from another seed each time
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=60000 timeout 300 $< garbage
 
 # The tests of what reads recordings and samples of strangers; each case is one file or sample.
-STRANGERS := test_mcap_garbage test_story_garbage test_runtime_garbage test_bus_foreign test_bus_tap
+STRANGERS := "mcap garbage" "story garbage" "runtime garbage" "bus foreign" "bus tap"
 .PHONY: soak-strangers
 soak-strangers: ## 200,000 damaged recordings and samples, and a hundred of them to whole programs, under the sanitizers
 	@$(MAKE) --no-print-directory BUILD=asan all build/asan/programs/stranger \
-	  $(STRANGERS:%=build/asan/test/%) build/asan/test/test_web_garbage
+	  $(addprefix build/asan/unit/,mcap story runtime bus web)
 	@set -e; for t in $(STRANGERS); do MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=40000 \
-	  timeout 3000 build/asan/test/$$t; done
-	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=4000 timeout 3000 build/asan/test/test_web_garbage
+	  timeout 3000 build/asan/unit/$$t; done
+	@MUSTER_SEED=$${MUSTER_SEED:-$$RANDOM} MUSTER_ROUNDS=4000 timeout 3000 build/asan/unit/web garbage
 	@BUILD=asan tests/soak/strangers.py
 
 .PHONY: soak-crush
-soak-crush: $(O)/test/test_sim_crush ## a thousand robots that press towards one place for a minute
-	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/test/test_sim_crush
+soak-crush: $(O)/unit/sim ## a thousand robots that press towards one place for a minute
+	@MUSTER_ROBOTS=1000 MUSTER_SECONDS=60 $(O)/unit/sim crush
 
 .PHONY: soak-gohome
 soak-gohome: $(O)/test/gohome ## (gohome) from fifty random places of each world: how many arrive
-	@BUILD=$(BUILD) tests/gohome/run
+	@BUILD=$(BUILD) tests/soak/gohome
 
 .PHONY: soak-minds
 soak-minds: ## a million random lines and damaged rule files for minds, under the sanitizers
-	@$(MAKE) --no-print-directory BUILD=asan build/asan/test/test_agent_fuzz
+	@$(MAKE) --no-print-directory BUILD=asan build/asan/unit/agent
 	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
-	  build/asan/test/test_agent_fuzz; done
+	  build/asan/unit/agent fuzz; done
 
 .PHONY: soak-engine
 soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
@@ -339,7 +349,7 @@ asan: ## unit and rule tests under the address and undefined-behaviour sanitizer
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
 
-$(O)/test/clips: $(O)/tests/clips/embedded.o $$(call module_objs,agent)
+$(O)/test/clips: $(O)/tests/rules/engine/embedded.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
@@ -348,11 +358,11 @@ $(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,agent)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/gohome/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
+$(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
-$(O)/test/rules: $(O)/tests/rules/rules.o $$(call module_objs,agent)
+$(O)/test/rules: $(O)/tests/rules/muster/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
 

@@ -6,9 +6,9 @@
  * Debian compiles libclips.a without optimisation, and a robot thinks ten times a second in a few
  * dozen of its functions.  Those are written anew in the files that include this one, under the
  * names that the engine has for them; ENGINE_OWN in the Makefile lists them, and the linker takes
- * ours in all of the engine.  Each does what the engine's does, to the order of what it keeps:
- * tests/clips compares.  The other half of their speed is that they touch little memory.  Those of
- * clips_heap.c are ours so that a mind's memory can be given back whatever has happened to it.
+ * ours in all of the engine.  Each does what the engine's does, to the order of what it keeps, as
+ * tests/rules/engine compares.  The other half of their speed is that they touch little memory.
+ * Those of clips_heap.c are ours so that a mind can give back all of its memory in any state.
  */
 #ifndef MUSTER_AGENT_CLIPS_ENGINE_H
 #define MUSTER_AGENT_CLIPS_ENGINE_H

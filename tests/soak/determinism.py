@@ -10,7 +10,7 @@ import os
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
 from support import ROOT, Processes, experiment_run, folder  # noqa: E402
 
 RUNS_IDLE, RUNS_BUSY, RUNS_PACED = 10, 8, 2

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-RUN = pathlib.Path(__file__).resolve().parent.parent / "clips" / "run"
+RUN = pathlib.Path(__file__).resolve().parent.parent / "rules" / "engine" / "run"
 RELATIONS = {"a": 1, "b": 2, "c": 3}
 VALUES = ["1", "2", "3", "1.0", "2.5", "-0.0", "0.0", "x", "y", '"x"', "-7", "1e10"]
 FIRINGS = 150

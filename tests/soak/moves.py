@@ -25,7 +25,7 @@ import sys
 import threading
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, experiment_run,  # noqa: E402
                      folder, members, muster, new_domain, wait_for)
 from support import COUNTS, SENDS  # noqa: E402

@@ -16,7 +16,7 @@ import urllib.error
 import urllib.request
 import zlib
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
 from support import (FOLLOW, MUSTER, Processes, folder, muster, new_domain,  # noqa: E402
                      observer_environment, program, wait_for)
 

@@ -8,7 +8,7 @@ import json
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
 from support import ROOT, experiment_run, folder, muster  # noqa: E402
 
 EXPERIMENTS = ("follow", "collect", "crowd", "explore", "formation")

@@ -14,6 +14,7 @@ import time
 import traceback
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support" / "system"))
 sys.path.insert(0, str(HERE))
 
 import support  # noqa: E402

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* An answer to a step is written down in one life of a process, and said again in the next. */
+#include "capture.h"
+#include "samples.h"
+#include "suite.h"
+#include "core/text.h"
+#include "muster/memory.h"
+#include "runtime/answer.h"
+#include "runtime/process.h"
+
+#include <CUnit/Basic.h>
+#include <string.h>
+
+enum { MAILS = 3, TEXT_MAX = 256 * 1024 };
+
+static mu_process *process;
+static mu_agent *red;
+static muster_Mail before[MAILS];
+static char text_bytes[TEXT_MAX];
+static struct mu_text text;
+static struct answer kept;
+
+/* A process with red in it, and nothing said yet. */
+static void life_begin(void)
+{
+    const struct mu_handlers none = {.self = NULL};
+    process = mu_startup_alloc(sizeof *process);
+    process->with_body = true;
+    process_take_memory(process, 2, 0);
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(process, &red, "red", MU_KIND_ROBOT, 0, &none), MU_OK);
+    red->state = MU_RUNNING;
+}
+
+static void set_up(void)
+{
+    life_begin();
+    mu_text_init(&text, text_bytes, sizeof text_bytes);
+}
+
+static void mails_say(void)
+{
+    struct mu_mail plain = {.dst = "blue", .content = "1:2 \"a\nb\" 3"};
+    struct mu_mail whole = {.dst = "blue,green",
+                            .layer = 7,
+                            .performative = "ask-one",
+                            .language = "clips",
+                            .ontology = "o n",
+                            .reply_with = "r1",
+                            .in_reply_to = "r0",
+                            .conversation = "c",
+                            .content = "",
+                            .reply_by_ns = UINT64_MAX,
+                            .priority = -1,
+                            .level = MU_LEVEL_LOGGED,
+                            .timed = true,
+                            .due_ns = 5,
+                            .ttl_ns = 6};
+    struct mu_mail order = {.dst = "blue", .directive = true, .performative = "start"};
+    CU_ASSERT_EQUAL(mu_agent_send(red, &plain, NULL), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_send(red, &whole, NULL), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_send(red, &order, NULL), MU_OK);
+}
+
+/* What red has said in this step, as the answer has it; put together as step.c does. */
+static muster_Act *act_make(muster_Mail *mails)
+{
+    muster_Act *act = &process->acts[red - process->agents];
+    uint32_t count = outbox_unsent(&red->outbox, mails, MAILS);
+    *act = (muster_Act){.agent = red->name,
+                        .drives = red->drives,
+                        .forward_m_s = red->forward_m_s,
+                        .turn_rad_s = red->turn_rad_s,
+                        .paddles = (int32_t)red->paddles,
+                        .lift = (int32_t)red->lift,
+                        .firings = red->firings,
+                        .rules = red->rules};
+    act->mails._buffer = mails;
+    act->mails._length = count;
+    return act;
+}
+
+static void write_down(void)
+{
+    (void)act_make(before);
+    process->answering = true;
+    answer_add(&text, red);
+    process->answering = false;
+    CU_ASSERT_FALSE(text.cut);
+}
+
+static void mail_compare(const muster_Mail *one, const muster_Mail *other)
+{
+    CU_ASSERT_EQUAL(one->seq, other->seq);
+    CU_ASSERT_EQUAL(one->layer, other->layer);
+    CU_ASSERT_EQUAL(one->priority, other->priority);
+    CU_ASSERT_EQUAL(one->level, other->level);
+    CU_ASSERT_EQUAL(one->reply_by_ns, other->reply_by_ns);
+    CU_ASSERT_EQUAL(one->due_ns, other->due_ns);
+    CU_ASSERT_EQUAL(one->ttl_ns, other->ttl_ns);
+    CU_ASSERT_STRING_EQUAL(one->dst, other->dst);
+    CU_ASSERT_STRING_EQUAL(one->performative, other->performative);
+    CU_ASSERT_STRING_EQUAL(one->language, other->language);
+    CU_ASSERT_STRING_EQUAL(one->ontology, other->ontology);
+    CU_ASSERT_STRING_EQUAL(one->reply_with, other->reply_with);
+    CU_ASSERT_STRING_EQUAL(one->in_reply_to, other->in_reply_to);
+    CU_ASSERT_STRING_EQUAL(one->conversation, other->conversation);
+    CU_ASSERT_STRING_EQUAL(one->content, other->content);
+}
+
+static void note(void *self)
+{
+    answer_add(&text, self);
+}
+
+/* Whoever has moved on has no part in the answer: those behind stand further in front in it. */
+static void test_it_is_its_own_answer(void)
+{
+    const struct mu_handlers none = {.self = NULL};
+    muster_Sense sense = {.process = words("p1"), .step = 7};
+    mu_agent *blue;
+    CU_ASSERT_EQUAL_FATAL(mu_agent_join(process, &blue, "blue", MU_KIND_ROBOT, 0, &none), MU_OK);
+    blue->state = MU_STANDBY;
+    mu_agent_leave(red);
+    process_before_up(process, note, blue);
+    mu_agent_fired(blue, 2, "go on");
+    capture_begin();
+    step_live_freely(process, &sense);
+    capture_end();
+    CU_ASSERT_PTR_NOT_NULL(strstr(text.at, "5:go on"));
+}
+
+static void test_all_of_it_comes_back(void)
+{
+    mails_say();
+    CU_ASSERT_EQUAL(mu_agent_drive(red, 0.1, -1.0 / 3.0), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_grip(red, MU_PADDLES_CLOSE, MU_LIFT_UP), MU_OK);
+    mu_agent_fired(red, 2, "wander avoid");
+    write_down();
+    mu_text_add(&text, "passport");
+    const char *at = text.at;
+    CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+    CU_ASSERT_STRING_EQUAL(at, "passport");
+    life_begin();
+    CU_ASSERT_TRUE(answer_repeat(red, &kept));
+    muster_Mail again[MAILS];
+    const muster_Act *act = act_make(again);
+    CU_ASSERT_EQUAL_FATAL(act->mails._length, MAILS);
+    for (int i = 0; i < MAILS; i++) {
+        mail_compare(&before[i], &again[i]);
+    }
+    CU_ASSERT_TRUE(act->drives);
+    CU_ASSERT(act->forward_m_s == 0.1 && act->turn_rad_s == -1.0 / 3.0);
+    CU_ASSERT(act->paddles == MU_PADDLES_CLOSE && act->lift == MU_LIFT_UP);
+    CU_ASSERT_EQUAL(act->firings, 2);
+    CU_ASSERT_STRING_EQUAL(act->rules, "wander avoid");
+}
+
+static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)self;
+    (void)percept;
+    mails_say();
+    CU_ASSERT_EQUAL(mu_agent_drive(a, 0.5, 0.0), MU_OK);
+}
+
+static void before_up(void *self)
+{
+    CU_ASSERT_FALSE(process->out_pending);
+    answer_add(self, red);
+}
+
+/* What is kept of a step is kept when all is said, and before anybody hears of it. */
+static void test_a_step_is_kept_before_it_goes_out(void)
+{
+    muster_Percept percept = {.robot = words("red")};
+    muster_Sense sense = {.process = words("p1"), .step = 7, .lockstep = true};
+    muster_Delivery delivery = {.process = words("p1"), .step = 6};
+    sense.robots._buffer = &percept;
+    sense.robots._length = 1;
+    red->handlers.on_act = on_act_say;
+    red->registered = true;
+    process_before_up(process, before_up, &text);
+    capture_begin();
+    step_live(process, &sense, &delivery);
+    capture_end();
+    const char *at = text.at;
+    CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+    CU_ASSERT_EQUAL(kept.mails, MAILS);
+    CU_ASSERT(kept.drives && kept.forward_m_s == 0.5);
+    CU_ASSERT_FALSE(process->answering);
+}
+
+static void test_who_did_nothing(void)
+{
+    write_down();
+    const char *at = text.at;
+    CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+    CU_ASSERT_STRING_EQUAL(at, "");
+    life_begin();
+    CU_ASSERT_TRUE(answer_repeat(red, &kept));
+    CU_ASSERT_FALSE(red->drives);
+    CU_ASSERT_FALSE(outbox_has_unsent(&red->outbox));
+}
+
+static void test_between_steps_there_is_none(void)
+{
+    answer_add(&text, red);
+    CU_ASSERT_STRING_EQUAL(text.at, "answer none\n");
+    const char *at = text.at;
+    CU_ASSERT_TRUE(answer_read(&at, &kept));
+    CU_ASSERT_PTR_NULL(kept.text);
+    CU_ASSERT_STRING_EQUAL(at, "");
+}
+
+/* However it is damaged, nothing is read beyond its end. */
+static void test_damaged_ones_are_refused(void)
+{
+    mails_say();
+    write_down();
+    size_t len = text.len;
+    for (size_t cut = 0; cut < len; cut++) {
+        char *copy = mu_startup_alloc(cut + 1);
+        memcpy(copy, text.at, cut);
+        const char *at = copy;
+        CU_ASSERT_FALSE(answer_read(&at, &kept));
+    }
+    for (size_t i = (size_t)(strchr(text.at, '\n') - text.at) + 1; i < len; i++) {
+        char was = text.at[i];
+        text.at[i] = '9';
+        const char *at = text.at;
+        life_begin();
+        if (answer_read(&at, &kept)) {
+            (void)answer_repeat(red, &kept); /* the sanitizers look */
+        }
+        text.at[i] = was;
+    }
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"it is its own answer", test_it_is_its_own_answer},
+        {"all of it comes back", test_all_of_it_comes_back},
+        {"a step is kept before it goes out", test_a_step_is_kept_before_it_goes_out},
+        {"who did nothing", test_who_did_nothing},
+        {"between steps there is none", test_between_steps_there_is_none},
+        {"damaged ones are refused", test_damaged_ones_are_refused},
+        CU_TEST_INFO_NULL,
+    };
+    CU_SuiteInfo suites[] = {{"runtime/answer", NULL, NULL, set_up, NULL, tests},
+                             CU_SUITE_INFO_NULL};
+    return suites_run(suites);
+}
