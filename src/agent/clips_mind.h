@@ -261,6 +261,9 @@ void clips_guard_spend(struct mind *m, uint32_t ticks);
 /* clips_override.c */
 void clips_override_install(struct mind *m);
 
+/* clips_format.c */
+void *clips_format_call(void *env);
+
 /* clips_load.c */
 mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
 void clips_load_reserve(struct mind *m);

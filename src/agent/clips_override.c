@@ -201,5 +201,6 @@ void clips_override_install(struct mind *m)
         (void (*)(void *))override_replace(m->env, "facts", (void (*)(void))override_facts);
     override_list_facts = (void (*)(void *, DATA_OBJECT *))override_replace(
         m->env, "get-fact-list", (void (*)(void))override_list);
+    (void)override_replace(m->env, "format", (void (*)(void))clips_format_call);
     override_define(m->env, "set-strategy", override_strategy, "11w");
 }

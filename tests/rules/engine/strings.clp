@@ -98,3 +98,14 @@
   (printout t nil crlf)
   (printout t crlf-x crlf)
   (printout t a.b-c_d crlf))
+
+;;; formats of all kinds
+(defrule go =>
+  (printout t (format nil "[%05s][%05c][%-05d][%07.2f][%05.3d][%0x][%.3s][%.0f][%.f][%5%d]"
+                      ab a 42 -3.14159 7 255 abcdef 2.5 3.5 1) crlf)
+  (printout t (format nil "[%c][%5c][%-5c]" 65 bcd "e") crlf)
+  (printout t (format nil "[%--5d][%-08d][%0-8d][%.05d]" 5 6 7 8) crlf)
+  (printout t (format nil "[%d][%u][%n%t%v%%]" -7.9 -1) crlf)
+  (printout t (format nil "[%-5") (format nil "%") (format nil "") crlf)
+  (printout t (format nil "[%012.3f|%-12g|%012e]" -1.5 2 3) crlf)
+  (format t "[%s]%n" done))
