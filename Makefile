@@ -243,24 +243,46 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 	@$(O)/bin/muster run $(EXPERIMENT) $(ARGS)
 
 # --- tests ---------------------------------------------------------------------------------------
-.PHONY: test check unit rules system tidy asan coverage
-.PHONY: helpers
+.PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
 helpers: $(HELPERS) $(O)/test/gohome
+programs-test: all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
-test: all helpers ## every test: tidy, unit, rules, system, and again under the sanitizers
-	@BUILD=$(BUILD) tests/run
+test: programs-test ## every test: tidy, unit, rules, system, and again under the sanitizers (12 minutes)
+	@$(MAKE) --no-print-directory BUILD=asan programs-test
+	@BUILD=$(BUILD) tests/run all
 
-check: test ## the same as test
+check: programs-test ## tidy, all unit and rule tests, and the system tests that are fast (3 minutes)
+	@BUILD=$(BUILD) tests/run check
 
 unit: $(UNITS) ## the unit tests of every module
-	@BUILD=$(BUILD) tests/units
+	@BUILD=$(BUILD) tests/run units
 
 rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/muster/*.clp against their `; expect:` lines, tests/rules/engine against the program clips
-	@$(O)/test/rules $(wildcard tests/rules/muster/*.clp)
-	@BUILD=$(BUILD) tests/rules/engine/run
+	@BUILD=$(BUILD) tests/run rules engine
 
 system: all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
+
+hashes: all ## every experiment, seeds 1 to 5, against tests/hashes.txt
+	@BUILD=$(BUILD) tests/hashes
+
+# A stamp for each check, so that make finds what a change touches.
+quick: all helpers $(UNITS:%=%.ok) $(O)/tidy.ok $(O)/rules.ok $(O)/system.ok $(O)/pages.ok $(O)/follow.ok ## what a change touches: its units, tidy, one whole run (10 seconds)
+
+PYTEST := BUILD=$(BUILD) pytest-3 -n 4 --dist loadgroup
+$(UNITS:%=%.ok): %.ok: %
+	@BUILD=$(BUILD) tests/units --fast $(*F) > $@.log || { cat $@.log; false; }
+	@grep '^  $(*F)' $@.log; touch $@
+$(O)/tidy.ok: $(SOURCES) tools/tidy.py
+	@tools/tidy.py && touch $@
+$(O)/rules.ok: $(O)/test/rules $(wildcard rules/*.clp tests/rules/muster/*.clp tests/rules/muster/*/*.clp)
+	@$< $(wildcard tests/rules/muster/*.clp) && touch $@
+$(O)/system.ok: $(wildcard tests/system/*.py tests/support/system/*.py) | all helpers
+	@$(PYTEST) -m quick $(or $(filter tests/system/test_%,$?),tests/system/test_usage.py) && touch $@
+$(O)/pages.ok: $(shell find . -name '*.md' -not -path './build/*') | all
+	@$(PYTEST) -m quick tests/system/test_docs.py && touch $@
+$(O)/follow.ok: $(PROGRAMS) $(wildcard rules/*.clp) experiments/follow.yaml worlds/arena.world
+	@BUILD=$(BUILD) tests/hashes follow:1 && touch $@
 
 .PHONY: soak
 soak: all ## twenty whole runs, idle, busy and paced: one hash
@@ -289,7 +311,7 @@ soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs tha
 
 .PHONY: soak-brokers
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
-	@CUT_S=30 BUILD=$(BUILD) python3 tests/system/run.py test_the_link_between
+	@CUT_S=30 BUILD=$(BUILD) $(PYTEST) -k test_the_link_between
 
 .PHONY: soak-moves
 soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hundred kills on the way; clones
@@ -344,7 +366,8 @@ tidy: ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
 asan: ## unit and rule tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) --no-print-directory BUILD=asan unit rules
+	@$(MAKE) --no-print-directory BUILD=asan programs-test
+	@tests/run asan-units asan-leaks asan-rules asan-engine
 
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage

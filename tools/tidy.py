@@ -136,6 +136,7 @@ def main():
     for problem in problems:
         print(problem)
     print(f"tidy: {len(problems)} problems" if problems else "tidy: ok")
+    print(f"{int(not problems)} passed, {int(bool(problems))} failed")
     return bool(problems)
 
 

@@ -14,14 +14,14 @@ from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check
                      child_of, experiment_run, folder, muster, new_domain, observer_environment,
                      program, tool_python, wait_for)
 
-HERE = pathlib.Path(__file__).resolve().parent
+DECODE = ROOT / "tests/support/system/decode.py"
 READERS = ("mcap", "mcap-ros2-support=mcap_ros2")
 
 
 def decode(path, *topics):
     """What the public Python reader makes of a recording."""
     home = tool_python(*READERS)
-    done = subprocess.run([home / "bin" / "python", HERE / "decode.py", path, *topics],
+    done = subprocess.run([home / "bin" / "python", DECODE, path, *topics],
                           capture_output=True, text=True, timeout=120)
     check_equal(done.returncode, 0, f"decode.py {path}: {done.stderr}")
     return json.loads(done.stdout)

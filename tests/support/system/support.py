@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from unittest import SkipTest as Skip  # a test that cannot run here says why
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
 BUILD = ROOT / "build" / os.environ.get("BUILD", "release")
@@ -61,17 +62,6 @@ observer:
 os.environ["MUSTER_STORE"] = "none"
 
 _own = {"first": FIRST_DOMAIN, "next": 0, "claim": None}
-
-
-class Skip(Exception):
-    """A test that cannot run here says why."""
-
-
-def process_own(folder):
-    """Gives a process that runs tests a place of its own in which `muster run` notes what is live."""
-    own = pathlib.Path(folder) / str(os.getpid())
-    own.mkdir(mode=0o700)
-    os.environ["XDG_RUNTIME_DIR"] = str(own)
 
 
 def _domains_claim():
