@@ -140,7 +140,8 @@ ENGINE_OWN := \
   EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
   genalloc genfree EnvReleaseMem gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList \
   EnvCreateMultifield FlushMultifields \
-  PushProcParameters PopProcParameters
+  PushProcParameters PopProcParameters \
+  gensprintf PPCRAndIndent ExpandStringWithChar
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@

@@ -54,8 +54,10 @@ static void format_add(struct format_text *t, const char *bytes, size_t len)
         t->at = more;
         t->room = room;
     }
-    memcpy(t->at + t->len, bytes, len);
-    t->len += len;
+    if (len > 0) {
+        memcpy(t->at + t->len, bytes, len);
+        t->len += len;
+    }
 }
 
 static void format_pad(struct format_text *t, char with, size_t count)
