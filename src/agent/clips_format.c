@@ -41,7 +41,7 @@ static void format_add(struct format_text *t, const char *bytes, size_t len)
         t->full = true;
         return;
     }
-    if (t->len + len > t->room) {
+    if (t->len + len > t->room || t->room == 0) {
         size_t room = t->room > 0 ? t->room : FORMAT_ROOM_FIRST;
         while (room < t->len + len) {
             room *= 2;
