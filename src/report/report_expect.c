@@ -239,63 +239,70 @@ static void expect_judge_statistic(const struct report_data *data, unsigned i)
 }
 
 /* Follows a sequence from one occurrence of its first event on, always to the next that fits.
- * @return how many events of it came; last_s is the time of the last of these */
-static unsigned expect_follow(const struct report_data *data, unsigned i, size_t first,
-                              struct mu_text *when, double *last_s)
+ * Before, places holds where its events came behind an earlier first one: no later first one's
+ * events come before them, so that all searches together read the list once.
+ * @return how many events of it came */
+static unsigned expect_follow(const struct report_data *data, unsigned i, size_t *places)
 {
     const struct experiment *e = data->input->experiment;
-    size_t at = first;
-    unsigned came = 0;
-    mu_text_clear(when);
-    while (came < e->expect[i].sequence_count) {
-        unsigned event = experiment_event_find(e, e->expect[i].sequence[came]);
-        at = report_events_next(data->events, event, at);
-        if (at == data->events->count) {
-            break;
+    for (unsigned k = 1; k < e->expect[i].sequence_count; k++) {
+        unsigned event = experiment_event_find(e, e->expect[i].sequence[k]);
+        size_t from = places[k] > places[k - 1] ? places[k] : places[k - 1] + 1;
+        places[k] = report_events_next(data->events, event, from);
+        if (places[k] == data->events->count) {
+            return k;
         }
-        *last_s = (double)data->events->at[at].time_s;
-        mu_text_format(when, "%s%.1f", came ? ", " : "", *last_s);
-        at++;
-        came++;
     }
-    return came;
+    return e->expect[i].sequence_count;
+}
+
+static void expect_sequence_text(const struct experiment_expectation *expect,
+                                 struct mu_text *text)
+{
+    for (unsigned k = 0; k < expect->sequence_count; k++) {
+        mu_text_format(text, "%s%s", k ? ", then " : "", expect->sequence[k]);
+    }
+    if (expect->within_s > 0) {
+        mu_text_format(text, ", within %g s", expect->within_s);
+    }
 }
 
 static void expect_judge_sequence(const struct report_data *data, unsigned i)
 {
     const struct experiment *e = data->input->experiment;
     const struct experiment_expectation *expect = &e->expect[i];
+    const struct report_events *events = data->events;
     struct report_result *result = data->result;
-    unsigned first_event = experiment_event_find(e, expect->sequence[0]), best = 0;
-    char when_bytes[120];
+    unsigned first_event = experiment_event_find(e, expect->sequence[0]);
+    unsigned all = expect->sequence_count, came = all, best = 0;
+    size_t places[EXPERIMENT_SEQUENCE_MAX] = {0};
+    bool met = false;
     struct mu_text text, when;
-    mu_text_init(&when, when_bytes, sizeof when_bytes);
     mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
-    for (unsigned k = 0; k < expect->sequence_count; k++) {
-        mu_text_format(&text, "%s%s", k ? ", then " : "", expect->sequence[k]);
+    expect_sequence_text(expect, &text);
+    /* What does not come behind one first event comes behind no later one. */
+    while (!met && came == all &&
+           (places[0] = report_events_next(events, first_event, places[0])) < events->count) {
+        double first_s = (double)events->at[places[0]].time_s;
+        if (first_s >= expect->from_s - 1e-6) {
+            came = expect_follow(data, i, places);
+            best = came > best ? came : best;
+            met = came == all && (expect->within_s <= 0 ||
+                                  (double)events->at[places[all - 1]].time_s - first_s <=
+                                      expect->within_s + 1e-6);
+        }
+        places[0] += !met;
     }
-    if (expect->within_s > 0) {
-        mu_text_format(&text, ", within %g s", expect->within_s);
+    result->met[i] = met;
+    mu_text_init(&when, result->measured[i], sizeof result->measured[i]);
+    if (best < all) {
+        mu_text_format(&when, "no: %.100s", expect->sequence[best]);
+    } else if (!met) {
+        mu_text_format(&when, "never so soon");
     }
-    size_t at = 0;
-    result->met[i] = false;
-    while (!result->met[i] &&
-           (at = report_events_next(data->events, first_event, at)) < data->events->count) {
-        double first_s = (double)data->events->at[at].time_s, last_s = first_s;
-        unsigned came =
-            first_s < expect->from_s - 1e-6 ? 0 : expect_follow(data, i, at, &when, &last_s);
-        best = came > best ? came : best;
-        result->met[i] = came == expect->sequence_count &&
-                         (expect->within_s <= 0 || last_s - first_s <= expect->within_s + 1e-6);
-        at++;
-    }
-    if (result->met[i]) {
-        snprintf(result->measured[i], sizeof result->measured[i], "at %s s", when_bytes);
-    } else if (best == expect->sequence_count) {
-        mu_text_copy(result->measured[i], sizeof result->measured[i], "never so soon");
-    } else {
-        snprintf(result->measured[i], sizeof result->measured[i], "no: %.100s",
-                 expect->sequence[best]);
+    for (unsigned k = 0; met && k < all; k++) {
+        mu_text_format(&when, "%s%.1f%s", k ? ", " : "at ", (double)events->at[places[k]].time_s,
+                       k + 1 == all ? " s" : "");
     }
 }
 

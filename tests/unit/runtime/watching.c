@@ -193,9 +193,9 @@ static void test_a_closed_watch_leaves_its_process_alone(void)
 {
     struct bus *bus = &process->bus;
     CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_FRAME, "every", "latest", &frames), MU_OK);
+    uint64_t before = bus->arrived;
     frame_say(0);
     frame_say(1);
-    uint64_t before = bus->arrived;
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
     while (bus->arrived == before && mu_clock_ns() < until_ns) {
         bus_wait(bus, 2, WAIT_NS);
