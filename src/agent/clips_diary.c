@@ -63,7 +63,7 @@ static void line_add_reading(struct mu_text *out, double x)
 static void line_add_field(struct mind *m, const struct field *f)
 {
     struct mu_text *out = &m->diary;
-    if (f->type == FLOAT && m->diary_senses) {
+    if (f->type == FLOAT && m->diary_fact != CLIPS_DIARY_CAUSED) {
         line_add_reading(out, ValueToDouble(f->value));
         return;
     }
@@ -126,7 +126,8 @@ static void diary_asserted(void *env, void *fact)
 {
     struct mind *m = clips_env_mind(env);
     size_t start = m->diary.len;
-    mu_text_format(&m->diary, "+%lld ", ((const struct fact *)fact)->factIndex);
+    mu_text_format(&m->diary, "%c%lld ", m->diary_fact == CLIPS_DIARY_SHOWN ? '=' : '+',
+                   ((const struct fact *)fact)->factIndex);
     line_add_fact(m, fact);
     line_end(m, start);
 }

@@ -109,6 +109,13 @@ enum clips_global {
     CLIPS_GLOBALS
 };
 
+/* What a fact that is asserted now is to the diary. */
+enum clips_diary_fact {
+    CLIPS_DIARY_CAUSED, /* of the cause above it */
+    CLIPS_DIARY_SENSED, /* of this step's percept */
+    CLIPS_DIARY_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
+};
+
 struct mind {
     void *env; /* NULL: there is none, or it broke */
     struct clips_heap heap;
@@ -191,7 +198,7 @@ struct mind {
     char diary_bytes[CLIPS_DIARY_MAX];
     struct mu_text diary;
     uint32_t diary_lost; /* lines for which there was no room */
-    bool diary_senses;   /* what is asserted now is a percept */
+    enum clips_diary_fact diary_fact;
 
     /* values of ?*my-name* and ?*mate* while (reset) runs */
     DATA_OBJECT kept[2];

@@ -100,10 +100,9 @@ void clips_percept_show(struct mind *m)
         m->ring_unseen = false;
         EnvIncrementGCLocks(m->env);
         FactData(m->env)->NextFactIndex = m->ring_number;
-        clips_diary_cause(m, 'S', "", "");
-        m->diary_senses = true;
+        m->diary_fact = CLIPS_DIARY_SHOWN;
         m->ring_fact = percept_sonar(m);
-        m->diary_senses = false;
+        m->diary_fact = CLIPS_DIARY_CAUSED;
         FactData(m->env)->NextFactIndex = next;
         EnvDecrementGCLocks(m->env);
     }
@@ -218,14 +217,14 @@ void mind_percept(struct mind *m, const struct mind_percept *percept)
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     clips_diary_cause(m, 'S', "", "");
-    m->diary_senses = true;
+    m->diary_fact = CLIPS_DIARY_SENSED;
     percept_retract_all(m);
     percept_copy(m, percept);
     m->position_fact = percept_position(m);
     percept_ring(m);
     m->laser_fact = percept_laser(m);
     percept_sights(m);
-    m->diary_senses = false;
+    m->diary_fact = CLIPS_DIARY_CAUSED;
     clips_event_assert(m);
     clips_message_age(m);
     EnvDecrementGCLocks(m->env);

@@ -148,7 +148,7 @@ static void motors_print(const struct stall *s)
 /* What the chain ends in. */
 static void ends_json(struct mu_json *j, uint32_t ends)
 {
-    static const char *const names[] = {"sensed", "mail", "line", "event", "rules", "unknown"};
+    static const char *const names[] = {"sensed", "mail", "line", "event", "rules", "unknown", "intervention"};
     mu_json_list(j, "ends");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (ends & 1u << i) {
@@ -194,7 +194,7 @@ static void stall_tell(struct teller *t, const struct stall *s)
     uint32_t before = s->from > 0 ? (uint32_t)s->from - 1 : 0;
     uint32_t ends = t->mind == MINDS_NONE ? 0 : why_speed(&t->why, t->mind, before);
     if (t->mind != MINDS_NONE && ends == 0) {
-        mu_text_add(&t->chain, "no rule has ever set a speed: somebody has pushed it\n");
+        mu_text_add(&t->chain, "no rule has ever set a speed: another body has pushed it\n");
     }
     if (ask.json) {
         stall_json(t, s, ends);
@@ -323,6 +323,7 @@ static mu_result teller_open(struct teller *t, struct mu_fault *fault)
     MU_TRY(recording_create(&t->recording, ask.file, fault));
     MU_TRY(recording_open(&t->recording, ask.file, fault));
     t->why = (struct why){.minds = t->recording.minds,
+                          .interventions = t->recording.interventions,
                           .step_s = (double)t->recording.step_ns * 1e-9,
                           .out = &t->chain};
     t->robot = stalls_robot(&t->recording, ask.robot);

@@ -11,7 +11,7 @@
 enum { MINDS_LINE_BYTES = 8, MINDS_LINES_LEAST = 1024 };
 
 static const char minds_causes[] = "0SMELR";
-static const char minds_effects[] = "+-VTA";
+static const char minds_effects[] = "+=-VTA";
 
 struct minds *minds_open(size_t text_max, uint32_t robots_max)
 {
@@ -76,7 +76,8 @@ static int32_t robot_enter(struct minds *m, const char *name)
                                                       .first = MINDS_NONE,
                                                       .last = MINDS_NONE,
                                                       .stands = MINDS_NONE,
-                                                      .cause = MINDS_NONE};
+                                                      .cause = MINDS_NONE,
+                                                      .sensed = MINDS_NONE};
     (void)mu_table_put(&m->names, kept, (uint32_t)m->robots_count);
     return m->robots_count++;
 }
@@ -173,8 +174,10 @@ static void line_take(struct minds *m, struct minds_robot *r, int32_t index)
     struct minds_line *line = &m->lines[index];
     if (strchr(minds_causes, line->letter)) {
         r->cause = index;
+        r->sensed = line->letter == 'S' ? index : r->sensed;
     }
-    line->cause = r->cause;
+    line->cause = line->letter == '=' ? r->sensed : r->cause;
+    line->letter = line->letter == '=' ? '+' : line->letter;
     switch (line->letter) {
     case '0':
         facts_void(m, r->stands, index);
@@ -198,7 +201,7 @@ static void line_add(struct minds *m, int32_t robot, uint32_t step, const char *
         return;
     }
     bool known = letter && (strchr(minds_causes, letter) || strchr(minds_effects, letter));
-    bool fact = letter == '+' || letter == '-';
+    bool fact = strchr("+=-", letter) != NULL;
     char *rest = NULL;
     long long number = fact ? strtoll(text + 1, &rest, 10) : 0;
     const char *from = fact ? rest : text + 1;

@@ -36,6 +36,7 @@ struct minds_robot {
     int32_t first, last;
     int32_t stands; /* facts that stand at the end: the root of their tree */
     int32_t cause;  /* of what comes next */
+    int32_t sensed; /* the last percept */
     uint64_t lost;  /* lines that its diary had no room for */
 };
 

@@ -25,6 +25,7 @@ mu_result recording_create(struct recording *r, const char *path, struct mu_faul
     *r = (struct recording){.reader = mcap_reader_create()};
     r->steps_max = (size_t)file.st_size / RECORDING_FRAME_BYTES + 1;
     r->steps = mu_startup_array(r->steps_max, sizeof *r->steps);
+    r->interventions = mu_startup_alloc(sizeof *r->interventions);
     r->minds = minds_open((size_t)file.st_size, MU_ROBOTS_MAX);
     r->room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
     return MU_OK;
@@ -85,6 +86,9 @@ static void frame_enter(struct recording *r, const muster_Frame *f)
     for (uint32_t i = 0; i < f->acts._length; i++) {
         minds_add(r->minds, f->acts._buffer[i].agent, (uint32_t)f->step, f->acts._buffer[i].diary);
     }
+    for (uint32_t i = 0; i < f->orders._length; i++) {
+        interventions_add(r->interventions, (uint32_t)f->step, &f->orders._buffer[i]);
+    }
 }
 
 static void frames_read(struct recording *r)
@@ -122,6 +126,7 @@ mu_result recording_open(struct recording *r, const char *path, struct mu_fault 
 {
     recording_close(r);
     minds_clear(r->minds);
+    r->interventions->count = 0;
     r->steps_count = 0;
     r->malformed = 0;
     MU_TRY(mcap_reader_open(r->reader, path, fault));

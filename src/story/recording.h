@@ -10,6 +10,7 @@
 #define MUSTER_STORY_RECORDING_H
 
 #include "mcap/mcap_read.h"
+#include "story/interventions.h"
 #include "story/minds.h"
 #include "wire.h"
 
@@ -32,6 +33,7 @@ struct recording {
     uint32_t frames;     /* channel of them */
     muster_Scene *scene; /* NULL: there is none */
     struct minds *minds;
+    struct interventions *interventions;
     uint64_t step_ns;             /* simulated time of a step */
     struct recording_step *steps; /* in their order */
     size_t steps_count, steps_max;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "story/why.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,6 +47,28 @@ static void leaf_tell(struct chain *c, int32_t line, int deep, const char *words
     words_add(c, deep, words, line);
     time_add(c, line);
     c->ends |= end;
+}
+
+static void body_tell(struct chain *c, struct interventions_asked on, int deep)
+{
+    char before[2 * WHY_DEEP_MAX + sizeof "intervention: "];
+    snprintf(before, sizeof before, "%*sintervention: ", 2 * deep, "");
+    on.step_s = c->why->step_s;
+    c->ends |= interventions_tell(c->why->interventions, &on, before, c->why->out) > 0 ? WHY_INTERVENTION : 0;
+}
+
+/* A percept shows what was done at the end of the step before. */
+static void percept_tell(struct chain *c, int32_t line, int deep)
+{
+    const struct minds *m = c->why->minds;
+    uint32_t step = m->lines[line].step;
+    leaf_tell(c, line, deep, "sensed", WHY_SENSED);
+    body_tell(c,
+                    (struct interventions_asked){.robot = m->robots[m->lines[line].robot].name,
+                                      .since = step > 0 ? step - 1 : 0,
+                                      .step = step,
+                                      .sensed = true},
+                    deep + 1);
 }
 
 static bool was_told(struct chain *c, int32_t line)
@@ -170,7 +193,7 @@ static void cause_tell(struct chain *c, int32_t line, int deep)
         return;
     }
     switch (c->why->minds->lines[line].letter) {
-    case 'S': leaf_tell(c, line, deep, "sensed", WHY_SENSED); break;
+    case 'S': percept_tell(c, line, deep); break;
     case 'L': leaf_tell(c, line, deep, "a line: ", WHY_LINE); break;
     case 'E': leaf_tell(c, line, deep, "event ", WHY_EVENT); break;
     case '0': leaf_tell(c, line, deep, "from the start", WHY_RULES); break;
@@ -203,12 +226,16 @@ uint32_t why_speed(const struct why *w, int32_t robot, uint32_t step)
 {
     struct chain c = {.why = w};
     int32_t line = minds_last(w->minds, minds_at(w->minds, robot, step), 'V');
-    if (line == MINDS_NONE) {
-        return 0;
+    if (line != MINDS_NONE) {
+        words_add(&c, 0, "speed and turn rate (mm/s, deg/s) ", line);
+        time_add(&c, line);
+        cause_tell(&c, w->minds->lines[line].cause, 1);
     }
-    words_add(&c, 0, "speed and turn rate (mm/s, deg/s) ", line);
-    time_add(&c, line);
-    cause_tell(&c, w->minds->lines[line].cause, 1);
+    body_tell(&c,
+                    (struct interventions_asked){.robot = w->minds->robots[robot].name,
+                                      .since = line == MINDS_NONE ? 0 : w->minds->lines[line].step,
+                                      .step = step + 1},
+                    0);
     return c.ends;
 }
 

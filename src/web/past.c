@@ -238,6 +238,7 @@ const struct mu_text *past_why(struct past *p, int64_t step, const char *robot)
         return NULL;
     }
     struct why why = {.minds = p->recording.minds,
+                      .interventions = p->recording.interventions,
                       .step_s = (double)p->recording.step_ns * 1e-9,
                       .out = &p->text};
     if (why_speed(&why, mind, (uint32_t)step_near(p, step)) == 0) {

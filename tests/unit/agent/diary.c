@@ -147,6 +147,29 @@ static void test_chain(void)
     mind_close(m);
 }
 
+/* Who looks at what was sensed is not its cause, and it is not the cause of what the rule does. */
+static void test_look(void)
+{
+    struct mind *m = mind_with(true, "(defrule look (position $?) => (get-fact-list) "
+                                     "(assert (seen)))\n");
+    const float sonar_m[] = {1};
+    struct mind_percept percept = {
+        .time_ns = 100000000, .sonar_m = sonar_m, .sonar_count = 1, .battery_share = -1};
+    struct mind_act act;
+    diary(m);
+    mind_percept(m, &percept);
+    mind_fire(m, &act);
+    diary(m);
+    CU_ASSERT_EQUAL(strncmp(text, "S\n", 2), 0);
+    const char *rule = strstr(text, "R look ");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(rule);
+    long long sonar, position, seen;
+    int read = sscanf(rule, "R look %lld\n=%lld (sonar 0.1 1000.0)\n+%lld (seen)\n", &position,
+                      &sonar, &seen);
+    CU_ASSERT_EQUAL(read, 3);
+    mind_close(m);
+}
+
 static void test_mail(void)
 {
     struct mind *m = mind_with(true, rules);
@@ -284,6 +307,7 @@ int main(void)
         {"percept", test_percept},
         {"extreme readings", test_extreme_readings},
         {"a chain of causes", test_chain},
+        {"a look at what was sensed", test_look},
         {"mail", test_mail},
         {"agenda", test_agenda},
         {"garbage", test_garbage},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Diaries read back: which facts stood when, and what a chain of causes ends in. */
 #include "suite.h"
+#include "muster/agent.h"
 #include "story/why.h"
 
 #include <CUnit/Basic.h>
@@ -150,9 +151,11 @@ static void test_an_index_that_comes_twice(void)
     CU_ASSERT_STRING_EQUAL(facts(m, "red", 2), "3 (three);5 (five);");
 }
 
+static struct interventions interventions;
+
 static uint32_t why(const struct minds *m, const char *robot, uint32_t step)
 {
-    struct why w = {.minds = m, .step_s = 0.1, .out = &out};
+    struct why w = {.minds = m, .interventions = &interventions, .step_s = 0.1, .out = &out};
     mu_text_clear(&out);
     return why_speed(&w, minds_robot(m, robot), step);
 }
@@ -174,6 +177,57 @@ static void test_why_down_to_a_person(void)
                                  "      a line: (wander), at 2.0 s\n");
 }
 
+/* Who looks at a percept's fact is not sensed, nor is what follows. */
+static void test_why_after_a_look(void)
+{
+    struct minds *m = minds_new(TEXT);
+    minds_add(m, "red", 1, "0\n+0 (initial-fact)\nS\n+2 (position 0.1 1.0)\n");
+    minds_add(m, "red", 2, "E on-run\nR look 0\n=1 (sonar 0.1 900.0)\n+3 (goal x)\n");
+    struct why w = {.minds = m, .interventions = &interventions, .step_s = 0.1, .out = &out};
+    CU_ASSERT_EQUAL(why_fact(&w, 0, 2, 3), WHY_RULES);
+    CU_ASSERT_EQUAL(why_fact(&w, 0, 2, 1), WHY_SENSED);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "sensed, at 0.1 s"));
+}
+
+static void order_add(uint32_t step, muster_RunOrder what, uint32_t senses, bool on)
+{
+    muster_RunCommand order = {.order = what,
+                               .source = (char[]){"observer"},
+                               .name = (char[]){"red"},
+                               .x_m = 1,
+                               .y_m = 2,
+                               .force_x_n = 30,
+                               .time_s = what == muster_RUN_PUSH ? 0.5 : 0,
+                               .senses = senses,
+                               .on = on};
+    interventions_add(&interventions, step, &order);
+}
+
+/* Somebody's hands are where a chain ends, as somebody's line is. */
+static void test_why_of_interventions(void)
+{
+    struct minds *m = minds_new(TEXT);
+    minds_add(m, "red", 1, "0\n+0 (initial-fact)\n");
+    order_add(9, muster_RUN_PUSH, 0, false);
+    CU_ASSERT_EQUAL(why(m, "red", 8), 0);
+    CU_ASSERT_EQUAL(why(m, "red", 9), WHY_INTERVENTION);
+    CU_ASSERT_STRING_EQUAL(text, "intervention: pushed with (30, 0) N and 0 N m for 0.5 s by observer, "
+                                 "at 1.0 s\n");
+    minds_add(m, "red", 40, "S\n+2 (position 4.0 1.0)\nR drive 2\nV 300.0 0.0\n");
+    CU_ASSERT_EQUAL(why(m, "red", 40), WHY_SENSED);
+    order_add(50, muster_RUN_PLACE, 0, false);
+    order_add(51, muster_RUN_SENSOR, MU_SENSE_SONAR | MU_SENSE_LASER, false);
+    order_add(52, muster_RUN_SENSOR, MU_SENSE_LASER, true);
+    CU_ASSERT_EQUAL(why(m, "red", 60), WHY_SENSED | WHY_INTERVENTION);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\nintervention: placed at (1.00, 2.00) m by observer, at 5.1 s\n"));
+    minds_add(m, "red", 61, "S\n+3 (position 6.1 1.0)\nR drive 3\nV 100.0 0.0\n");
+    CU_ASSERT_EQUAL(why(m, "red", 70), WHY_SENSED | WHY_INTERVENTION);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "sensed, at 6.1 s\n        intervention: sonar switched off by "
+                                        "observer, at 5.2 s\n"));
+    CU_ASSERT_PTR_NULL(strstr(text, "placed"));
+    interventions.count = 0;
+}
+
 static void test_why_across_a_mail(void)
 {
     struct minds *m = minds_new(TEXT);
@@ -191,7 +245,7 @@ static void test_why_across_a_mail(void)
 static void test_why_of_a_fact(void)
 {
     struct minds *m = minds_new(TEXT);
-    struct why w = {.minds = m, .step_s = 0.1, .out = &out};
+    struct why w = {.minds = m, .interventions = &interventions, .step_s = 0.1, .out = &out};
     minds_add(m, "red", 1,
               "0\n+0 (initial-fact)\nE on-run\n+1 (event on-run)\nR go 0,1\n+2 (goal x)\n");
     CU_ASSERT_EQUAL(why_fact(&w, 0, 1, 2), WHY_RULES | WHY_EVENT);
@@ -294,6 +348,8 @@ int main(void)
         {"facts without end", test_facts_without_end},
         {"an index that comes twice", test_an_index_that_comes_twice},
         {"why: down to a person", test_why_down_to_a_person},
+        {"why: after a look", test_why_after_a_look},
+        {"why: of interventions", test_why_of_interventions},
         {"why: across a mail", test_why_across_a_mail},
         {"why: of a fact", test_why_of_a_fact},
         {"why: it ends", test_why_ends},
