@@ -319,7 +319,7 @@ soak-moves: all ## a hundred moves in lock step, a hundred in free running, a hu
 	@BUILD=$(BUILD) tests/soak/moves.py
 
 .PHONY: soak-verify
-soak-verify: all ## twenty recordings that go the same way again, and every stall of ten runs explained
+soak-verify: all $(O)/test/sensed ## twenty recordings that go the same way again, every stall of ten runs explained, and what counts as sensed in ten of every experiment
 	@BUILD=$(BUILD) tests/soak/verify.py
 
 .PHONY: soak-worlds
@@ -385,6 +385,10 @@ $(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,agent)
 $(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
+
+$(O)/test/sensed: $(O)/tests/soak/sensed.o $$(call module_objs,story)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_story)
 
 $(O)/test/rules: $(O)/tests/rules/muster/rules.o $$(call module_objs,agent)
 	@mkdir -p $(@D); echo "  LINK  $@"

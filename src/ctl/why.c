@@ -148,7 +148,8 @@ static void motors_print(const struct stall *s)
 /* What the chain ends in. */
 static void ends_json(struct mu_json *j, uint32_t ends)
 {
-    static const char *const names[] = {"sensed", "mail", "line", "event", "rules", "unknown", "intervention"};
+    static const char *const names[] = {"sensed", "mail",    "line",        "event",
+                                        "rules",  "unknown", "intervention"};
     mu_json_list(j, "ends");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (ends & 1u << i) {

@@ -15,15 +15,15 @@ void interventions_add(struct interventions *h, uint32_t step, const muster_RunC
     }
     struct intervention *one = &h->at[h->count++ % INTERVENTIONS_MAX];
     *one = (struct intervention){.step = step,
-                          .order = order->order,
-                          .x_m = order->x_m,
-                          .y_m = order->y_m,
-                          .force_x_n = order->force_x_n,
-                          .force_y_n = order->force_y_n,
-                          .torque_nm = order->torque_nm,
-                          .time_s = order->time_s,
-                          .senses = order->senses,
-                          .on = order->on};
+                                 .order = order->order,
+                                 .x_m = order->x_m,
+                                 .y_m = order->y_m,
+                                 .force_x_n = order->force_x_n,
+                                 .force_y_n = order->force_y_n,
+                                 .torque_nm = order->torque_nm,
+                                 .time_s = order->time_s,
+                                 .senses = order->senses,
+                                 .on = order->on};
     mu_text_copy(one->robot, sizeof one->robot, order->name);
     mu_text_copy(one->source, sizeof one->source, order->source);
 }
@@ -75,8 +75,8 @@ static bool intervention_shows(const struct intervention *h, const struct interv
            (h->order == muster_RUN_PUSH && ago_s <= h->time_s + push_shows_s);
 }
 
-size_t interventions_tell(const struct interventions *h, const struct interventions_asked *on, const char *before,
-                  struct mu_text *out)
+size_t interventions_tell(const struct interventions *h, const struct interventions_asked *on,
+                          const char *before, struct mu_text *out)
 {
     uint32_t decided = 0;
     size_t lines = 0, first = h->count > INTERVENTIONS_MAX ? h->count - INTERVENTIONS_MAX : 0;

@@ -46,12 +46,13 @@ struct interventions_asked {
 };
 
 /**
- * Adds a line for each: placements, and pushes that were under way or ended at most a second before.
+ * Adds a line for each: placements, and pushes that were under way or ended at most a second
+ * before.
  *
  * @param before  what each line begins with
  * @return how many lines
  */
-size_t interventions_tell(const struct interventions *h, const struct interventions_asked *on, const char *before,
-                  struct mu_text *out);
+size_t interventions_tell(const struct interventions *h, const struct interventions_asked *on,
+                          const char *before, struct mu_text *out);
 
 #endif

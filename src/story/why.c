@@ -54,7 +54,9 @@ static void body_tell(struct chain *c, struct interventions_asked on, int deep)
     char before[2 * WHY_DEEP_MAX + sizeof "intervention: "];
     snprintf(before, sizeof before, "%*sintervention: ", 2 * deep, "");
     on.step_s = c->why->step_s;
-    c->ends |= interventions_tell(c->why->interventions, &on, before, c->why->out) > 0 ? WHY_INTERVENTION : 0;
+    c->ends |= interventions_tell(c->why->interventions, &on, before, c->why->out) > 0
+                   ? WHY_INTERVENTION
+                   : 0;
 }
 
 /* A percept shows what was done at the end of the step before. */
@@ -64,11 +66,11 @@ static void percept_tell(struct chain *c, int32_t line, int deep)
     uint32_t step = m->lines[line].step;
     leaf_tell(c, line, deep, "sensed", WHY_SENSED);
     body_tell(c,
-                    (struct interventions_asked){.robot = m->robots[m->lines[line].robot].name,
-                                      .since = step > 0 ? step - 1 : 0,
-                                      .step = step,
-                                      .sensed = true},
-                    deep + 1);
+              (struct interventions_asked){.robot = m->robots[m->lines[line].robot].name,
+                                           .since = step > 0 ? step - 1 : 0,
+                                           .step = step,
+                                           .sensed = true},
+              deep + 1);
 }
 
 static bool was_told(struct chain *c, int32_t line)
@@ -231,11 +233,12 @@ uint32_t why_speed(const struct why *w, int32_t robot, uint32_t step)
         time_add(&c, line);
         cause_tell(&c, w->minds->lines[line].cause, 1);
     }
-    body_tell(&c,
-                    (struct interventions_asked){.robot = w->minds->robots[robot].name,
-                                      .since = line == MINDS_NONE ? 0 : w->minds->lines[line].step,
-                                      .step = step + 1},
-                    0);
+    body_tell(
+        &c,
+        (struct interventions_asked){.robot = w->minds->robots[robot].name,
+                                     .since = line == MINDS_NONE ? 0 : w->minds->lines[line].step,
+                                     .step = step + 1},
+        0);
     return c.ends;
 }
 

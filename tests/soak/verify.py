@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Twenty recordings that go the same way again, and every stall of ten runs explained.
+"""Twenty recordings that go the same way again, every stall of ten runs explained, and what counts
+as sensed in ten runs of every experiment.
 
-`make soak-verify`; about three minutes.
+`make soak-verify`; about six minutes.
 """
 import json
 import pathlib
+import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
-from support import ROOT, experiment_run, folder, muster  # noqa: E402
+from support import BUILD, ROOT, experiment_run, folder, muster  # noqa: E402
 
 EXPERIMENTS = ("follow", "collect", "crowd", "explore", "formation")
 SEEDS = range(1, 5)
@@ -55,6 +57,14 @@ def stalls_explained(out, file, seed):
     return len(stalls), len(good)
 
 
+def sensed_falsely(out, file, seed):
+    """(facts that count as sensed, those of them that no sensor makes)"""
+    experiment_run(out / "run", "--seed", seed, file=file)
+    done = subprocess.run([BUILD / "test" / "sensed", out / "run" / "run.mcap"], check=True,
+                          stdout=subprocess.PIPE, text=True)
+    return [int(n) for n in done.stdout.split()]
+
+
 def main():
     passed = failed = 0
     with folder() as out:
@@ -62,6 +72,11 @@ def main():
             for seed in SEEDS:
                 equal = verified(out, ROOT / "experiments" / f"{name}.yaml", seed)
                 passed, failed = passed + equal, failed + (not equal)
+        for file in sorted((ROOT / "experiments").glob("*.yaml")):
+            counts = [sensed_falsely(out, file, seed) for seed in range(1, 11)]
+            sensed, wrong = map(sum, zip(*counts))
+            print(f"  {file.stem}: {sensed} facts sensed, {wrong} of them by no sensor", flush=True)
+            passed, failed = passed + (wrong == 0), failed + (wrong > 0)
         (out / "stubborn.clp").write_text(STUBBORN_RULES)
         (out / "stubborn.yaml").write_text(
             STUBBORN.format(world=ROOT / "worlds" / "arena.world"))

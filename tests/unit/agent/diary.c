@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a mind notes for recordings: each line has its cause above it, and nothing goes unsaid. */
-#include "suite.h"
 #include "agent/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

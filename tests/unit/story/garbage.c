@@ -6,10 +6,10 @@
  * times as MUSTER_ROUNDS says: make soak-strangers.
  */
 #include "rich_recording.h"
-#include "suite.h"
 #include "story/differ.h"
 #include "story/stalls.h"
 #include "story/why.h"
+#include "suite.h"
 
 enum { ROUNDS = 1500, STALLS_MAX = 4 };
 
@@ -35,7 +35,8 @@ static void test_the_sample_itself(void)
 static uint32_t robot_ask(struct recording *r, const char *name, struct mu_text *out)
 {
     struct stall stalls[STALLS_MAX];
-    struct why why = {.minds = r->minds, .interventions = r->interventions, .step_s = 0.1, .out = out};
+    struct why why = {
+        .minds = r->minds, .interventions = r->interventions, .step_s = 0.1, .out = out};
     uint32_t ends = 0;
     uint32_t robot = stalls_robot(r, name);
     int32_t mind = minds_robot(r->minds, name);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Diaries read back: which facts stood when, and what a chain of causes ends in. */
-#include "suite.h"
 #include "muster/agent.h"
 #include "story/why.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -211,19 +211,22 @@ static void test_why_of_interventions(void)
     order_add(9, muster_RUN_PUSH, 0, false);
     CU_ASSERT_EQUAL(why(m, "red", 8), 0);
     CU_ASSERT_EQUAL(why(m, "red", 9), WHY_INTERVENTION);
-    CU_ASSERT_STRING_EQUAL(text, "intervention: pushed with (30, 0) N and 0 N m for 0.5 s by observer, "
-                                 "at 1.0 s\n");
+    CU_ASSERT_STRING_EQUAL(text,
+                           "intervention: pushed with (30, 0) N and 0 N m for 0.5 s by observer, "
+                           "at 1.0 s\n");
     minds_add(m, "red", 40, "S\n+2 (position 4.0 1.0)\nR drive 2\nV 300.0 0.0\n");
     CU_ASSERT_EQUAL(why(m, "red", 40), WHY_SENSED);
     order_add(50, muster_RUN_PLACE, 0, false);
     order_add(51, muster_RUN_SENSOR, MU_SENSE_SONAR | MU_SENSE_LASER, false);
     order_add(52, muster_RUN_SENSOR, MU_SENSE_LASER, true);
     CU_ASSERT_EQUAL(why(m, "red", 60), WHY_SENSED | WHY_INTERVENTION);
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\nintervention: placed at (1.00, 2.00) m by observer, at 5.1 s\n"));
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(text, "\nintervention: placed at (1.00, 2.00) m by observer, at 5.1 s\n"));
     minds_add(m, "red", 61, "S\n+3 (position 6.1 1.0)\nR drive 3\nV 100.0 0.0\n");
     CU_ASSERT_EQUAL(why(m, "red", 70), WHY_SENSED | WHY_INTERVENTION);
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "sensed, at 6.1 s\n        intervention: sonar switched off by "
-                                        "observer, at 5.2 s\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text,
+                                  "sensed, at 6.1 s\n        intervention: sonar switched off by "
+                                  "observer, at 5.2 s\n"));
     CU_ASSERT_PTR_NULL(strstr(text, "placed"));
     interventions.count = 0;
 }
