@@ -3,6 +3,10 @@
 # One Makefile, no recursion, no configure step.  A folder below src/ is a module: its files are
 # found, not listed.  Variants live side by side: build/release, build/asan, ...
 MAKEFLAGS += --no-builtin-rules
+# All cores, unless the command line says how many.
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc)
+endif
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .SUFFIXES:
@@ -13,6 +17,7 @@ BUILD   ?= release
 PREFIX  ?= /usr/local
 DESTDIR ?=
 DEPS    ?= install
+TEST_DEPS ?= $(DEPS)
 V       ?= 0
 Q       := $(if $(filter 1,$(V)),,@)
 O       ?= build/$(BUILD)
@@ -27,8 +32,7 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
 # Foreign headers are system headers: their warnings are not ours.
-CLIPS_VERSION := $(shell sed -n 's/^#define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h 2>/dev/null)
-override CPPFLAGS += -DMU_CLIPS_VERSION='"$(CLIPS_VERSION)"'  -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 # Tables for unwinding are with the debug information alone: nothing of ours throws.
@@ -43,6 +47,13 @@ endif
 SHARED  := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
 CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(SHARED) -MD -MP
 LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections
+
+# What everything is compiled and linked with: when that changes, all is built again.
+$(O)/flags: FORCE
+	@mkdir -p $(@D)
+	$(Q)echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)' | cmp -s - $@ || echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)' > $@
+.PHONY: FORCE
+FORCE:
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
 objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(wildcard src/$(1)/*.c)))
@@ -118,9 +129,11 @@ KEPT     := $(wildcard $(HELPERS) $(BENCHES) $(O)/test/gohome)
 .PHONY: all
 all: deps $(PROGRAMS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
-.PHONY: deps
+.PHONY: deps test-deps
 deps: ## install what is missing (DEPS=skip: never touch the system)
 	$(Q)DEPS=$(DEPS) tools/install-deps
+test-deps: deps ## and what the tests need (TEST_DEPS=skip: what needs it is skipped)
+	$(Q)DEPS=$(TEST_DEPS) tools/install-deps --tests
 
 .SECONDEXPANSION:
 $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAIN_$$*))
@@ -188,24 +201,29 @@ $(UNITS): $(O)/unit/%: $(SUPPORT) $(O)/unit/%.table.o $$(addsuffix .o,$$(addpref
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) -lcunit $(LIBS_$*)
 
-$(O)/unit/%.table.c: tests/unit/% Makefile
+$(O)/unit/%.table.c: tests/unit/%
 	@mkdir -p $(@D)
 	@{ printf '#include "units.h"\n'; printf 'int unit_%s(void);\n' $(call topics,$*); \
 	  echo 'const struct unit units[] = {'; printf '    {"%s", unit_%s},\n' $(foreach t,$(call topics,$*),$t $t); \
 	  echo '    {0}};'; } > $@
-$(O)/unit/%.table.o: $(O)/unit/%.table.c
+$(O)/unit/%.table.o: $(O)/unit/%.table.c $(O)/flags
 	$(Q)$(CC) -Itests/support/unit $(CFLAGS) -c -o $@ $<
 $(O)/tests/unit/%.o: override CPPFLAGS += -Itests/support/unit -Dmain=unit_$(*F)
 $(O)/tests/unit/%.o: CFLAGS += -Wno-missing-prototypes
+$(SUPPORT) $(patsubst %.c,$(O)/%.o,$(wildcard tests/unit/*/*.c)): | test-deps
 
 bench_module = $(word 2,$(subst _, ,$(1)))
 $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
 
-$(O)/%.o: %.c Makefile | $(GEN:.o=.h) deps
+$(O)/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
+
+# Known when the packages are there.
+$(O)/src/ctl/run_start.o $(O)/src/ctl/run_report.o: override CPPFLAGS += -DMU_CLIPS_VERSION='"$(shell \
+  sed -n 's/^.define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h)"'
 
 # In the library, and not where time is spent: small, not fast.
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
@@ -226,14 +244,14 @@ $(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
 $(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
 endif
 
-$(ASSETS): $(O)/%.o: % Makefile
+$(ASSETS): $(O)/%.o: %
 	@mkdir -p $(@D); echo "  EMBED $<"
 	$(Q)ld -r -b binary -z noexecstack -o $@ $<
 
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
 	$(Q)idlc -l c -o $(@D) $<
-$(O)/gen/%.o: $(O)/gen/%.c Makefile
+$(O)/gen/%.o: $(O)/gen/%.c $(O)/flags
 	$(Q)$(CC) -I$(O)/gen $(FLAGS_$(BUILD)) $(SHARED) -w -c -o $@ $<
 
 # --- use -----------------------------------------------------------------------------------------
@@ -246,7 +264,7 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
 helpers: $(HELPERS) $(O)/test/gohome
-programs-test: all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
+programs-test: test-deps all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
 test: programs-test ## every test: tidy, unit, rules, system, and again under the sanitizers (12 minutes)
 	@$(MAKE) --no-print-directory BUILD=asan programs-test
@@ -258,19 +276,20 @@ check: programs-test ## tidy, all unit and rule tests, and the system tests that
 unit: $(UNITS) ## the unit tests of every module
 	@BUILD=$(BUILD) tests/run units
 
-rules: $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/muster/*.clp against their `; expect:` lines, tests/rules/engine against the program clips
+rules: test-deps $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/muster/*.clp against their `; expect:` lines, tests/rules/engine against the program clips
 	@BUILD=$(BUILD) tests/run rules engine
 
-system: all helpers ## the system tests: real processes on loopback
+system: test-deps all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
 
 hashes: all ## every experiment, seeds 1 to 5, against tests/hashes.txt
 	@BUILD=$(BUILD) tests/hashes
 
 # A stamp for each check, so that make finds what a change touches.
-quick: all helpers $(UNITS:%=%.ok) $(O)/tidy.ok $(O)/rules.ok $(O)/system.ok $(O)/pages.ok $(O)/follow.ok ## what a change touches: its units, tidy, one whole run (10 seconds)
+quick: test-deps all helpers $(UNITS:%=%.ok) $(O)/tidy.ok $(O)/rules.ok $(O)/system.ok $(O)/pages.ok $(O)/follow.ok ## what a change touches: its units, tidy, one whole run (10 seconds)
 
-PYTEST := BUILD=$(BUILD) pytest-3 -n 4 --dist loadgroup
+$(UNITS:%=%.ok) $(addprefix $(O)/,tidy.ok rules.ok system.ok pages.ok follow.ok): | test-deps
+PYTEST := BUILD=$(BUILD) pytest-3 -n $(shell expr 3 \* `nproc`) --dist loadgroup
 $(UNITS:%=%.ok): %.ok: %
 	@BUILD=$(BUILD) tests/units --fast $(*F) > $@.log || { cat $@.log; false; }
 	@grep '^  $(*F)' $@.log; touch $@
@@ -288,6 +307,10 @@ $(O)/follow.ok: $(PROGRAMS) $(wildcard rules/*.clp) experiments/follow.yaml worl
 .PHONY: soak
 soak: all ## twenty whole runs, idle, busy and paced: one hash
 	@BUILD=$(BUILD) tests/soak/determinism.py
+
+.PHONY: bare
+bare: ## `make run` and `make test` in a bare Debian 12, as root and as a user with sudo: as root, with debootstrap
+	@tests/soak/bare
 
 .PHONY: soak-builds
 soak-builds: ## one hash of the simulator: gcc and clang, -O0 to -O3, every kernel of beams
@@ -363,7 +386,7 @@ soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in
 soak-capsules: $(O)/test/capsules ## 1200 random programs, each cut somewhere: minds go on from their capsules, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/capsules.py $$RANDOM; done
 
-tidy: ## the house rules that a compiler cannot check
+tidy: test-deps ## the house rules that a compiler cannot check
 	@python3 tools/tidy.py
 
 asan: ## unit and rule tests under the address and undefined-behaviour sanitizers

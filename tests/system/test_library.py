@@ -105,7 +105,7 @@ def test_the_libraries_are_small_and_need_little():
 def install(out):
     """An installed copy; gives the environment in which pkg-config finds it."""
     if not shutil.which("pkg-config"):
-        raise Skip("no pkg-config here")
+        raise Skip("no pkg-config: package pkg-config")
     output_of("make", "-s", "DEPS=skip", "install", f"BUILD={BUILD.name}", f"DESTDIR={out}",
               "PREFIX=/usr", cwd=ROOT)
     return {**os.environ, "PKG_CONFIG_PATH": str(out / "usr/lib/pkgconfig"),
@@ -175,7 +175,7 @@ def test_a_strange_program_is_built_and_lives_with_either_library():
 
 def test_a_program_in_cpp_takes_the_headers():
     if not shutil.which("g++"):
-        raise Skip("no g++ here")
+        raise Skip("no compiler for C++: package g++")
     with folder() as out:
         environment = install(out)
         (out / "plus.cc").write_text(

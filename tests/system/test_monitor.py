@@ -2,6 +2,7 @@
 """Monitors and `muster top`: the figures of the report while a run goes on, and no other run."""
 import fcntl
 import json
+import os
 import pathlib
 import re
 import signal
@@ -195,7 +196,7 @@ def test_top_needs_no_broker_and_no_run():
         check_equal(once.returncode, 0, f"one who comes later: {once.stderr}")
         check("yellow" in once.stdout and ">" in once.stdout, once.stdout)
         broker = wait_for(lambda: members(domain)["broker"]["pid"], 10, "the broker")
-        subprocess.run(["kill", "-KILL", str(broker)], check=True)
+        os.kill(broker, signal.SIGKILL)
         check(run.wait(30) != 0, "a run without its broker fails")
         top.wait(30)
         end = text_of(out / "top").splitlines()[-1]
@@ -350,7 +351,7 @@ def test_the_death_of_a_monitor_ends_nothing():
         pids = [pid for pid in children_of(run.pid)
                 if b"--name=eye" in (pathlib.Path("/proc") / str(pid) / "cmdline").read_bytes()]
         check_equal(len(pids), 1, "the monitor's process")
-        subprocess.run(["kill", "-KILL", str(pids[0])], check=True)
+        os.kill(pids[0], signal.SIGKILL)
         check_equal(run.wait(60), 0, "the run ends well")
         summary = json.loads((out / "killed/summary.json").read_text())
         check_equal(summary["hash"], plain["hash"], "the same hash")

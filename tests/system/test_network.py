@@ -12,7 +12,7 @@ from support import (BUILD, MUSTER, ROOT, Processes, Skip, broker_start, check, 
 
 def test_every_socket_is_bound_to_loopback():
     if not shutil.which("ss"):
-        raise Skip("no ss here")
+        raise Skip("no ss: package iproute2")
     domain = new_domain()
     with Processes() as processes:
         broker_start(processes, domain)
@@ -90,7 +90,7 @@ def test_dds_tools_list_and_decode_the_topics():
 
 def test_library_and_headers_build_a_stranger_s_controller():
     if not shutil.which("pkg-config"):
-        raise Skip("no pkg-config here")
+        raise Skip("no pkg-config: package pkg-config")
     with folder() as out:
         subprocess.run(["make", "-s", "DEPS=skip", "install", f"BUILD={BUILD.name}",
                         f"DESTDIR={out}", "PREFIX=/usr"], cwd=ROOT, check=True,

@@ -15,7 +15,7 @@ from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check
                      program, tool_python, wait_for)
 
 DECODE = ROOT / "tests/support/system/decode.py"
-READERS = ("mcap", "mcap-ros2-support=mcap_ros2")
+READERS = ("mcap", "mcap_ros2")
 
 
 def decode(path, *topics):

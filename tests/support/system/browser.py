@@ -23,7 +23,7 @@ FLAGS = ("--headless=new", "--disable-gpu", "--no-first-run", "--disable-backgro
 def chromium():
     found = shutil.which("chromium") or shutil.which("chromium-browser")
     if not found:
-        raise Skip("there is no chromium")
+        raise Skip("no browser: package chromium")
     return found
 
 

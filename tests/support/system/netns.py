@@ -23,9 +23,9 @@ class Hosts:
 
     def __enter__(self):
         if os.geteuid() != 0:
-            raise Skip("network namespaces need root")
+            raise Skip("network namespaces need root: run the tests as root")
         if not shutil.which("ip"):
-            raise Skip("no ip here")
+            raise Skip("no ip: package iproute2")
         try:
             self._make()
         except Skip:
@@ -36,7 +36,8 @@ class Hosts:
     def _do(self, *words):
         done = ip(*words)
         if done.returncode != 0:
-            raise Skip(f"ip {' '.join(words)}: {done.stderr.strip()}")
+            raise Skip("no network namespaces here, as in a container without the right to make "
+                       f"them: ip {' '.join(words)}: {done.stderr.strip()}")
 
     def _make(self):
         for name in self.names:
