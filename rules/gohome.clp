@@ -1,6 +1,7 @@
 ; SPDX-License-Identifier: Apache-2.0
 ;
-; (gohome X Y), (goto X Y): goes to a point in mm, along the way of way.clp.  (stay): stands still.
+; (gohome X Y), (goto X Y): goes to a point in mm, along the way of way.clp, and as near to it as
+; there is room for the robot.  Where no way leads it says so and stays.  (stay): stands still.
 
 (defglobal
   ?*gohome-near* = 150    ; mm: there
@@ -8,6 +9,7 @@
 
 (deffunction gohome (?x ?y)
   (bind ?*way-until* -1.0)
+  (bind ?*way-known* FALSE)
   (new-goal gohome ?x ?y))
 
 (deffunction goto (?x ?y)
@@ -21,7 +23,8 @@
   (declare (salience 5))
   (goal gohome ?home-x ?home-y)
   (position ? ?x ?y $?)
-  (test (< (distance ?x ?y ?home-x ?home-y) ?*gohome-near*))
+  (test (or (< (distance ?x ?y ?home-x ?home-y) ?*gohome-near*)
+            (way-done ?x ?y ?*gohome-near*)))
   =>
   (stay)
   (update-sensors)
@@ -31,9 +34,10 @@
   (goal gohome ?home-x ?home-y)
   (position ?time ?x ?y ? ? ?compass ?)
   =>
-  (if (>= ?time ?*way-until*) then
-    (plan-way ?time ?home-x ?home-y))
-  (go-on ?time ?x ?y ?compass ?*gohome-speed*)
+  (if (or (< ?time ?*way-until*) (plan-way ?time ?home-x ?home-y))
+   then (go-on ?time ?x ?y ?compass ?*gohome-speed*)
+   else (printout t "there is no way to " ?home-x " " ?home-y crlf)
+        (stay))
   (update-sensors)
   (tell-position ?x ?y))
 

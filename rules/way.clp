@@ -1,7 +1,7 @@
 ; SPDX-License-Identifier: Apache-2.0
 ;
 ; Going to a point by way of (plan) where the robot has a map, else straight on: plan-way says where
-; to, go-on does one step.
+; to, or that there is no way, go-on does one step, and way-done says that its end is near.
 
 (defglobal
   ?*way* = (create$)      ; x y of each corner that is still ahead
@@ -12,7 +12,10 @@
   ?*way-care* = 420)      ; mm: ?*care* on a way that is known to be free
 
 (deffunction plan-way (?time ?x ?y)
+  "FALSE: there is a map, and no way on it."
   (bind ?way (plan ?x ?y))
+  (if (and (not ?way) (has-map)) then
+    (return FALSE))
   (bind ?*way-known* (neq ?way FALSE))
   (bind ?*way* (if ?way then ?way else (create$ ?x ?y)))
   (bind ?*way-until* (+ ?time ?*way-time*)))
@@ -22,6 +25,12 @@
   (while (and (> (length$ ?*way*) 2)
               (< (distance ?x ?y (nth$ 1 ?*way*) (nth$ 2 ?*way*)) ?*way-corner*)) do
     (bind ?*way* (rest$ (rest$ ?*way*)))))
+
+(deffunction way-done (?x ?y ?near)
+  "Whether the end of a known way is near: as near to a point in a wall as a robot can come."
+  (and ?*way-known*
+       (= (length$ ?*way*) 2)
+       (< (distance ?x ?y (nth$ 1 ?*way*) (nth$ 2 ?*way*)) ?near)))
 
 (deffunction steer-by-map (?speed ?aside ?far)
   "A direction out of a plan needs less care than one into the unknown.  Turns first, then drives."

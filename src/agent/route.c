@@ -267,12 +267,13 @@ mu_result route_search(struct router *r, const double from_m[2], const double to
         return MU_ABSENT;
     }
     route_straighten(r, start, out);
+    if (out->count == 0) { /* it stands where the way ends */
+        map_middle(r->map, r->end, out->points_m[out->count++]);
+    }
     bool whole = out->count < ROUTE_POINTS_MAX;
     if (whole && map_cell(r->map, to_m[0], to_m[1]) == r->end) {
-        size_t last = out->count > 0 ? out->count - 1 : 0;
-        out->points_m[last][0] = to_m[0];
-        out->points_m[last][1] = to_m[1];
-        out->count = last + 1;
+        out->points_m[out->count - 1][0] = to_m[0];
+        out->points_m[out->count - 1][1] = to_m[1];
     }
     return MU_OK;
 }

@@ -18,7 +18,7 @@ struct router;
 
 struct route {
     double points_m[ROUTE_POINTS_MAX][2]; /* without the start; the last one is where it ends */
-    size_t count;
+    size_t count; /* of a way that was found 1 or more */
     size_t looked; /* cells that the search has looked at: what it has cost */
 };
 

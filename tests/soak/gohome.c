@@ -2,9 +2,11 @@
 /*
  * (gohome) from random places: a mind with the shared library drives a body of the simulator's
  * engine, without processes and network.
- *   gohome RUNS WORLD X Y
- * prints how that went, and ends with 1 when fewer than 95 % of the runs come within 0.3 m of the
- * place (metres), or when the body was ever in something that stands.
+ *   gohome RUNS WORLD [X Y]
+ * prints how that went; without a place (metres) each run goes to a random one, which may be in a
+ * wall.  Ends with 1 when fewer than 95 % of the runs to which a way leads come within 0.3 m of its
+ * end, when a robot without a way does not say so and stand, when a rule errs, or when the body was
+ * ever in something that stands.
  */
 #include "agent/mind.h"
 #include "core/random.h"
@@ -28,10 +30,12 @@ struct trial {
     struct map map;
     struct engine *engine;
     struct mind *mind;
-    double home_m[2];
+    double home_m[2], end_m[2]; /* what it is told; how near to that there is room */
+    bool random, leads;         /* to random places; a way leads there */
     uint32_t *wanted;
     double way_m, stalled_s, seconds;
-    unsigned arrived, inside;
+    unsigned arrived, inside, led, refused, errors;
+    bool said; /* that there is no way */
 };
 
 static mu_result post(void *self, const struct mind_letter *letter)
@@ -43,8 +47,11 @@ static mu_result post(void *self, const struct mind_letter *letter)
 
 static void complain(void *self, const char *text)
 {
-    (void)self;
-    fputs(text, stdout);
+    struct trial *t = self;
+    bool no_way = strncmp(text, "there is no way to ", 19) == 0;
+    t->said |= no_way;
+    t->errors += strstr(text, "[") != NULL;
+    fputs(text, stderr);
 }
 
 static void fail(const struct mu_fault *fault)
@@ -69,7 +76,7 @@ static void trial_open(struct trial *t, const char *path)
                                 .rules_folder = "rules",
                                 .router = router_make(&t->map),
                                 .half_m = t->world.robots[0].width_m / 2 + beside_m,
-                                .ports = {.send = post, .print = complain}};
+                                .ports = {.self = t, .send = post, .print = complain}};
     if (mind_open(&t->mind, &mind, &fault) != MU_OK ||
         mind_load(t->mind, "rules/follower.clp", &fault) != MU_OK) {
         fail(&fault);
@@ -110,10 +117,22 @@ static bool is_inside(const struct trial *t, struct world_pose at)
     return false;
 }
 
-/* Puts the robot at a random place from which there is a way home. */
+/* Anywhere, the walls and what is in them as well. */
+static void trial_goal(struct trial *t, struct mu_random *random)
+{
+    for (int i = 0; i < 2; i++) {
+        double size_m = (i == 0 ? t->map.nx : t->map.ny) * t->map.cell_m;
+        double share = (double)mu_random_between(random, 0, 1000000) / 1e6;
+        t->home_m[i] = round(((i == 0 ? t->map.x0_m : t->map.y0_m) + share * size_m) * 1000) / 1000;
+    }
+}
+
+/* Puts the robot at a random place from which there is a way home, or anywhere when none leads to
+ * it. */
 static void trial_place(struct trial *t, struct router *router, struct mu_random *random)
 {
     static struct route route;
+    engine_reset_all(t->engine); /* with a full battery */
     for (int i = 0; i < FREE_TRIES; i++) {
         int cell = (int)mu_random_between(random, 0, (int64_t)t->map.nx * t->map.ny - 1);
         double at_m[2];
@@ -122,9 +141,13 @@ static void trial_place(struct trial *t, struct router *router, struct mu_random
         struct world_pose pose = {at_m[0], at_m[1],
                                   (double)mu_random_between(random, 0, 359) * M_PI / 180};
         if ((double)t->map.room_m[cell] >= start_room_m &&
-            route_search(router, at_m, t->home_m, t->world.robots[0].width_m / 2 + beside_m,
-                         &route) == MU_OK &&
+            ((t->leads =
+                  route_search(router, at_m, t->home_m, t->world.robots[0].width_m / 2 + beside_m,
+                               &route) == MU_OK) ||
+             t->random) &&
             engine_place(t->engine, 0, pose, &reason) == MU_OK) {
+            memcpy(t->end_m, t->leads ? route.points_m[route.count - 1] : t->home_m,
+                   sizeof t->end_m);
             return;
         }
     }
@@ -149,7 +172,7 @@ static struct mind_percept percept_of(const struct engine_percept *p, uint64_t t
 static double trial_far(const struct trial *t)
 {
     struct world_pose at = engine_pose(t->engine, 0);
-    return hypot(at.x_m - t->home_m[0], at.y_m - t->home_m[1]);
+    return hypot(at.x_m - t->end_m[0], at.y_m - t->end_m[1]);
 }
 
 /* One control step.  @return whether it wants to stand still */
@@ -184,14 +207,20 @@ static void trial_run(struct trial *t, uint64_t *time_ns)
     MU_ASSERT(mind_line(t->mind, line, &out) == MU_OK);
     struct world_pose start = engine_pose(t->engine, 0);
     bool stays = false;
-    for (int i = 0; i < SECONDS_MAX * STEPS_A_SECOND && !(stays && trial_far(t) < near_m); i++) {
+    t->said = false;
+    for (int i = 0; i < SECONDS_MAX * STEPS_A_SECOND &&
+                    !(stays && (t->leads ? trial_far(t) < near_m : t->said));
+         i++) {
         stays = trial_step(t, *time_ns += MU_STEP_NS);
     }
-    bool arrived = trial_far(t) < near_m;
+    bool arrived = t->leads && trial_far(t) < near_m && stays;
     t->arrived += arrived;
-    if (!arrived) {
+    t->led += t->leads;
+    t->refused += !t->leads && t->said && stays;
+    if (t->leads && !arrived) {
         struct world_pose at = engine_pose(t->engine, 0);
-        printf("  from %.2f %.2f it came to %.2f %.2f\n", start.x_m, start.y_m, at.x_m, at.y_m);
+        printf("  from %.2f %.2f to %.2f %.2f it came to %.2f %.2f\n", start.x_m, start.y_m,
+               t->home_m[0], t->home_m[1], at.x_m, at.y_m);
     }
 }
 
@@ -204,25 +233,30 @@ static bool trial_all(struct trial *t, const char *path, unsigned runs)
     trial_open(t, path);
     struct router *router = router_make(&t->map);
     for (unsigned i = 0; i < runs; i++) {
+        if (t->random) {
+            trial_goal(t, &random);
+        }
         trial_place(t, router, &random);
         trial_run(t, &time_ns);
     }
     printf("%-28s %3u of %3u arrive, %6.1f m and %6.1f s each, stalled %4.1f %%, %u steps inside "
-           "of something\n",
-           path, t->arrived, runs, t->way_m / runs, t->seconds / runs,
-           100 * t->stalled_s / t->seconds, t->inside);
-    return t->arrived >= share_wanted * runs && t->inside == 0;
+           "of something; %u of %u say that there is no way; %u errors\n",
+           path, t->arrived, t->led, t->way_m / runs, t->seconds / runs,
+           100 * t->stalled_s / t->seconds, t->inside, t->refused, runs - t->led, t->errors);
+    return t->arrived >= share_wanted * t->led && t->refused == runs - t->led && t->errors == 0 &&
+           t->inside == 0;
 }
 
 int main(int argc, char **argv)
 {
-    unsigned runs = argc == 5 ? (unsigned)strtoul(argv[1], NULL, 10) : 0;
+    unsigned runs = argc == 5 || argc == 3 ? (unsigned)strtoul(argv[1], NULL, 10) : 0;
     if (runs < 1) {
-        fprintf(stderr, "usage: gohome RUNS WORLD X Y\n");
+        fprintf(stderr, "usage: gohome RUNS WORLD [X Y]\n");
         return 2;
     }
     static struct trial trial;
-    trial.home_m[0] = strtod(argv[3], NULL);
-    trial.home_m[1] = strtod(argv[4], NULL);
+    trial.random = argc == 3;
+    trial.home_m[0] = trial.random ? 0 : strtod(argv[3], NULL);
+    trial.home_m[1] = trial.random ? 0 : strtod(argv[4], NULL);
     return !trial_all(&trial, argv[2], runs);
 }

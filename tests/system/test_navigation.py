@@ -39,7 +39,7 @@ def test_gohome_goes_through_doors():
 
 
 def test_gohome_arrives_from_random_places():
-    done = subprocess.run([ROOT / "tests/soak/gohome", "8"], capture_output=True, text=True,
+    done = subprocess.run([ROOT / "tests/soak/gohome", "8", "120"], capture_output=True, text=True,
                           timeout=120)
     check_equal(done.returncode, 0, done.stdout + done.stderr)
     check(done.stdout.count("arrive") >= 3, done.stdout)

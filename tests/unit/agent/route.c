@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ways over the map of a world: round walls, clear of them, and none where there is none. */
+#include "agent/route.h"
 #include "suite.h"
 #include "world_text.h"
-#include "agent/route.h"
 
 #include <math.h>
 
@@ -109,6 +109,16 @@ static void test_ends(void)
 }
 
 /* A comb of walls: the way has more corners than a route can have, and goes on from its end. */
+/* It stands at the end of its way already: that is a way, of one point. */
+static void test_beside_a_wall(void)
+{
+    struct route way;
+    CU_ASSERT_EQUAL(go(floor_with(""), 4.7, 1, 4.85, 1, &way), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(way.count, 1);
+    CU_ASSERT(fabs(way.points_m[0][0] - 4.7) < 0.11);
+    CU_ASSERT_EQUAL(go(routers[made - 1], 4.7, 1, 4.99, 4.99, &way), MU_ABSENT);
+}
+
 static void test_many_corners(void)
 {
     char text[2048] = "";
@@ -137,6 +147,7 @@ int main(void)
         {"doors", test_doors},
         {"ends of a way", test_ends},
         {"many corners", test_many_corners},
+        {"beside a wall", test_beside_a_wall},
         CU_TEST_INFO_NULL,
     };
     return suite_run("agent: ways", tests);
