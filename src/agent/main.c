@@ -4,6 +4,7 @@
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/paths.h"
+#include "runtime/join.h"
 #include "runtime/process.h"
 #include "runtime/trips.h"
 
@@ -52,14 +53,7 @@ static mu_result robots_join(struct crew *c)
             MU_TRY(robot_join(&c->robots[i]));
         }
     }
-    mu_result found = mu_process_await_broker(c->process, MU_NETWORK_BROKER_NS);
-    if (found == MU_TIMEOUT) {
-        fprintf(stderr,
-                "muster robot: no broker answers in domain %d; start one with: "
-                "muster broker %s --domain %d\n",
-                options.domain, options.broker ? options.broker : "NAME", options.domain);
-    }
-    return found;
+    return join_await(c->process, &set->network, "muster robot", options.domain);
 }
 
 static bool crew_is_empty(const struct crew *c)

@@ -9,7 +9,7 @@ int mu_exit_for(mu_result r)
     case MU_FAULT_USAGE: return MU_EXIT_USAGE;
     case MU_FAULT_FILE:
     case MU_MALFORMED: return MU_EXIT_FILE;
-    case MU_FAULT_DDS:
+    case MU_FAULT_DDS: return MU_EXIT_NETWORK;
     case MU_BUSY:
     case MU_TIMEOUT:
     case MU_NAME_HELD: return MU_EXIT_DDS;

@@ -13,12 +13,15 @@ enum mu_exit {
     MU_EXIT_EXPECTATION = 1, /* an expectation failed */
     MU_EXIT_USAGE = 2,       /* wrong usage */
     MU_EXIT_FILE = 3,        /* a bad file */
-    MU_EXIT_DDS = 4,         /* nobody answers, no such network */
+    MU_EXIT_DDS = 4,         /* nobody answers */
     MU_EXIT_CRASH = 5,       /* a process of the run crashed */
     MU_EXIT_REFUSED = 6,     /* refused: by the trust policy, or a name that another one holds */
     MU_EXIT_NO_AGENT = 7,    /* no such agent, group or service, or nobody fits the address */
     MU_EXIT_UNDELIVERED = 8, /* not delivered: expired, dropped, no room; or refused by an answer */
     MU_EXIT_WRITE = 9,       /* cannot write */
+    MU_EXIT_SEVERAL = 10,    /* several runs live: say which */
+    MU_EXIT_NETWORK = 11,    /* no such network, interface or domain */
+    MU_EXIT_UNDONE = 12,     /* something that the experiment named did not happen */
     MU_EXIT_TIME = 124,      /* time limit, or an answer that did not come */
     MU_EXIT_INTERRUPTED = 130
 };

@@ -4,7 +4,10 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
+#include <stdio.h>
 #include <string.h>
+
+static const double wait_default_s = 2.5;
 
 const char *mu_network_peers(const struct mu_network *network)
 {
@@ -22,4 +25,28 @@ const char *mu_network_peers(const struct mu_network *network)
         mu_text_format(&text, "%s%s", i ? "," : "", network->peers.items[i]);
     }
     return joined;
+}
+
+static double wait_s(const struct mu_network *network)
+{
+    return network->wait_broker_s > 0 ? network->wait_broker_s : wait_default_s;
+}
+
+uint64_t mu_network_wait_ns(const struct mu_network *network)
+{
+    return (uint64_t)(wait_s(network) * 1e9);
+}
+
+void mu_network_waits(const struct mu_network *network, const char *program, int domain)
+{
+    fprintf(stderr, "%s: waits for a broker%s%s in domain %d\n", program,
+            network->broker ? " named " : "", network->broker ? network->broker : "", domain);
+}
+
+void mu_network_missed(const struct mu_network *network, const char *program, int domain)
+{
+    fprintf(stderr,
+            "%s: no broker answers in domain %d within %g s (--wait-broker S waits longer); start "
+            "one with: muster broker %s --domain %d\n",
+            program, domain, wait_s(network), network->broker ? network->broker : "NAME", domain);
 }

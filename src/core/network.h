@@ -14,6 +14,7 @@ struct mu_network {
     const char *interface;       /* NULL: loopback */
     struct mu_option_list peers; /* none: brokers and simulator are on this host */
     const char *broker;          /* the one to begin with; NULL: the nearest */
+    double wait_broker_s;        /* for one that answers; 0: the default */
 };
 
 /* Rows for a table of options; network is a struct mu_network that outlives the parsing. */
@@ -42,16 +43,31 @@ struct mu_network {
 /* The same for programs whose agents live with a broker. */
 #define MU_JOIN_OPTIONS(network)                                              \
     MU_NETWORK_OPTIONS(network),                                              \
+    {.name = "broker",                                                        \
+     .kind = MU_OPTION_STRING,                                                \
+     .unit = "NAME",                                                          \
+     .environment = "MUSTER_BROKER",                                          \
+     .help = "broker to begin with (default: the first one of this host, "    \
+             "else of another)",                                              \
+     .target = &(network).broker},                                            \
     {                                                                         \
-        .name = "broker", .kind = MU_OPTION_STRING, .unit = "NAME",           \
-        .environment = "MUSTER_BROKER",                                       \
-        .help = "broker to begin with (default: the first one of this host, " \
-                "else of another)",                                           \
-        .target = &(network).broker                                           \
+        .name = "wait-broker", .kind = MU_OPTION_REAL, .unit = "S",           \
+        .environment = MU_NETWORK_WAIT,                                       \
+        .help = "wait so long for a broker (default: 2.5)",                   \
+        .target = &(network).wait_broker_s, .min = 0, .max = 1e9              \
     }
 
-/* How long a program waits for a broker before it says that none answers. */
-#define MU_NETWORK_BROKER_NS 2500000000ull
+/* A run's children are told by it to wait for ever: they end with the run. */
+#define MU_NETWORK_WAIT "MUSTER_WAIT_BROKER"
+
+/** @return how long a program waits for a broker before it says that none answers, nanoseconds */
+uint64_t mu_network_wait_ns(const struct mu_network *network);
+
+/** Says that a program waits for a broker in its domain. */
+void mu_network_waits(const struct mu_network *network, const char *program, int domain);
+
+/** Says that none answered, and what to do about it. */
+void mu_network_missed(const struct mu_network *network, const char *program, int domain);
 
 /** @return the peers joined by commas, in start-up memory; NULL: none */
 const char *mu_network_peers(const struct mu_network *network);

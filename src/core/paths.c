@@ -76,20 +76,43 @@ static bool is_source_tree(const char *folder)
            access(file, R_OK) == 0;
 }
 
+/* bin below the prefix; build/VARIANT/bin in the source tree.
+ * @return whether there is such a folder, with that file in it */
+static bool path_ours(char *path, size_t size, const char *folder, const char *file)
+{
+    char programs[PATH_MAX], sub[PATH_MAX];
+    char beside[PATH_MAX];
+    snprintf(sub, sizeof sub, "../share/muster/%s", folder);
+    if (!program_folder(programs, sizeof programs)) {
+        return false;
+    }
+    if (mu_path_join(path, size, programs, sub) &&
+        mu_path_join(beside, sizeof beside, path, file) && access(beside, R_OK) == 0) {
+        return true;
+    }
+    snprintf(sub, sizeof sub, "../../../%s", folder);
+    return is_source_tree(programs) && mu_path_join(path, size, programs, sub) &&
+           mu_path_join(beside, sizeof beside, path, file) && access(beside, R_OK) == 0;
+}
+
 bool mu_path_rules(char *path, size_t size)
 {
     const char *chosen = getenv("MUSTER_RULES");
     if (chosen && chosen[0]) {
         return mu_text_copy(path, size, chosen) && has_library(path);
     }
-    char folder[PATH_MAX];
-    if (!program_folder(folder, sizeof folder)) {
+    return path_ours(path, size, "rules", "muster.clp");
+}
+
+bool mu_path_experiment(char *path, size_t size, const char *name)
+{
+    char folder[PATH_MAX], file[PATH_MAX];
+    if (strchr(name, '/') || access(name, F_OK) == 0) {
         return false;
     }
-    /* bin below the prefix; build/VARIANT/bin in the source tree. */
-    if (mu_path_join(path, size, folder, "../share/muster/rules") && has_library(path)) {
-        return true;
-    }
-    return is_source_tree(folder) && mu_path_join(path, size, folder, "../../../rules") &&
-           has_library(path);
+    const char *ending = strchr(name, '.') ? "" : ".yaml";
+    int len = snprintf(file, sizeof file, "%s%s", name, ending);
+    return len > 0 && (size_t)len < sizeof file &&
+           path_ours(folder, sizeof folder, "experiments", file) &&
+           mu_path_join(path, size, folder, file);
 }

@@ -19,6 +19,14 @@ bool mu_path_program(char *path, size_t size, const char *program);
  */
 bool mu_path_rules(char *path, size_t size);
 
+/**
+ * Finds an experiment of muster's own by its name, with or without ".yaml": the installed one, else
+ * the source tree's.
+ *
+ * @return whether there is one; false too for a path, and for a file that is in the current folder
+ */
+bool mu_path_experiment(char *path, size_t size, const char *name);
+
 /** Makes a path that starts at a folder unless it is absolute.  @return whether it fitted */
 bool mu_path_join(char *path, size_t size, const char *folder, const char *file);
 

@@ -56,7 +56,7 @@ static bool run_find(char **argv)
 static int record_verb(int argc, char **argv)
 {
     (void)argc;
-    return run_find(argv) ? program_become("muster-record", argv) : MU_EXIT_USAGE;
+    return run_find(argv) ? program_become("muster-record", argv) : MU_EXIT_SEVERAL;
 }
 
 static int topics_verb(int argc, char **argv)
@@ -86,6 +86,7 @@ static const struct verb verbs[] = {
     {"monitor", NULL, "muster-monitor", "--rules FILE", "rules that look at a whole run"},
     {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
     {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
+    {"wait", wait_verb, NULL, "NAME...", "until agents, a broker, hosts or a run are there"},
     {"send", post_verb_send, NULL, "TO WORD...", "mail to an agent"},
     {"broadcast", post_verb_broadcast, NULL, "WORD...", "mail to every active agent"},
     {"console", console_verb, NULL, "NAME", "look into an agent: CLIPS lines, answers, traces"},
@@ -165,12 +166,32 @@ static bool is_help(const char *word)
     return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0;
 }
 
+/* Who says nothing wants to know what there is. */
+static int live_print(void)
+{
+    int domain;
+    if (runs_list(NULL, &domain) == 0) {
+        fputs("No run of yours lives.  Try:\n"
+              "  muster run follow      a run, and its report\n",
+              stdout);
+    } else {
+        fputs("Runs of yours that live:\n", stdout);
+        (void)runs_list(stdout, &domain);
+        fputs("Try:\n"
+              "  muster ps              who is there\n"
+              "  muster top             what they do\n"
+              "  muster web             the same in a browser\n",
+              stdout);
+    }
+    fputs("  muster --help          all verbs\n", stdout);
+    return MU_EXIT_DONE;
+}
+
 static int verb_run(int argc, char **argv)
 {
     static char help[] = "--help";
     if (argc < 2) {
-        help_print(stderr);
-        return MU_EXIT_USAGE;
+        return live_print();
     }
     if (is_help(argv[1]) && argc > 2) {
         return verb_call(2, (char *[]){argv[2], help, NULL});

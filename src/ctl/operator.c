@@ -13,6 +13,7 @@
 #include "desk/reader.h"
 #include "desk/runs.h"
 #include "muster/directory.h"
+#include "runtime/join.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -174,7 +175,7 @@ static int name_await(struct operator* o, const struct operator_options *options
         while (mu_clock_ns() < pause_ns && mu_process_spin(o->process, ROUND_NS) == MU_OK) {
         }
         agent_join(o, options, attempt);
-        verdict_await(o, MU_NETWORK_BROKER_NS);
+        verdict_await(o, mu_network_wait_ns(&options->network));
     }
     if (o->refused) {
         fprintf(stderr, "muster: the broker refuses the name %s: %s\n", mu_agent_name(o->agent),
@@ -189,7 +190,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     int domain = (int)options->network.domain;
     *o = (struct operator){.json = options->json, .quiet = options->quiet, .hooks = options->hooks};
     if (domain < 0 && runs_find(&domain) != MU_OK) {
-        return MU_EXIT_USAGE;
+        return MU_EXIT_SEVERAL;
     }
     struct mu_process_options process = {.domain = domain,
                                          .interface = options->network.interface,
@@ -199,15 +200,15 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     if (options->as && !words_name_check("muster", "an agent", options->as)) {
         return MU_EXIT_USAGE;
     }
-    if (mu_process_open(&o->process, &process) != MU_OK) {
-        return MU_EXIT_DDS;
+    mu_result opened = mu_process_open(&o->process, &process);
+    if (opened != MU_OK) {
+        return mu_exit_for(opened);
     }
     agent_join(o, options, 0);
-    if (mu_process_await_broker(o->process, MU_NETWORK_BROKER_NS) != MU_OK) {
-        fprintf(stderr,
-                "muster %s: no broker answers in domain %d; start one with: muster broker %s "
-                "--domain %d, or a whole run with: muster run FILE\n",
-                verb, domain, options->network.broker ? options->network.broker : "NAME", domain);
+    char program[64];
+    snprintf(program, sizeof program, "muster %s", verb);
+    if (join_await(o->process, &options->network, program, domain) != MU_OK) {
+        runs_tell_last(program);
         return MU_EXIT_DDS;
     }
     pages_await(o->process);

@@ -12,6 +12,8 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
+#include "core/network.h"
+#include "core/paths.h"
 #include "core/text.h"
 #include "ctl/series.h"
 #include "ctl/verbs.h"
@@ -67,8 +69,12 @@ static mu_result programs_check(const struct run *r, struct mu_fault *fault)
 
 static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
 {
+    char path[PATH_MAX];
     if (r->options.root) {
         experiment_root(r->options.root);
+    }
+    if (mu_path_experiment(path, sizeof path, r->options.file)) {
+        r->options.file = mu_startup_string(path);
     }
     MU_TRY(experiment_load(&r->experiment, r->options.file, r->options.set, r->options.set_count,
                            fault));
@@ -340,7 +346,7 @@ static int crash_explain(const struct child *child, bool running)
     supervise_explain(child);
     int code = WIFEXITED(child->status) ? WEXITSTATUS(child->status) : MU_EXIT_CRASH;
     bool explains_itself = code == MU_EXIT_FILE || code == MU_EXIT_USAGE || code == MU_EXIT_DDS ||
-                           code == MU_EXIT_WRITE;
+                           code == MU_EXIT_WRITE || code == MU_EXIT_NETWORK;
     return !running && explains_itself ? code : MU_EXIT_CRASH;
 }
 
@@ -617,9 +623,11 @@ int run_verb(int argc, char **argv)
     if (r->options.seeds_count > 0) {
         return series_run(&r->options, r->experiment);
     }
-    if (runs_take((int)r->options.domain, r->experiment->name, &r->domain) != MU_OK) {
-        return domain_explain((int)r->options.domain);
+    mu_result taken = runs_take((int)r->options.domain, r->experiment->name, &r->domain);
+    if (taken != MU_OK) {
+        return taken == MU_FAULT_OS ? MU_EXIT_WRITE : domain_explain((int)r->options.domain);
     }
+    setenv(MU_NETWORK_WAIT, "1e9", 1); /* children end with us */
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
     supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
@@ -634,5 +642,6 @@ int run_verb(int argc, char **argv)
     if (!reports) {
         run_broken_tell(r);
     }
+    runs_end(r->experiment->name, r->folder);
     return code < 0 ? reported : code;
 }

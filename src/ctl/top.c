@@ -374,7 +374,7 @@ int top_verb(int argc, char **argv)
     }
     top.domain = (int)set.network.domain;
     if (top.domain < 0 && runs_find(&top.domain) != MU_OK) {
-        return MU_EXIT_USAGE;
+        return MU_EXIT_SEVERAL;
     }
     mu_result opened = watch_open();
     return opened == MU_OK ? top_run() : mu_exit_for(opened);

@@ -15,6 +15,8 @@ int compare_verb(int argc, char **argv);
 int pages_verb_ps(int argc, char **argv);
 int pages_verb_lookup(int argc, char **argv);
 
+int wait_verb(int argc, char **argv);
+
 int post_verb_send(int argc, char **argv);
 int post_verb_broadcast(int argc, char **argv);
 int post_verb_do(int argc, char **argv);

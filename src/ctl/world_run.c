@@ -115,7 +115,7 @@ static int line_open(struct line *l, const struct request *r)
 {
     int domain = (int)r->set->network.domain;
     if (domain < 0 && runs_find(&domain) != MU_OK) {
-        return MU_EXIT_USAGE;
+        return MU_EXIT_SEVERAL;
     }
     struct bus_options bus = {.domain = domain,
                               .place = BUS_AGENT,
@@ -126,7 +126,7 @@ static int line_open(struct line *l, const struct request *r)
         bus_reader_open(&l->bus, BUS_RUN_STATUS, NULL, &l->status) != MU_OK ||
         bus_reader_open(&l->bus, BUS_RUN_ANSWER, NULL, &l->answers) != MU_OK ||
         bus_writer_open(&l->bus, BUS_RUN_COMMAND, NULL, NULL, &l->commands) != MU_OK) {
-        return MU_EXIT_DDS;
+        return MU_EXIT_NETWORK;
     }
     return MU_EXIT_DONE;
 }

@@ -3,12 +3,14 @@
 
 #include "bus/bus.h"
 #include "core/text.h"
+#include "muster/limits.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <netinet/in.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,24 +18,42 @@
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-/* Names the folder of lock files and makes it.  @return whether it is there and ours alone */
-static bool runs_folder(char *folder, size_t size)
+enum { RUNS_RECENT_S = 600 };
+
+/* @return whether a folder of ours alone is there now; errno says why not */
+static bool folder_make(char *folder, size_t size, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static bool folder_make(char *folder, size_t size, const char *format, ...)
 {
-    const char *runtime = getenv("XDG_RUNTIME_DIR");
-    struct mu_text t;
-    mu_text_init(&t, folder, size);
-    if (runtime && runtime[0] == '/') {
-        mu_text_format(&t, "%s/muster", runtime);
-    } else {
-        mu_text_format(&t, "/tmp/muster-%u", (unsigned)getuid());
+    struct stat info;
+    va_list args;
+    va_start(args, format);
+    int len = vsnprintf(folder, size, format, args);
+    va_end(args);
+    if (len < 0 || (size_t)len >= size) {
+        errno = ENAMETOOLONG;
+        return false;
     }
     if (mkdir(folder, 0700) != 0 && errno != EEXIST) {
         return false;
     }
-    struct stat info;
-    return lstat(folder, &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == getuid();
+    bool ours = lstat(folder, &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == getuid() &&
+                (info.st_mode & 0022) == 0;
+    errno = ours ? 0 : EPERM;
+    return ours;
+}
+
+/* Names the folder of lock files and makes it: batch jobs and containers have an XDG_RUNTIME_DIR
+ * that names no folder. */
+static bool runs_folder(char *folder, size_t size)
+{
+    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    bool made = runtime && runtime[0] == '/' && folder_make(folder, size, "%s/muster", runtime);
+    return made || folder_make(folder, size, "/tmp/muster-%u", (unsigned)getuid());
 }
 
 static int lock_open(const char *folder, int domain, int flags)
@@ -92,6 +112,23 @@ static bool ports_take(int domain, bool is_picked)
     return free;
 }
 
+static int held = -1; /* our lock */
+
+/* What it says is only for people; the lock is what counts. */
+static void held_write(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+static void held_write(const char *format, ...)
+{
+    char line[PATH_MAX + 256];
+    va_list args;
+    va_start(args, format);
+    int len = vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    bool written = held >= 0 && len > 0 && (size_t)len < sizeof line && ftruncate(held, 0) == 0 &&
+                   pwrite(held, line, (size_t)len, 0) == len;
+    (void)written;
+}
+
 static bool domain_take(const char *folder, int domain, bool is_picked, const char *name)
 {
     int fd = lock_open(folder, domain, O_RDWR | O_CREAT);
@@ -102,18 +139,18 @@ static bool domain_take(const char *folder, int domain, bool is_picked, const ch
         close(fd);
         return false;
     }
-    char line[128];
-    int len = snprintf(line, sizeof line, "%.100s\n", name);
-    bool written = ftruncate(fd, 0) == 0 && write(fd, line, (size_t)len) == len;
-    (void)written; /* the name is only for people; the lock is what counts */
-    return true;   /* fd stays open: the lock lives as long as we do */
+    held = fd; /* it stays open: the lock lives as long as we do */
+    held_write("%.100s\n", name);
+    return true;
 }
 
 mu_result runs_take(int wanted, const char *name, int *domain)
 {
     char folder[PATH_MAX];
     if (!runs_folder(folder, sizeof folder)) {
-        fprintf(stderr, "muster: cannot use %s: %s\n", folder, strerror(errno));
+        bool foreign = errno == EPERM;
+        fprintf(stderr, "muster: cannot keep the list of runs in %s: %s\n", folder,
+                foreign ? "it is another user's, or others may write to it" : strerror(errno));
         return MU_FAULT_OS;
     }
     int first = wanted >= 0 ? wanted : RUNS_DOMAIN_FIRST;
@@ -142,28 +179,62 @@ static bool domain_lives(const char *folder, int domain, char *name, size_t size
     return lives;
 }
 
-mu_result runs_find(int *domain)
+void runs_end(const char *name, const char *folder)
 {
-    char folder[PATH_MAX];
-    char name[128];
-    char buffer[2048];
-    struct mu_text list;
-    int found = 0;
-    *domain = 0;
-    mu_text_init(&list, buffer, sizeof buffer);
-    if (!runs_folder(folder, sizeof folder)) {
-        return MU_OK;
+    held_write("%.100s\n%s\n", name, folder);
+}
+
+void runs_tell_last(const char *program)
+{
+    char folder[PATH_MAX], name[PATH_MAX + 256], last[sizeof name] = "";
+    struct stat info;
+    time_t last_s = 0, now_s = time(NULL);
+    for (int d = 0; runs_folder(folder, sizeof folder) && d <= MU_DOMAIN_MAX; d++) {
+        int fd = lock_open(folder, d, O_RDONLY);
+        ssize_t len = fd >= 0 ? read(fd, name, sizeof name - 1) : 0;
+        name[len > 0 ? len : 0] = '\0';
+        char *report = strchr(name, '\n');
+        if (report && report[1] && fstat(fd, &info) == 0 && info.st_mtime > last_s) {
+            last_s = info.st_mtime;
+            memcpy(last, name, sizeof last);
+        }
+        if (fd >= 0) {
+            close(fd);
+        }
     }
-    for (int d = 0; d <= 230; d++) {
+    char *report = strchr(last, '\n');
+    if (report && now_s - last_s < RUNS_RECENT_S) {
+        fprintf(stderr, "%s: the run %.*s ended %lld s ago; its report is in %.*s\n", program,
+                (int)(report - last), last, (long long)(now_s - last_s),
+                (int)strcspn(report + 1, "\n"), report + 1);
+    } else {
+        fprintf(stderr, "%s: a whole run starts with: muster run FILE\n", program);
+    }
+}
+
+unsigned runs_list(FILE *to, int *domain)
+{
+    char folder[PATH_MAX], name[128];
+    unsigned found = 0;
+    for (int d = 0; runs_folder(folder, sizeof folder) && d <= MU_DOMAIN_MAX; d++) {
         if (domain_lives(folder, d, name, sizeof name)) {
             found++;
             *domain = d;
-            mu_text_format(&list, "  --domain %d  %s\n", d, name);
+            if (to) {
+                fprintf(to, "  --domain %d  %s\n", d, name);
+            }
         }
     }
-    if (found <= 1) {
+    return found;
+}
+
+mu_result runs_find(int *domain)
+{
+    *domain = 0;
+    if (runs_list(NULL, domain) <= 1) {
         return MU_OK;
     }
-    fprintf(stderr, "muster: several runs live; say which one:\n%s", buffer);
+    fputs("muster: several runs live; say which one:\n", stderr);
+    (void)runs_list(stderr, domain);
     return MU_EXISTS;
 }

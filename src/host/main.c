@@ -6,6 +6,7 @@
 #include "core/paths.h"
 #include "core/text.h"
 #include "host/host.h"
+#include "runtime/join.h"
 #include "runtime/process.h"
 #include "runtime/trips.h"
 
@@ -24,14 +25,7 @@ static mu_result host_connect(struct host *h)
     MU_TRY(mu_process_open(&h->crew.process, &options));
     MU_TRY(host_join(h));
     MU_TRY(natives_begin(h));
-    mu_result found = mu_process_await_broker(h->crew.process, MU_NETWORK_BROKER_NS);
-    if (found == MU_TIMEOUT) {
-        fprintf(stderr,
-                "muster host: no broker answers in domain %d; start one with: "
-                "muster broker NAME --domain %d\n",
-                options.domain, options.domain);
-    }
-    return found;
+    return join_await(h->crew.process, network, "muster host", options.domain);
 }
 
 static void host_save(void *self)

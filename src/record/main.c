@@ -213,7 +213,7 @@ int main(int argc, char **argv)
         return MU_EXIT_WRITE;
     }
     if (recorder_open(r) != MU_OK || taps_open(r) != MU_OK) {
-        return MU_EXIT_DDS;
+        return MU_EXIT_NETWORK;
     }
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);

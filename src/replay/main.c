@@ -256,7 +256,7 @@ static int network_open(struct replay *r)
     r->channels.file = r->file;
     r->channels.topics = &set.topics;
     if (opened != MU_OK || channels_open(&r->channels) != MU_OK) {
-        return MU_EXIT_DDS;
+        return MU_EXIT_NETWORK;
     }
     return MU_EXIT_DONE;
 }

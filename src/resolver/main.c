@@ -5,6 +5,7 @@
 #include "core/network.h"
 #include "core/options.h"
 #include "resolver/scheme.h"
+#include "runtime/join.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -124,7 +125,7 @@ static mu_result resolver_join(struct resolver *r, const struct settings *set)
     mu_agent_decline_broadcasts(r->agent);
     MU_ASSERT(mu_agent_resolve(r->agent, set->scheme->name, set->scheme->resolve, r->process) ==
               MU_OK);
-    return mu_process_await_broker(r->process, MU_NETWORK_BROKER_NS);
+    return join_await(r->process, &set->network, "muster resolver", (int)set->network.domain);
 }
 
 int main(int argc, char **argv)
@@ -138,12 +139,6 @@ int main(int argc, char **argv)
     mu_log_open("resolver", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     r.scheme = set.scheme;
     mu_result ready = resolver_join(&r, &set);
-    if (ready == MU_TIMEOUT) {
-        fprintf(stderr,
-                "muster resolver: no broker answers in domain %d; start one with: "
-                "muster broker NAME --domain %d\n",
-                (int)set.network.domain, (int)set.network.domain);
-    }
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }

@@ -277,7 +277,7 @@ static int session_live(struct session *s)
         return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
     }
     if (gathered != MU_OK) {
-        fprintf(stderr, "muster sim: no broker answers; start one with: muster broker NAME\n");
+        mu_network_missed(&set.network, "muster sim", (int)set.network.domain);
         return MU_EXIT_DDS;
     }
     if (session_run(s, &signal_came) != MU_OK) {
@@ -338,7 +338,7 @@ static int network_join(struct session *s)
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster sim: domain %d has a simulator already\n", options.domain);
     }
-    return opened == MU_OK ? MU_EXIT_DONE : MU_EXIT_DDS;
+    return mu_exit_for(opened);
 }
 
 static int events_open(struct session *s)
@@ -362,6 +362,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .waits_for_go = set.waits_for_go,
                                       .watchers = (uint32_t)set.watchers,
                                       .hosts = (uint32_t)set.hosts,
+                                      .network = &set.network,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
     if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {

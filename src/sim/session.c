@@ -573,7 +573,7 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
             return MU_DONE;
         }
         if (bus_writer_matches(&s->roster) == 0 &&
-            mu_clock_ns() - began_ns > MU_NETWORK_BROKER_NS) {
+            mu_clock_ns() - began_ns > mu_network_wait_ns(s->options.network)) {
             return MU_TIMEOUT;
         }
         bool was_ready = ready;

@@ -92,6 +92,7 @@ struct session_options {
     bool waits_for_go;    /* the first step waits for a RunCommand, */
     uint32_t watchers;    /* and for so many processes that watch, */
     uint32_t hosts;       /* and for so many that take in robots */
+    const struct mu_network *network; /* how long to wait for the broker */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
     uint64_t return_ns;   /* wall time that a lock step waits for one that died to be started again;
                              0: that is a fault at once */
@@ -166,7 +167,7 @@ void session_listen(struct session *s, const struct session_listener *listener);
 /**
  * Waits until every robot has a controller that is ready and, if asked, for the word to go.
  *
- * @return MU_OK; MU_TIMEOUT: no broker answers within 2.5 s; MU_DONE: ended before it began
+ * @return MU_OK; MU_TIMEOUT: no broker answers; MU_DONE: ended before it began
  */
 MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came);
 

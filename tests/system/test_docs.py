@@ -8,6 +8,8 @@ import signal
 import subprocess
 import tempfile
 
+import pytest
+
 from support import BIN, BUILD, ROOT, check, check_equal, folder
 
 SKIPPED = {".git", "build", "out", "__pycache__"}
@@ -110,18 +112,26 @@ def block_run(text, where, environment):
         return p.returncode, output.read()
 
 
-def test_commands_of_the_readme_work():
-    blocks = BLOCK.findall((ROOT / "README.md").read_text())
-    check(len(blocks) >= 2, f"blocks marked for a test: {len(blocks)}")
+def blocks():
+    """The README's blocks that are to be tested, each with the heading above it."""
+    text = (ROOT / "README.md").read_text()
+    found = [(re.findall(r"^#+ (.*)$", text[:m.start()], re.M)[-1], m[1])
+             for m in BLOCK.finditer(text)]
+    return [pytest.param(block, id=f"{heading.replace(' ', '-')}-{i}")
+            for i, (heading, block) in enumerate(found)]
+
+
+@pytest.mark.parametrize("block", blocks())
+def test_commands_of_the_readme(block):
     with folder() as out:
         bin_folder = scratch_copy(out / "muster")
         environment = {k: v for k, v in os.environ.items() if not k.startswith("MUSTER_")}
         environment |= {"PATH": f"{bin_folder}:{os.environ['PATH']}", "DEPS": "skip",
                         "BUILD": BUILD.name, "XDG_STATE_HOME": str(out / "state")}
-        for block in blocks:
-            code, output = block_run(block, out / "muster", environment)
-            check_equal(code, 0, f"this block:\n{block}printed\n{output}")
-        check((out / "muster/out/seed2/report.html").exists(), "the report of a block")
+        code, output = block_run(block, out / "muster", environment)
+        check_equal(code, 0, f"this block:\n{block}printed\n{output}")
+        for report in re.findall(r"--out (\S+)", block):
+            check((out / "muster" / report).exists(), f"{report}, of this block:\n{block}")
 
 
 def links(text):

@@ -173,6 +173,16 @@ def test_a_strange_program_is_built_and_lives_with_either_library():
         stranger_lives(out, environment, static=True)
 
 
+def test_an_installed_muster_finds_its_experiments():
+    with folder() as out:
+        install(out)
+        done = subprocess.run([out / "usr/bin/muster", "run", "follow", "--duration", "0.2",
+                               "--quiet", "--domain", str(new_domain())], cwd=out, timeout=60,
+                              capture_output=True, text=True)
+        check_equal(done.returncode, 0, done.stderr)
+        check((out / "out/follow-1/report.html").exists(), "its report")
+
+
 def test_a_program_in_cpp_takes_the_headers():
     if not shutil.which("g++"):
         raise Skip("no compiler for C++: package g++")

@@ -37,7 +37,7 @@ def test_a_missing_broker_is_named():
     for words in (["ps"], ["send", "red", "x"],
                   ["robot", "red", "--rules", ROOT / "rules/follower.clp"],
                   ["sim", ROOT / "worlds/arena.world"]):
-        done = muster(*words, "--domain", domain, timeout=60)
+        done = muster(*words, "--domain", domain, "--wait-broker", "0.4", timeout=60)
         check_equal(done.returncode, 4, f"{words}: {done.stderr}")
         check("muster broker" in done.stderr, f"what to do: {done.stderr}")
 
@@ -46,7 +46,7 @@ def test_an_address_that_is_not_there_is_named():
     for words in (("--interface", "203.0.113.9"), ("--interface", "eth99"),
                   ("--peer", "127.0.0.1,nobody.invalid")):
         done = muster("ps", "--domain", new_domain(), *words)
-        check_equal(done.returncode, 4, f"exit code of {words}")
+        check_equal(done.returncode, 11, f"exit code of {words}")
         check(done.stderr.startswith(f"{words[0]} {words[1].split(',')[-1]}: "), done.stderr)
 
 

@@ -22,7 +22,7 @@ static void test_every_result_has_its_exit_code(void)
         int code;
     } table[] = {
         {MU_OK, 0},         {MU_DONE, 0},      {MU_FAULT_USAGE, 2}, {MU_FAULT_FILE, 3},
-        {MU_MALFORMED, 3},  {MU_FAULT_DDS, 4}, {MU_BUSY, 4},        {MU_TIMEOUT, 4},
+        {MU_MALFORMED, 3},  {MU_FAULT_DDS, 11}, {MU_BUSY, 4},        {MU_TIMEOUT, 4},
         {MU_NAME_HELD, 4},  {MU_REFUSED, 6},   {MU_ABSENT, 7},      {MU_EXISTS, 8},
         {MU_FULL, 8},       {MU_DUPLICATE, 8}, {MU_FAULT_OS, 9},    {(mu_result)-99, 5},
         {(mu_result)99, 5},
