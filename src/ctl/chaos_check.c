@@ -84,6 +84,42 @@ static mu_result restart_check(const struct run *r, unsigned index, struct mu_fa
                   "the kill");
 }
 
+static bool is_broker(const struct run *r, const char *part)
+{
+    char name[RUN_CHILD_MAX];
+    bool is = false;
+    for (unsigned i = 0; i < run_brokers(r) && !is; i++) {
+        run_child_name(r, i, name);
+        is = strcmp(part, name) == 0 || strcmp(part, run_broker(r, i)) == 0;
+    }
+    return is;
+}
+
+/* In lock step a run ends with who does not come back. */
+static mu_result kill_check(const struct run *r, unsigned index, struct mu_fault *fault)
+{
+    const struct experiment_chaos *c = &r->experiment->chaos[index];
+    int robot = experiment_robot_find(r->experiment, c->who);
+    if (chaos_restarts(r, index)) {
+        return c->for_s > 0 || c->wall_s > 0 ? return_check(r, c, fault) : MU_OK;
+    }
+    if (r->options.free) {
+        return MU_OK;
+    }
+    if (is_simulator(c->who) || is_broker(r, c->who)) {
+        return return_check(r, c, fault);
+    }
+    bool restarts =
+        robot < 0 ||
+        (has_host(r, c->who) ? r->experiment->on_crash == EXPERIMENT_RESTART
+                             : r->experiment->robots[robot].on_crash == EXPERIMENT_RESTART);
+    return restarts ? MU_OK
+                    : refuse(r, c->mark, fault, c->who,
+                             "in lock step the run would end with it, for nothing starts it again: "
+                             "expected wall_s beside the kill, a restart that is due with it, or "
+                             "on-crash: restart");
+}
+
 /* Who is away takes the clock with him. */
 static bool stops_clock(const struct experiment_chaos *c)
 {
@@ -108,8 +144,7 @@ static mu_result piece_check(const struct run *r, unsigned index, struct mu_faul
     if (c->kind == CHAOS_RESTART) {
         return restart_check(r, index, fault);
     }
-    bool returns = c->kind == CHAOS_KILL && (c->for_s > 0 || c->wall_s > 0);
-    return returns ? return_check(r, c, fault) : MU_OK;
+    return c->kind == CHAOS_KILL ? kill_check(r, index, fault) : MU_OK;
 }
 
 mu_result chaos_check(const struct run *r, struct mu_fault *fault)

@@ -25,10 +25,19 @@ static bool is_gone(const struct session_process *p)
     return p->lost && p->followed;
 }
 
-static void follow_watchers(struct session *s)
+/* Nobody follows himself: who has come back says again who he is. */
+static void followed_note(struct session *s, uint32_t process, const char *by)
+{
+    struct session_process *p = &s->processes[process];
+    p->followed = p->followed || strcmp(p->name, by) != 0;
+}
+
+static void follow_watchers(struct session *s, const char *by)
 {
     for (uint32_t i = 0; i < s->process_count; i++) {
-        s->processes[i].followed = s->processes[i].followed || s->processes[i].watches;
+        if (s->processes[i].watches) {
+            followed_note(s, i, by);
+        }
     }
 }
 
@@ -52,11 +61,11 @@ static void follow(struct session *s, const muster_Registration *r)
         const muster_Entry *e = &r->agents._buffer[i];
         int32_t process = process_of(s, e);
         if (process >= 0 && e->state != muster_STATE_ABSENT) {
-            s->processes[process].followed = true;
+            followed_note(s, (uint32_t)process, r->process);
         }
     }
     if (r->watches) {
-        follow_watchers(s);
+        follow_watchers(s, r->process);
     }
 }
 

@@ -62,23 +62,21 @@ chaos:
         check_equal([c["done"] for c in stopped["chaos"]], [True, True], "they were stopped")
 
 
-def test_a_killed_robot_ends_a_run_in_lock_step():
+def test_a_robot_that_came_back_may_stand_still():
+    """Who has come back once is not given up when it is silent later."""
     with folder() as out:
-        done, summary = run(out, "a", "chaos:\n  - {at: 2, kill: blue}\n")
-        check_equal((done.returncode, summary), (5, None), "the exit code")
-        check("blue" in done.stderr, done.stderr)
-        again = muster("verify", out / "a/run.mcap")
-        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
-        check("the run broke off there" in again.stdout, again.stdout)
-
-
-def test_a_killed_broker_ends_a_run_every_time():
-    with folder() as out:
-        done, _ = run(out, "a", "chaos:\n  - {at: 2, kill: broker}\n")
-        check_equal(done.returncode, 5, f"the exit code: {done.stderr}")
-        again = muster("verify", out / "a/run.mcap")
-        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
-        check("the run broke off there" in again.stdout, again.stdout)
+        _, plain = run(out, "plain", "")
+        done, both = run(out, "both", """
+on-crash: restart
+checkpoint: 0.1
+chaos:
+  - {at: 2, kill: blue, wall_s: 0.2}
+  - {at: 3, stop: blue, wall_s: 1.5}
+  - {at: 4, kill: blue, wall_s: 0.2}
+  - {at: 4.5, stop: blue, wall_s: 1.5}
+""")
+        check_equal(done.returncode, 0, done.stderr)
+        check_equal(both["hash"], plain["hash"], "the hash")
 
 
 def test_a_killed_robot_comes_back_in_lock_step():
@@ -142,6 +140,9 @@ def test_what_lock_step_cannot_do_is_refused_with_its_place():
              ("lose: [red, all], share: 1, for: 1", "13:46: 'red': in lock step the clock waits"),
              ("continue: red", "13:5: 'red': in lock step the clock waits for who is stopped"),
              ("restart: red", "13:5: 'red': in lock step the clock waits for who is killed"),
+             ("kill: blue", "13:5: 'blue': in lock step the run would end with it"),
+             ("kill: broker", "13:5: 'broker': in lock step it does not come back"),
+             ("kill: simulator", "13:5: 'simulator': it does not come back"),
              ("kill: broker, wall_s: 1", "13:5: 'broker': in lock step it does not come back"),
              ("kill: simulator, wall_s: 1", "13:5: 'simulator': it does not come back"))
     with folder() as out:
