@@ -8,6 +8,8 @@
 
 #include "muster/result.h"
 
+#include <stdbool.h>
+
 enum mu_exit {
     MU_EXIT_DONE = 0,
     MU_EXIT_EXPECTATION = 1, /* an expectation failed */
@@ -25,6 +27,12 @@ enum mu_exit {
     MU_EXIT_TIME = 124,      /* time limit, or an answer that did not come */
     MU_EXIT_INTERRUPTED = 130
 };
+
+/** @return whether a run that ended with this code came to its end, well or not as expected */
+static inline bool mu_exit_of_whole_run(int code)
+{
+    return code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION || code == MU_EXIT_UNDONE;
+}
 
 /** @return the exit code for a result that main() was handed */
 int mu_exit_for(mu_result r);

@@ -109,10 +109,9 @@ static mu_result kill_check(const struct run *r, unsigned index, struct mu_fault
     if (is_simulator(c->who) || is_broker(r, c->who)) {
         return return_check(r, c, fault);
     }
-    bool restarts =
-        robot < 0 ||
-        (has_host(r, c->who) ? r->experiment->on_crash == EXPERIMENT_RESTART
-                             : r->experiment->robots[robot].on_crash == EXPERIMENT_RESTART);
+    const struct experiment *e = r->experiment;
+    bool own = robot >= 0 && !has_host(r, c->who); /* a process of its own */
+    bool restarts = (own ? e->robots[robot].on_crash : e->on_crash) == EXPERIMENT_RESTART;
     return restarts ? MU_OK
                     : refuse(r, c->mark, fault, c->who,
                              "in lock step the run would end with it, for nothing starts it again: "

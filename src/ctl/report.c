@@ -151,6 +151,8 @@ static void summary_use(const struct remaking *m, struct report_input *in)
     in->monitors = s->monitors;
     in->monitors_count = s->monitors_count;
     in->packets_struck = s->packets_struck;
+    in->undone = s->undone;
+    in->undone_count = s->undone_count;
     if (s->objects_count > 0) {
         in->objects = s->objects;
         in->objects_count = s->objects_count;

@@ -145,9 +145,10 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
-        fprintf(stderr, "muster run: a command of the observer is not delivered: %s%s\n",
-                mu_outcome_text(outcome),
-                outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all" : "");
+        run_undone_note(r, "a command of the observer is not delivered: %s%s",
+                        mu_outcome_text(outcome),
+                        outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all"
+                                                   : "");
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
         r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }
@@ -175,8 +176,8 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     if (!run_observer_take(r, mail) && !run_pages_take(r, mail) && fails) {
         /* A robot's answer is one CLIPS string; its first line says enough. */
         const char *why = mail->content + (mail->content[0] == '"');
-        fprintf(stderr, "muster run: %s could not do %s: %.*s\n", mail->src,
-                line_of(r->experiment, mail->in_reply_to), (int)strcspn(why, "\n"), why);
+        run_undone_note(r, "%s could not do %s: %.*s", mail->src,
+                        line_of(r->experiment, mail->in_reply_to), (int)strcspn(why, "\n"), why);
     }
 }
 

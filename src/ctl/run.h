@@ -43,6 +43,9 @@ struct run_part {
     unsigned index; /* among the brokers, resolvers, hosts, crews or monitors */
 };
 
+/* What happened to what the experiment named: so many things are told of. */
+enum { RUN_UNDONE_MAX = 64 };
+
 struct run_observer;
 struct run_inputs;
 struct chaos;
@@ -75,6 +78,8 @@ struct run {
     muster_BrokerStatus mail[EXPERIMENT_BROKERS_MAX];
     struct report_mail mail_before[EXPERIMENT_BROKERS_MAX]; /* of lives that chaos ended */
     bool registered, name_refused;
+    const char *undone[RUN_UNDONE_MAX]; /* what the experiment named and did not happen */
+    size_t undone_count;
     bool command_refused; /* by the trust policy, before the run has begun */
     bool command_unknown; /* nobody fits what a command of the observer is for */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
@@ -128,6 +133,10 @@ void run_wake(struct run *r, const char *child, double due_s);
 
 /** @return whether a child that is started again goes on from its checkpoint, in run_restart.c */
 bool run_remembers(const struct run *r, const struct child *child);
+
+/** Says on standard error that something that the experiment named did not happen, and keeps it for
+ * the report. */
+void run_undone_note(struct run *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);

@@ -7,6 +7,7 @@
 #include "muster/memory.h"
 
 #include <inttypes.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -31,6 +32,46 @@ void run_mail_keep(struct run *r, const char *child)
             r->mail[i] = (muster_BrokerStatus){.broker = NULL};
         }
     }
+}
+
+static void undone_add(struct run *r, const char *text)
+{
+    if (r->undone_count < RUN_UNDONE_MAX) {
+        r->undone[r->undone_count++] = mu_startup_string(text);
+    }
+}
+
+void run_undone_note(struct run *r, const char *format, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    fprintf(stderr, "muster run: %s\n", text);
+    undone_add(r, text);
+}
+
+/* Monitors and chaos, too: these were told of when it happened. */
+static void undone_gather(struct run *r, struct report_input *in)
+{
+    char text[1024];
+    for (size_t i = 0; i < in->monitors_count; i++) {
+        if (in->monitors[i].fate) {
+            snprintf(text, sizeof text, "the monitor %s %s", in->monitors[i].name,
+                     in->monitors[i].fate);
+            undone_add(r, text);
+        }
+    }
+    for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
+        if (!in->chaos[i].done && in->chaos[i].reason[0]) {
+            snprintf(text, sizeof text, "%s: %s", in->experiment->chaos[i].text,
+                     in->chaos[i].reason);
+            undone_add(r, text);
+        }
+    }
+    in->undone = r->undone;
+    in->undone_count = r->undone_count;
 }
 
 static struct report_mail mail_of(const struct run *r)
@@ -74,11 +115,6 @@ static void text_print(const struct run *r, const struct report_input *in,
     for (size_t i = 0; i < in->restarts_count; i++) {
         printf("  restarted %s, %" PRIu32 " times\n", in->restarts[i].name, in->restarts[i].count);
     }
-    for (size_t i = 0; i < in->monitors_count; i++) {
-        if (in->monitors[i].fate) {
-            printf("  monitor %s %s\n", in->monitors[i].name, in->monitors[i].fate);
-        }
-    }
     for (unsigned i = 0; in->chaos && i < in->experiment->chaos_count; i++) {
         char when[32] = "not done";
         if (in->chaos[i].done) {
@@ -86,6 +122,9 @@ static void text_print(const struct run *r, const struct report_input *in,
         }
         printf("  %s  %s%s%s\n", when, in->experiment->chaos[i].text,
                in->chaos[i].reason[0] ? ": " : "", in->chaos[i].reason);
+    }
+    for (size_t i = 0; i < in->undone_count; i++) {
+        printf("  NOT DONE  %s\n", in->undone[i]);
     }
     if (r->options.free) {
         printf("skipped %" PRIu64 " samples\n", r->skipped);
@@ -232,7 +271,9 @@ int run_report_write(const struct run *r, const struct report_input *input)
     } else {
         text_print(r, input, result);
     }
-    return result->all_met ? MU_EXIT_DONE : MU_EXIT_EXPECTATION;
+    return !result->all_met          ? MU_EXIT_EXPECTATION
+           : input->undone_count > 0 ? MU_EXIT_UNDONE
+                                     : MU_EXIT_DONE;
 }
 
 int run_report(struct run *r)
@@ -250,6 +291,7 @@ int run_report(struct run *r)
     input.packets_struck = chaos_packets(r);
     input.monitors_count = run_monitors_fates(r, &input.monitors);
     input.restarts_count = restarts_fill(r, &input.restarts);
+    undone_gather(r, &input);
     int code = run_report_write(r, &input);
     report_folder_release(r->folder);
     return code;

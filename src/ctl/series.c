@@ -216,7 +216,7 @@ static void run_end(struct series *s, struct series_run *run)
     s->taken[run->place] = false;
     s->ended++;
     s->failed += run->code != MU_EXIT_DONE;
-    bool reported = run->code == MU_EXIT_DONE || run->code == MU_EXIT_EXPECTATION;
+    bool reported = mu_exit_of_whole_run(run->code);
     if (!reported && !run_signal) {
         supervise_explain(run->child);
     } else if (reported && compare_add(s->compare, run->folder, &fault) < 0) {

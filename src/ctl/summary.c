@@ -52,14 +52,25 @@ static void mail_take(struct summary *s, const char *key, const struct mu_json_v
     }
 }
 
-static void override_take(struct summary *s, const char *path, const struct mu_json_value *value)
+static void text_take(const char *texts[SUMMARY_LIST_MAX], size_t *count, const char *path,
+                      const struct mu_json_value *value)
 {
     size_t index;
     const char *key;
     if (item_split(path, SUMMARY_LIST_MAX, &index, &key)) {
-        s->overrides[index] = mu_startup_string(value->text);
-        grow(&s->overrides_count, index);
+        texts[index] = mu_startup_string(value->text);
+        grow(count, index);
     }
+}
+
+static void override_take(struct summary *s, const char *path, const struct mu_json_value *value)
+{
+    text_take(s->overrides, &s->overrides_count, path, value);
+}
+
+static void undone_take(struct summary *s, const char *path, const struct mu_json_value *value)
+{
+    text_take(s->undone, &s->undone_count, path, value);
 }
 
 static void restart_take(struct summary *s, const char *path, const struct mu_json_value *value)
@@ -182,10 +193,10 @@ static void value_take(void *self, const char *path, const struct mu_json_value 
     static const struct {
         const char *list;
         void (*take)(struct summary *s, const char *path, const struct mu_json_value *value);
-    } lists[] = {{"mail.", mail_take},        {"overrides.", override_take},
-                 {"restarts.", restart_take}, {"chaos.", chaos_take},
-                 {"monitors.", monitor_take}, {"robots.", robot_take},
-                 {"objects.", object_take}};
+    } lists[] = {{"mail.", mail_take},     {"overrides.", override_take},
+                 {"undone.", undone_take}, {"restarts.", restart_take},
+                 {"chaos.", chaos_take},   {"monitors.", monitor_take},
+                 {"robots.", robot_take},  {"objects.", object_take}};
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         size_t len = strlen(lists[i].list);
         if (strncmp(path, lists[i].list, len) == 0) {

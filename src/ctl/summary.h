@@ -9,7 +9,7 @@
 #include "report/report.h"
 
 enum {
-    SUMMARY_LIST_MAX = 64, /* overrides, pieces of chaos, monitors */
+    SUMMARY_LIST_MAX = 64, /* overrides, things undone */
     SUMMARY_TEXT_MAX = 2048,
     SUMMARY_BYTES_MAX = 4 << 20,
     SUMMARY_TIME_MAX_S = 1000000000 /* no run is longer */
@@ -21,8 +21,8 @@ struct summary {
     uint64_t seed, packets_struck;
     double sim_time_s, wall_time_s;
     char hash[80], command[SUMMARY_TEXT_MAX], made_with[256];
-    const char *overrides[SUMMARY_LIST_MAX];
-    size_t overrides_count;
+    const char *overrides[SUMMARY_LIST_MAX], *undone[SUMMARY_LIST_MAX];
+    size_t overrides_count, undone_count;
     struct report_mail mail;
     struct report_restarts restarts[MU_ROBOTS_MAX];
     size_t restarts_count;

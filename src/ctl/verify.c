@@ -151,7 +151,7 @@ static int run_again(struct verify *v)
         return MU_EXIT_INTERRUPTED;
     }
     int code = WIFEXITED(run->status) ? WEXITSTATUS(run->status) : MU_EXIT_CRASH;
-    bool ran = code == MU_EXIT_DONE || code == MU_EXIT_EXPECTATION ||
+    bool ran = mu_exit_of_whole_run(code) ||
                (code == MU_EXIT_CRASH && recording_end(&v->before) == RECORDING_FAULT);
     if (!ran) {
         fprintf(stderr, "muster verify: the second run ended with exit code %d: %s%s\n", code,

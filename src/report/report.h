@@ -72,6 +72,8 @@ struct report_input {
     size_t restarts_count;
     const struct report_monitor *monitors;
     size_t monitors_count;
+    const char *const *undone; /* what the experiment named and did not happen, a sentence each */
+    size_t undone_count;
     const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
     uint64_t packets_struck;          /* lost or late by it */
     const char *versions;             /* of what the run is made of */

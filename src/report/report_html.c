@@ -207,10 +207,25 @@ static void html_monitors(FILE *file, const struct report_input *input)
     fputs("</table>\n", file);
 }
 
+static void html_undone(FILE *file, const struct report_input *input)
+{
+    if (input->undone_count == 0) {
+        return;
+    }
+    fputs("<h2>What did not happen</h2>\n<ul>\n", file);
+    for (size_t i = 0; i < input->undone_count; i++) {
+        fputs("<li class=\"failed\">", file);
+        svg_escape(file, input->undone[i]);
+        fputs("</li>\n", file);
+    }
+    fputs("</ul>\n", file);
+}
+
 void report_write_html(FILE *file, const struct report_data *data, const char *folder)
 {
     html_head(file, data);
     html_expectations(file, data);
+    html_undone(file, data->input);
     html_chaos(file, data);
     html_timeline(file, data);
     fputs("<h2>Tracks</h2>\n<figure>\n", file);

@@ -174,5 +174,12 @@ void report_write_json(FILE *file, const struct report_data *data)
     json_write_monitors(&j, input);
     json_write_chaos(&j, input);
     json_write_expectations(&j, data);
+    if (input->undone_count > 0) {
+        mu_json_list(&j, "undone");
+        for (size_t i = 0; i < input->undone_count; i++) {
+            mu_json_string(&j, NULL, input->undone[i]);
+        }
+        mu_json_end(&j);
+    }
     mu_json_end(&j);
 }

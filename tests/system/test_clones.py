@@ -37,12 +37,12 @@ def team_write(out, rules="", more="", duration=4, head=""):
     return file
 
 
-def run_twice(out, file):
+def run_twice(out, file, code=0):
     """Two runs with one hash.  @return what the robots of one said, and its summary"""
     said, hashes, summary = "", set(), None
     for i in range(2):
         done = muster("run", file, "--out", out / str(i), "--domain", new_domain())
-        check_equal(done.returncode, 0, f"the run: {done.stderr}")
+        check_equal(done.returncode, code, f"the run: {done.stderr}")
         summary = json.loads((out / str(i) / "summary.json").read_text())
         hashes.add(summary["hash"])
         said = done.stdout + done.stderr
@@ -60,7 +60,7 @@ def test_rules_and_commands_clone():
             'observer:\n  - {at: 2, do: red, line: "(clone c_2 south)"}\n'
             '  - {at: 2.5, do: blue, line: "(clone c_2 north)"}\n'
             '  - {at: 3, do: red, line: "(clone c_3 nowhere)"}\n'
-            '  - {at: 3, do: [north, south], launch: c_4, rules: born.clp}\n'))
+            '  - {at: 3, do: [north, south], launch: c_4, rules: born.clp}\n'), code=12)
         for line in ("c_4: launched", "south could not do c_4: name-taken", "red: refused red c_1 name-taken", "blue: refused blue c_2 name-taken",
                      "red: refused red c_3 unknown-host"):
             check(line in said, f"{line} is missing: {said}")

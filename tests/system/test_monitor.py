@@ -352,8 +352,12 @@ def test_the_death_of_a_monitor_ends_nothing():
                 if b"--name=eye" in (pathlib.Path("/proc") / str(pid) / "cmdline").read_bytes()]
         check_equal(len(pids), 1, "the monitor's process")
         os.kill(pids[0], signal.SIGKILL)
-        check_equal(run.wait(60), 0, "the run ends well")
+        check_equal(run.wait(60), 12, "something did not happen")
         summary = json.loads((out / "killed/summary.json").read_text())
+        check_equal(summary["undone"], ["the monitor eye was killed by signal 9 (Killed)"], "what")
+        before = (out / "killed/summary.json").read_bytes()
+        check_equal(muster("report", out / "killed").returncode, 12, "the report again")
+        check((out / "killed/summary.json").read_bytes() == before, "byte by byte")
         check_equal(summary["hash"], plain["hash"], "the same hash")
         check_equal(summary["monitors"][0]["ended"], "was killed by signal 9 (Killed)", "its end")
         check("the monitor eye was killed by signal 9 (Killed); the run goes on" in
