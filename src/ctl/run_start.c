@@ -182,6 +182,7 @@ static mu_result simulator_start(struct run *r)
     word_add("--step=%.17g", e->step_ms);
     word_add("--csv=%s/run.csv", r->folder);
     word_add("--rate=%.17g", r->options.rate);
+    word_add("--saves=%s", r->folder);
     word_add("--wait");
     if (r->options.free) {
         word_add("--free");

@@ -28,7 +28,6 @@ struct request {
     const char *program; /* "muster world place" */
     const struct world_run_options *set;
     muster_RunCommand command;
-    char file[PATH_MAX];
 };
 
 /* The two ends of a conversation with the simulator. */
@@ -43,22 +42,6 @@ struct line {
     int64_t step;
     char reason[256];
 };
-
-/* The simulator may have been started elsewhere. */
-static bool file_find(struct request *r)
-{
-    char here[PATH_MAX] = "";
-    bool absolute = r->command.file[0] == '/';
-    bool good = absolute || getcwd(here, sizeof here) != NULL;
-    int len =
-        snprintf(r->file, sizeof r->file, "%s%s%s", here, absolute ? "" : "/", r->command.file);
-    if (!good || len < 0 || len > 1023) {
-        fprintf(stderr, "%s: the name of the file is too long\n", r->program);
-        return false;
-    }
-    r->command.file = r->file;
-    return true;
-}
 
 /* --- when it is to be done -------------------------------------------------------------------- */
 
@@ -276,6 +259,6 @@ int world_run(const struct mu_options *o, const struct world_run_options *set)
         fprintf(stderr, "%s: %s\n", program, wrong);
         return MU_EXIT_USAGE;
     }
-    bool good = (r.command.order != muster_RUN_SAVE || file_find(&r)) && later_read(&r);
+    bool good = later_read(&r);
     return good ? request_run(&r) : MU_EXIT_USAGE;
 }

@@ -9,6 +9,7 @@
 #include "sim/session.h"
 #include "sim/snapshot.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,7 +29,7 @@ struct settings {
     double duration_s, rate, step_ms, silence_s, return_s;
     int64_t watchers, hosts, threads;
     bool free, waits_for_go, verbose;
-    const char *csv, *restore, *events, *record;
+    const char *csv, *restore, *events, *record, *saves;
     bool without_percepts;
     struct mu_option_list files;      /* "NAME=PATH" */
     struct mu_option_list notes;      /* "KEY=VALUE" */
@@ -122,6 +123,12 @@ static struct mu_option option_table[] = {
      .unit = "FILE",
      .help = "record tracks here",
      .target = &set.csv},
+    {.name = "saves",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .fallback = ".",
+     .help = "muster world save writes below this folder alone",
+     .target = &set.saves},
     {.name = "record",
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
@@ -363,6 +370,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .watchers = (uint32_t)set.watchers,
                                       .hosts = (uint32_t)set.hosts,
                                       .network = &set.network,
+                                      .saves = open(set.saves, O_PATH | O_DIRECTORY | O_CLOEXEC),
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
     if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {

@@ -93,6 +93,7 @@ struct session_options {
     uint32_t watchers;    /* and for so many processes that watch, */
     uint32_t hosts;       /* and for so many that take in robots */
     const struct mu_network *network; /* how long to wait for the broker */
+    int saves;            /* the open folder that states are saved in */
     uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
     uint64_t return_ns;   /* wall time that a lock step waits for one that died to be started again;
                              0: that is a fault at once */

@@ -111,9 +111,11 @@ static struct outcome order_save(struct session *s, const muster_RunCommand *c, 
     engine_save(s->engine, s->snapshot);
     size_t size = engine_save_size(s->engine);
     struct outcome o = {.result = muster_ORDER_DONE};
-    if (snapshot_write(c->file, s->snapshot, size) != MU_OK) {
+    if (snapshot_write(s->options.saves, c->file, s->snapshot, size) != MU_OK) {
+        bool leads_out = errno == EXDEV || errno == ELOOP;
         o.result = muster_ORDER_NOT_WRITTEN;
-        snprintf(o.reason, sizeof o.reason, "%s: %.200s", strerror(errno), c->file);
+        snprintf(o.reason, sizeof o.reason, "%s: %.180s",
+                 leads_out ? "it leads out of the run's folder" : strerror(errno), c->file);
     }
     return o;
 }

@@ -5,13 +5,24 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/openat2.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
-mu_result snapshot_write(const char *path, const unsigned char *bytes, size_t count)
+/* The kernel goes along the path: between a look of ours and the opening a link could be made. */
+static int file_make(int folder, const char *path)
 {
-    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    struct open_how how = {.flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
+                           .mode = 0644,
+                           .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS};
+    return (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
+}
+
+mu_result snapshot_write(int folder, const char *path, const unsigned char *bytes, size_t count)
+{
+    int fd = file_make(folder, path);
     if (fd < 0) {
         return MU_FAULT_OS;
     }
@@ -28,7 +39,7 @@ mu_result snapshot_write(const char *path, const unsigned char *bytes, size_t co
         failed = errno;
     }
     if (failed != 0) {
-        unlink(path);
+        unlinkat(folder, path, 0);
         errno = failed;
         return MU_FAULT_OS;
     }

@@ -9,12 +9,15 @@
 #include "sim/engine.h"
 
 /**
- * Makes a file of these bytes.  Nothing that is there is replaced: who may speak to the simulator
- * may not for that write over its files.
+ * Makes a file of these bytes below a folder.  Who may speak to the simulator may not for that write
+ * where he likes: nothing that is there is replaced, and neither ".." nor a link leads out.
  *
- * @return MU_OK, or MU_FAULT_OS: errno says why, and no file is left
+ * @param folder  an open one
+ * @param path    from there on
+ * @return MU_OK, or MU_FAULT_OS: errno says why, EXDEV that it leads out; no file is left
  */
-MU_MUST_USE mu_result snapshot_write(const char *path, const unsigned char *bytes, size_t count);
+MU_MUST_USE mu_result snapshot_write(int folder, const char *path, const unsigned char *bytes,
+                                     size_t count);
 
 /**
  * Lets an engine go on from a file.  Takes start-up memory.

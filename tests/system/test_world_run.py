@@ -230,11 +230,14 @@ def test_a_saved_world_goes_on_where_it_was():
     with folder() as out, Processes() as processes:
         run = run_start(processes, domain, out / "report", "--rate", "1", "--duration", "60")
         done_at(domain, "place", "red", "0", "-3", "90")  # far from where it begins
-        step = done_at(domain, "save", out / "state")
-        again = world(domain, "save", out / "state")
-        check_equal(again.returncode, 9, "a file is never replaced")
-        check("exists" in again.stderr, again.stderr)
-        check_equal(world(domain, "save", out / "nowhere" / "state").returncode, 9, "no folder")
+        step = done_at(domain, "save", "state")
+        (out / "report/link").symlink_to(out)
+        for file, why in (("state", "exists"), ("nowhere/state", "No such file"),
+                          ("../state", "leads out"), (out / "state", "leads out"),
+                          ("link/state", "leads out"), ("/tmp/../tmp/state", "leads out")):
+            refused = world(domain, "save", file)
+            check_equal((refused.returncode, why in refused.stderr), (9, True), refused.stderr)
+        check_equal([p.name for p in out.iterdir()], ["report"], "nothing is written elsewhere")
         done_at(domain, "pace", "0")
         check_equal(run.wait(60), 0, "the run ends well")
         at = track(out / "report", "red")[step + 1]
@@ -243,7 +246,7 @@ def test_a_saved_world_goes_on_where_it_was():
             processes.start(MUSTER, "robot", name, "--rules", ROOT / "rules/follower.clp",
                             "--domain", other)
         processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--domain", other, "--restore",
-                        out / "state", "--rate", "1")
+                        out / "report/state", "--rate", "1")
         wait_for(lambda: "(" in muster("do", "red", "(position)", "--domain", other, "--wait",
                                        "2").stdout and positions(other, "red"), 20, "red is there")
         x_mm, y_mm = positions(other, "red")
