@@ -9,8 +9,8 @@
 #include "sim/engine.h"
 
 /**
- * Makes a file of these bytes below a folder.  Who may speak to the simulator may not for that write
- * where he likes: nothing that is there is replaced, and neither ".." nor a link leads out.
+ * Makes a file of these bytes below a folder.  Who may speak to the simulator may not for that
+ * write where he likes: nothing that is there is replaced, and neither ".." nor a link leads out.
  *
  * @param folder  an open one
  * @param path    from there on

@@ -3,6 +3,7 @@
 
 #include "core/log.h"
 #include "muster/memory.h"
+#include "web/lobby.h"
 #include "web/target.h"
 
 #include <arpa/inet.h>
@@ -38,6 +39,7 @@ struct server {
     struct MHD_Response *scene; /* the board's, made when somebody wants it; NULL: none */
     uint64_t scene_version;     /* that it has */
     struct request requests[SERVER_CONNECTIONS_MAX];
+    struct lobby lobby;
     uint64_t now_ns;
 };
 
@@ -170,6 +172,11 @@ static void hello_put(struct server *s, struct viewer *viewer)
     (void)stream_put(&viewer->stream, &text);
 }
 
+static int connection_fd(struct MHD_Connection *c)
+{
+    return MHD_get_connection_info(c, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+}
+
 static enum MHD_Result events_answer(struct server *s, struct MHD_Connection *c)
 {
     struct viewer *viewer = viewers_take(s->parts.viewers);
@@ -182,6 +189,7 @@ static enum MHD_Result events_answer(struct server *s, struct MHD_Connection *c)
         viewers_release(viewer);
         return MHD_NO;
     }
+    lobby_leave(&s->lobby, connection_fd(c));
     viewer->connection = c;
     viewer->server = s;
     viewer->sent_ns = s->now_ns;
@@ -412,14 +420,26 @@ static size_t on_unescape(void *cls, struct MHD_Connection *c, char *path)
 static void on_completed(void *cls, struct MHD_Connection *c, void **own,
                          enum MHD_RequestTerminationCode how)
 {
+    struct server *s = cls;
     struct request *r = *own;
-    (void)cls;
-    (void)c;
     (void)how;
+    lobby_enter(&s->lobby, connection_fd(c), s->now_ns);
     if (r) {
         r->used = false;
     }
     *own = NULL;
+}
+
+static void on_connection(void *cls, struct MHD_Connection *c, void **own,
+                          enum MHD_ConnectionNotificationCode what)
+{
+    struct server *s = cls;
+    (void)own;
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+        lobby_enter(&s->lobby, connection_fd(c), s->now_ns);
+    } else {
+        lobby_leave(&s->lobby, connection_fd(c));
+    }
 }
 
 static void on_log(void *cls, const char *format, va_list args)
@@ -462,7 +482,8 @@ mu_result server_open(struct server **out, const struct server_parts *parts, uin
         MHD_OPTION_CONNECTION_LIMIT, (unsigned)SERVER_CONNECTIONS_MAX,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)SERVER_HEADER_BYTES,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)SERVER_PATIENCE_S, MHD_OPTION_NOTIFY_COMPLETED,
-        on_completed, NULL, MHD_OPTION_UNESCAPE_CALLBACK, on_unescape, NULL, MHD_OPTION_END);
+        on_completed, s, MHD_OPTION_NOTIFY_CONNECTION, on_connection, s,
+        MHD_OPTION_UNESCAPE_CALLBACK, on_unescape, NULL, MHD_OPTION_END);
     if (!s->daemon) {
         return errno == EADDRINUSE || errno == EACCES ? MU_BUSY : MU_FAULT_OS;
     }
@@ -505,6 +526,7 @@ static void viewers_wake(struct server *s, bool all)
 void server_run(struct server *s, uint64_t now_ns)
 {
     s->now_ns = now_ns;
+    lobby_round(&s->lobby, now_ns);
     viewers_wake(s, false);
     MHD_run(s->daemon);
 }

@@ -210,6 +210,31 @@ def test_it_listens_on_this_machine_alone():
         check_equal([line.split()[3] for line in listening.splitlines()], [page.host], "its socket")
 
 
+def drip(connections, stop):
+    """A byte of a header now and then, so that none of them is idle."""
+    while not stop.wait(0.3):
+        for c in connections:
+            with contextlib.suppress(OSError):
+                c.sendall(b"x")
+
+
+def test_half_open_connections_keep_nobody_out():
+    with page_open() as (page, _, _), contextlib.ExitStack() as held:
+        halves, stop = [], threading.Event()
+        dripping = threading.Thread(target=drip, args=(halves, stop))
+        dripping.start()
+        try:
+            for _ in range(150):
+                half = held.enter_context(socket.create_connection(("127.0.0.1", page.port), 5))
+                half.sendall(b"GET / HTTP/1.1\r\nHost: ")
+                halves.append(half)
+            for _ in range(3):
+                check_equal(page.ask("GET", "/").status, 200, "the page beside 150 half requests")
+        finally:
+            stop.set()
+            dripping.join()
+
+
 def test_garbage_is_the_library_s_and_it_lives():
     with page_open() as (page, _, _):
         for bytes_sent in (b"\0" * 20000, b"GET / HTTP/9.9\r\n\r\n", b"GET\r\n\r\n", b"\xff\xfe\r\n\r\n",
