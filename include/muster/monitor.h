@@ -57,7 +57,8 @@ struct mu_robot_view {
     double command_forward_m_s, command_turn_rad_s;
     const char *goal; /* what it wants, as it said last: "gohome 3000.0 0.0"; "": it does not say */
     bool stalled;
-    bool fault; /* the simulator had to put it back */
+    bool fault;  /* the simulator had to put it back */
+    bool placed; /* it did not drive here: it was put here in the step before */
     double distance_m, stalled_s;
     uint32_t stalls; /* how often it began to be stalled */
     uint64_t firings, mails_sent, mails_received;

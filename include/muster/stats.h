@@ -47,6 +47,7 @@ struct mu_stats_team {
     double explored;            /* share of the floor that any robot's centre crossed; < 0: no
                                    Scene, or a world that is empty or too large */
     const char *most_efficient; /* by efficiency_m_s; NULL: nobody moved */
+    double efficiency_m_s;      /* of that one */
     double distance_m;          /* these are sums */
     uint64_t stalls;
     uint64_t mails_sent, mails_received, firings;
@@ -109,7 +110,8 @@ const char *mu_stats_performative(const mu_stats *s, size_t index, uint64_t *cou
  */
 bool mu_stats_pair(const mu_stats *s, size_t index, struct mu_stats_pair *pair);
 
-/** @return metres per second that a robot was not stalled: what the most efficient one is chosen
+/** @return metres per second that a robot was not stalled, 0 when it was stalled for more than half
+ * of the time: what the most efficient one is chosen
  *          by; step_s: how long one step is, the least that counts */
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s);
 

@@ -88,6 +88,41 @@ mu_result remake_csv(struct recording *recording, const char *folder, struct mu_
     return draft_close(&d, fault);
 }
 
+/* --- placements.csv ----------------------------------------------------------------------------
+ */
+
+static size_t placements_write(FILE *file, const struct recording *recording, const muster_Frame *f)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < f->robots._length; i++) {
+        const muster_RobotView *v = &f->robots._buffer[i];
+        if (v->placed && is_controlled(recording, i)) {
+            fprintf(file, "%.6f,%s\n", (double)f->time_ns * 1e-9, v->name);
+            count++;
+        }
+    }
+    return count;
+}
+
+mu_result remake_placements(struct recording *recording, const char *folder, struct mu_fault *fault)
+{
+    struct draft d;
+    size_t count = 0;
+    MU_TRY(draft_open(&d, folder, "placements.csv", fault));
+    fputs("time_s,robot\n", d.file);
+    recording_rewind(recording);
+    for (const muster_Frame *f = recording_next(recording); f; f = recording_next(recording)) {
+        count += placements_write(d.file, recording, f);
+    }
+    if (count > 0) {
+        return draft_close(&d, fault);
+    }
+    fclose(d.file);
+    remove(d.draft);
+    remove(d.path);
+    return MU_OK;
+}
+
 /* --- events.csv ------------------------------------------------------------------------------- */
 
 /* The last Frame of a run that has an end is how the world was left: nobody looked any more. */

@@ -14,6 +14,10 @@
 MU_MUST_USE mu_result remake_csv(struct recording *recording, const char *folder,
                                  struct mu_fault *fault);
 
+/** Writes folder/placements.csv anew, or takes it away when nobody was placed.  @return likewise */
+MU_MUST_USE mu_result remake_placements(struct recording *recording, const char *folder,
+                                        struct mu_fault *fault);
+
 /**
  * Writes folder/events.csv anew, if the experiment has events.
  *

@@ -235,6 +235,7 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
         orders_note(m);
     }
     MU_TRY(remake_csv(&m->recording, r->folder, fault));
+    MU_TRY(remake_placements(&m->recording, r->folder, fault));
     return remake_events(&m->recording, r, fault);
 }
 

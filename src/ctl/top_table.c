@@ -245,7 +245,8 @@ static void team_world(struct mu_text *t, const struct mu_stats_team *team, size
         mu_text_format(t, ", %" PRIu64 " steps not seen", team->missed);
     }
     if (team->most_efficient) {
-        mu_text_format(t, "; most efficient: %s", mu_text_show(shown, team->most_efficient));
+        mu_text_format(t, "; most efficient: %s, %.2f m/s",
+                       mu_text_show(shown, team->most_efficient), team->efficiency_m_s);
     }
 }
 

@@ -91,7 +91,8 @@ struct report_result {
     struct report_robot_result robots[MU_ROBOTS_MAX];
     /* Of the 0.5 m cells of floor that a robot can reach, how many a robot's centre crossed. */
     double explored_fraction;
-    const char *most_efficient; /* most metres per second not stalled; NULL: nobody moved */
+    const char *most_efficient; /* by mu_stats_efficiency; NULL: nobody moved */
+    double efficiency_m_s;      /* of that one */
     /* Each expectation: what it says, what was measured, and whether it was met.  One whose time
      * begins after the end of a run that was cut short on purpose is not judged: met is true, and
      * summary.json leaves it out. */

@@ -21,10 +21,12 @@ struct report_row {
     size_t robot; /* in report_input */
     double time_s, x_m, y_m, heading_rad;
     bool stalled;
+    bool placed; /* somebody put it there */
 };
 
 struct report_sample {
     float time_s, x_m, y_m, heading_rad;
+    bool lifted;  /* it was put elsewhere since the sample before */
     int32_t next; /* of the same robot, or REPORT_NO_SAMPLE */
 };
 
@@ -48,15 +50,17 @@ struct report_data {
 /* --- report_read.c: run.csv, row by row ------------------------------------------------------- */
 
 struct report_reader {
-    FILE *file;
+    FILE *file, *placements; /* NULL: nobody was placed */
     char path[REPORT_PATH_MAX];
+    char placement[64]; /* the next of them: time, robot */
     const struct report_input *input;
     int line;
     size_t robot;  /* of the last row */
     double time_s; /* of the last row */
 };
 
-/** Opens folder/run.csv and checks its first line.  @param rows_max  no more rows than this */
+/** Opens folder/run.csv, and placements.csv if it is there, and checks the first line.  @param
+ * rows_max  no more rows than this */
 MU_MUST_USE mu_result report_reader_open(struct report_reader *r, const char *folder,
                                          const struct report_input *input, size_t *rows_max,
                                          struct mu_fault *fault);

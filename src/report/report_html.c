@@ -110,8 +110,11 @@ static void html_facts(FILE *file, const struct report_data *data)
     html_fact(file, "time", text);
     snprintf(text, sizeof text, "%.1f %% of the floor", data->result->explored_fraction * 100);
     html_fact(file, "explored", text);
+    snprintf(text, sizeof text, "%s, %.3f m for each second that it was not stalled, by run.csv",
+             data->result->most_efficient ? data->result->most_efficient : "",
+             data->result->efficiency_m_s);
     html_fact(file, "most efficient",
-              data->result->most_efficient ? data->result->most_efficient : "nobody moved");
+              data->result->most_efficient ? text : "nobody moved for half of the time");
     snprintf(text, sizeof text,
              "%" PRIu64 " sent, %" PRIu64 " delivered, %" PRIu64 " waiting, %" PRIu64
              " expired, %" PRIu64 " refused, %" PRIu64 " lost, %" PRIu64 " duplicated",

@@ -169,6 +169,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     json_write_objects(&j, input);
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);
+    mu_json_real(&j, "most_efficient_m_s", data->result->efficiency_m_s);
     json_write_mail(&j, input);
     json_write_restarts(&j, input);
     json_write_monitors(&j, input);

@@ -61,6 +61,36 @@ static mu_result read_count_lines(struct report_reader *r, size_t *lines, struct
     return ferror(r->file) ? read_fault(r->path, fault) : MU_OK;
 }
 
+/* placements.csv is there when somebody was placed; its rows are in the order of run.csv's. */
+static void placement_next(struct report_reader *r)
+{
+    r->placement[0] = '\0';
+    if (r->placements && fgets(r->placement, sizeof r->placement, r->placements)) {
+        r->placement[strcspn(r->placement, "\n")] = '\0';
+    }
+}
+
+static void placements_open(struct report_reader *r, const char *folder)
+{
+    char path[REPORT_PATH_MAX];
+    int len = snprintf(path, sizeof path, "%s/placements.csv", folder);
+    r->placements = len > 0 && (size_t)len < sizeof path ? fopen(path, "re") : NULL;
+    placement_next(r); /* the head */
+    placement_next(r);
+}
+
+/* @return whether the robot was put where this row has it */
+static bool placement_take(struct report_reader *r, const char *time, const char *robot)
+{
+    size_t len = strlen(time);
+    bool placed = strncmp(r->placement, time, len) == 0 && r->placement[len] == ',' &&
+                  strcmp(r->placement + len + 1, robot) == 0;
+    if (placed) {
+        placement_next(r);
+    }
+    return placed;
+}
+
 mu_result report_reader_open(struct report_reader *r, const char *folder,
                              const struct report_input *input, size_t *rows_max,
                              struct mu_fault *fault)
@@ -76,6 +106,7 @@ mu_result report_reader_open(struct report_reader *r, const char *folder,
     char line[READ_LINE_MAX];
     mu_result result = read_count_lines(r, rows_max, fault);
     rewind(r->file);
+    placements_open(r, folder);
     result = result == MU_OK ? read_line(r, line, fault) : result;
     if (result == MU_DONE || (result == MU_OK && strcmp(line, read_header) != 0)) {
         result = mu_fault_at(fault, r->path, 1, 1, "expected the line '%s'", read_header);
@@ -88,6 +119,9 @@ mu_result report_reader_open(struct report_reader *r, const char *folder,
 
 void report_reader_close(struct report_reader *r)
 {
+    if (r->placements) {
+        fclose(r->placements);
+    }
     fclose(r->file);
     r->file = NULL;
 }
@@ -140,6 +174,7 @@ static mu_result read_fields(struct report_reader *r, char *line, struct report_
                                fields[numbers[i].column]);
         }
     }
+    row->placed = placement_take(r, fields[READ_TIME], fields[READ_ROBOT]);
     const char *flag = fields[READ_STALLED];
     row->stalled = flag[0] == '1';
     if (strcmp(flag, "0") != 0 && strcmp(flag, "1") != 0) {

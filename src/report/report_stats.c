@@ -11,6 +11,7 @@
 /* One robot while the rows go by. */
 struct stats_robot {
     bool seen, stalled;
+    bool lifted; /* it was put elsewhere since the last sample */
     double x_m, y_m, time_s;
     double first_s;
     double stall_s; /* of the stall that goes on */
@@ -42,7 +43,7 @@ static void stats_take_stall(struct stats_robot *robot, struct report_robot_resu
     result->longest_stall_s = fmax(result->longest_stall_s, robot->stall_s);
 }
 
-static void stats_add_sample(struct report_data *data, const struct report_row *row)
+static void stats_add_sample(struct report_data *data, const struct report_row *row, bool lifted)
 {
     if (data->samples_count == REPORT_SAMPLES_MAX) {
         return;
@@ -50,8 +51,8 @@ static void stats_add_sample(struct report_data *data, const struct report_row *
     struct report_track *track = &data->tracks[row->robot];
     int32_t index = (int32_t)data->samples_count++;
     data->samples[index] =
-        (struct report_sample){(float)row->time_s, (float)row->x_m, (float)row->y_m,
-                               (float)row->heading_rad, REPORT_NO_SAMPLE};
+        (struct report_sample){(float)row->time_s,      (float)row->x_m, (float)row->y_m,
+                               (float)row->heading_rad, lifted,          REPORT_NO_SAMPLE};
     if (track->last == REPORT_NO_SAMPLE) {
         track->first = index;
     } else {
@@ -76,12 +77,14 @@ static void stats_take_row(struct stats *s, const struct report_row *row)
     double spent_s = s->step_s;
     if (robot->seen) {
         spent_s = row->time_s - robot->time_s;
-        result->distance_m += hypot(row->x_m - robot->x_m, row->y_m - robot->y_m);
-        explored_cross(s->explored, row->robot, robot->x_m, robot->y_m, row->x_m, row->y_m);
     } else {
         robot->first_s = row->time_s;
-        explored_cross(s->explored, row->robot, row->x_m, row->y_m, row->x_m, row->y_m);
     }
+    bool drove = robot->seen && !row->placed;
+    double from_x_m = drove ? robot->x_m : row->x_m, from_y_m = drove ? robot->y_m : row->y_m;
+    result->distance_m += hypot(row->x_m - from_x_m, row->y_m - from_y_m);
+    explored_cross(s->explored, row->robot, from_x_m, from_y_m, row->x_m, row->y_m);
+    robot->lifted = robot->lifted || row->placed;
     stats_take_stall(robot, result, row->stalled, spent_s);
     robot->seen = true;
     robot->time_s = row->time_s;
@@ -89,7 +92,8 @@ static void stats_take_row(struct stats *s, const struct report_row *row)
     robot->y_m = result->final_y_m = row->y_m;
     result->final_heading_rad = row->heading_rad;
     if (s->step % data->stride == 0) {
-        stats_add_sample(data, row);
+        stats_add_sample(data, row, robot->lifted);
+        robot->lifted = false;
     }
     report_expect_row(s->expect, row);
 }
@@ -108,6 +112,7 @@ static void stats_finish(struct stats *s)
         if (efficiency_m_s > best_m_s) {
             best_m_s = efficiency_m_s;
             result->most_efficient = input->robots[i].name;
+            result->efficiency_m_s = best_m_s;
         }
     }
     result->explored_fraction = fmax(explored_share(s->explored), 0);

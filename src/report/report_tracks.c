@@ -123,6 +123,9 @@ static void tracks_draw_line(const struct tracks *t, size_t robot)
     for (int32_t i = t->data->tracks[robot].first; i >= 0; i = t->data->samples[i].next) {
         const struct report_sample *s = &t->data->samples[i];
         tracks_place(t, (double)s->x_m, (double)s->y_m, at);
+        if (s->lifted) {
+            svg_path_break(&path);
+        }
         svg_path_point(&path, at);
     }
     const struct report_robot_result *end = &t->data->result->robots[robot];

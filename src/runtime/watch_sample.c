@@ -103,6 +103,7 @@ static void robots_fill(struct watch_room *r, const muster_Frame *f)
                                                    .goal = v->goal,
                                                    .stalled = v->stalled,
                                                    .fault = v->fault,
+                                                   .placed = v->placed,
                                                    .distance_m = v->distance_m,
                                                    .stalled_s = v->stalled_s,
                                                    .stalls = v->stalls,

@@ -214,6 +214,7 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     senses_read_all(e->senses, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_feel(e, i, &e->percepts[i]);
+        e->bodies[i].placed = false;
         senses_tell(e->senses, i, wanted[i], &e->percepts[i]);
     }
     return e->percepts;

@@ -54,6 +54,7 @@ struct engine_percept {
     struct world_pose odometer;     /* as its wheels have it */
     double forward_m_s, turn_rad_s; /* as it really moves, in its own frame */
     bool stalled;                   /* its wheels have been held up for 0.3 s */
+    bool placed;                    /* it did not drive here: somebody put it here */
     bool fault;                     /* it was flung out of the numbers and put back */
     uint32_t bumpers;               /* sectors that touch something */
     uint32_t gripper;               /* enum engine_gripper */

@@ -159,6 +159,7 @@ void engine_put(struct engine *e, size_t body, struct world_pose pose)
     struct engine_body *b = &e->bodies[body];
     ode_world_put(body, pose.x_m, pose.y_m, pose.heading_rad);
     b->push_substeps = 0;
+    b->placed = true;
     if (body < e->robot_count) {
         drive_halt(&e->robots[body].drive);
     } else { /* it may hang over the edge of something now */

@@ -37,6 +37,7 @@ struct engine_body {
     bool asleep;                   /* an object at rest that nothing pushes */
     bool shifted;                  /* it was moved apart from another one */
     bool touched;                  /* something that moves touches it in this substep */
+    bool placed;                   /* it was put somewhere since it was sensed */
     bool fault;                    /* it was put back in this step */
     uint64_t faults;               /* since the start */
 };

@@ -30,6 +30,7 @@ void engine_feel(const struct engine *e, size_t robot, struct engine_percept *ou
                                    .forward_m_s = m->c * m->vx + m->s * m->vy,
                                    .turn_rad_s = m->turn,
                                    .stalled = drive_stalled(&r->drive),
+                                   .placed = e->bodies[robot].placed,
                                    .fault = e->bodies[robot].fault,
                                    .bumpers = r->bumpers,
                                    .gripper = r->grip_felt,

@@ -7,12 +7,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { RECORDER_BUFFER = 256 * 1024 };
 
 struct recorder {
-    FILE *file;
-    char path[512];
+    FILE *file, *placements; /* NULL: nobody was placed yet */
+    char path[512], placements_path[512];
     char buffer[RECORDER_BUFFER];
 };
 
@@ -25,7 +26,11 @@ static mu_result recorder_fault(const char *path, const char *what)
 mu_result recorder_open(struct recorder **out, const char *path)
 {
     struct recorder *r = mu_startup_alloc(sizeof *r);
+    const char *slash = strrchr(path, '/');
     snprintf(r->path, sizeof r->path, "%s", path);
+    snprintf(r->placements_path, sizeof r->placements_path, "%.*splacements.csv",
+             slash ? (int)(slash + 1 - path) : 0, path);
+    unlink(r->placements_path); /* of another run */
     r->file = fopen(path, "w");
     if (!r->file) {
         return recorder_fault(path, "create");
@@ -61,6 +66,20 @@ static char *number_write(char *to, double value)
     return to;
 }
 
+/* Beside the tracks, when the first one is placed.  A full disk shows there, too. */
+static void placement_add(struct recorder *r, uint64_t time_ns, const char *robot)
+{
+    char time[24];
+    *number_write(time, (double)time_ns * 1e-9) = '\0';
+    if (!r->placements && (r->placements = fopen(r->placements_path, "w"))) {
+        fputs("time_s,robot\n", r->placements);
+    }
+    if (r->placements) {
+        fprintf(r->placements, "%s,%s\n", time, robot);
+        fflush(r->placements);
+    }
+}
+
 void recorder_add(struct recorder *r, uint64_t time_ns, const char *robot,
                   const struct engine_percept *p)
 {
@@ -80,11 +99,17 @@ void recorder_add(struct recorder *r, uint64_t time_ns, const char *robot,
     *end++ = p->stalled ? '1' : '0';
     *end++ = '\n';
     fwrite(row, 1, (size_t)(end - row), r->file);
+    if (p->placed) {
+        placement_add(r, time_ns, robot);
+    }
 }
 
 mu_result recorder_close(struct recorder *r)
 {
     bool whole = !ferror(r->file);
+    if (r->placements) {
+        fclose(r->placements);
+    }
     whole = fclose(r->file) == 0 && whole;
     return whole ? MU_OK : recorder_fault(r->path, "write");
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file recorder.h
- * Writes run.csv: a row for each robot and control step.
+ * Writes run.csv: a row for each robot and control step; and placements.csv beside it, a row for
+ * each time that a robot was put somewhere, if one was.
  */
 #ifndef MUSTER_SIM_RECORDER_H
 #define MUSTER_SIM_RECORDER_H

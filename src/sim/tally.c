@@ -14,7 +14,7 @@ void tally_take(struct tally *t, uint64_t time_ns, uint64_t step_ns,
     double spent_s = (double)step_ns * 1e-9;
     if (t->seen) {
         spent_s = time_s - t->time_s;
-        t->distance_m += hypot(x_m - t->x_m, y_m - t->y_m);
+        t->distance_m += percept->placed ? 0 : hypot(x_m - t->x_m, y_m - t->y_m);
     }
     if (percept->stalled) {
         t->stalls += !t->stalled;

@@ -164,6 +164,7 @@ void view_take_body(struct view *v, size_t robot, const struct engine_percept *p
     r->turn_rad_s = percept->turn_rad_s;
     r->stalled = percept->stalled;
     r->fault = percept->fault;
+    r->placed = percept->placed;
     r->distance_m = tally->distance_m;
     r->stalled_s = tally->stalled_s;
     r->stalls = tally->stalls;

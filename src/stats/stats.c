@@ -45,7 +45,7 @@ struct mu_stats {
 
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s)
 {
-    return distance_m / fmax(time_s - stalled_s, step_s);
+    return stalled_s > time_s / 2 ? 0 : distance_m / fmax(time_s - stalled_s, step_s);
 }
 
 mu_stats *mu_stats_open(void)
@@ -101,11 +101,12 @@ static void robots_learn(mu_stats *s, const struct mu_frame *f)
     }
 }
 
-static void floor_take(mu_stats *s, size_t i, double x_m, double y_m)
+static void floor_take(mu_stats *s, size_t i, double x_m, double y_m, bool placed)
 {
     struct stats_robot *own = &s->own[i];
+    bool drove = own->seen && !placed;
     if (s->floor && s->robots[i].controlled) {
-        double from_x_m = own->seen ? own->x_m : x_m, from_y_m = own->seen ? own->y_m : y_m;
+        double from_x_m = drove ? own->x_m : x_m, from_y_m = drove ? own->y_m : y_m;
         explored_cross(s->explored, i, from_x_m, from_y_m, x_m, y_m);
     }
     own->x_m = x_m;
@@ -141,7 +142,7 @@ static void robot_take(mu_stats *s, size_t i, const struct mu_robot_view *v)
     r->efficiency_m_s = mu_stats_efficiency(r->distance_m, s->time_s, r->stalled_s, s->step_s);
     s->places[i] = (struct approach_place){v->x_m, v->y_m};
     goal_take(r, own, s->time_s);
-    floor_take(s, i, mu_rounded(v->x_m), mu_rounded(v->y_m));
+    floor_take(s, i, mu_rounded(v->x_m), mu_rounded(v->y_m), v->placed);
     own->seen = true;
 }
 
@@ -280,6 +281,7 @@ struct mu_stats_team mu_stats_team(const mu_stats *s)
         if (r->controlled && r->efficiency_m_s > best_m_s) {
             best_m_s = r->efficiency_m_s;
             t.most_efficient = r->name;
+            t.efficiency_m_s = best_m_s;
         }
     }
     return t;

@@ -2,7 +2,7 @@
 """What goes wrong on purpose, and what is expected of a run in spite of it."""
 import re
 
-from support import check, check_equal, folder, muster, pair_run as run
+from support import ROOT, check, check_equal, experiment_run, folder, muster, pair_run as run
 
 
 def test_the_world_goes_wrong_the_same_way_every_time():
@@ -31,6 +31,37 @@ chaos:
         check(final["blue"]["y_m"] > 0, f"blue was put elsewhere: {final}")
         done = muster("verify", out / "a/run.mcap")
         check_equal(done.returncode, 0, f"the recording, done again: {done.stdout} {done.stderr}")
+
+
+def test_who_is_placed_has_not_driven_there():
+    """Neither in the report nor while the run lives; a report that is made again says the same."""
+    with folder() as out:
+        (out / "still.clp").write_text("(defrule nothing (position $?) =>)\n")
+        (out / "still.yaml").write_text(f"""
+world: {ROOT}/worlds/arena.world
+duration: 4
+robots:
+  - {{name: red, rules: still.clp}}
+  - {{name: blue, rules: still.clp}}
+chaos:
+  - {{at: 1, place: red, pose: [0, -2, 90]}}
+  - {{at: 2, place: blue, pose: [2, 2, 90]}}
+  - {{at: 3, place: red, pose: [0, 2, 90]}}
+expect:
+  - {{never: "red.distance_m > 0.5"}}
+""")
+        done, summary = experiment_run(out / "a", file=out / "still.yaml")
+        check_equal(done.returncode, 0, done.stderr)
+        for robot in summary["robots"]:
+            check(robot["distance_m"] < 0.01 > robot["mean_speed_m_s"], robot)
+        placements = (out / "a/placements.csv").read_text()
+        check_equal(placements, "time_s,robot\n1.100000,red\n2.100000,blue\n3.100000,red\n", "when")
+        before = (out / "a/summary.json").read_bytes()
+        for name in ("run.csv", "placements.csv"):
+            (out / "a" / name).unlink()
+        check_equal(muster("report", out / "a").returncode, 0, "the report again")
+        check_equal((out / "a/placements.csv").read_text(), placements, "out of the recording")
+        check((out / "a/summary.json").read_bytes() == before, "the same figures")
 
 
 def test_lost_and_late_packets_change_nothing():

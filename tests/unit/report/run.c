@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
 #include "report/color.h"
 #include "report/report.h"
 #include "report/report_data.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
@@ -120,7 +120,7 @@ static void test_statistics(void)
     CU_ASSERT_DOUBLE_EQUAL(r->final_x_m, 3.25, 0);
     CU_ASSERT_DOUBLE_EQUAL(r->final_heading_rad, 3.5, 0);
     CU_ASSERT_DOUBLE_EQUAL(result.robots[1].distance_m, 0, 0);
-    CU_ASSERT_STRING_EQUAL(result.most_efficient, "red");
+    CU_ASSERT_PTR_NULL(result.most_efficient); /* red was stalled for most of the time */
     CU_ASSERT_DOUBLE_EQUAL(result.explored_fraction, 7.0 / 32, 1e-12);
 }
 
@@ -130,10 +130,11 @@ static void test_the_most_efficient(void)
     CU_ASSERT_EQUAL_FATAL(write_report(HEADER
                                        "0,red,0.25,0.25,0,1,0,0\n0,blue,0.25,1.25,0,1,0,0\n"
                                        "1,red,1.25,0.25,0,1,0,0\n1,blue,2.25,1.25,0,1,0,0\n"
-                                       "2,red,2.25,0.25,0,1,0,0\n2,blue,2.25,1.25,0,1,0,1\n"
-                                       "3,red,3.25,0.25,0,1,0,0\n3,blue,2.25,1.25,0,1,0,1\n"),
+                                       "2,red,2.25,0.25,0,1,0,0\n2,blue,3.25,1.25,0,1,0,0\n"
+                                       "3,red,3.25,0.25,0,1,0,0\n3,blue,3.25,1.25,0,1,0,1\n"),
                           MU_OK);
     CU_ASSERT_STRING_EQUAL(result.most_efficient, "blue");
+    CU_ASSERT_DOUBLE_EQUAL(result.efficiency_m_s, 1.5, 1e-6);
 }
 
 static void test_expectations(void)

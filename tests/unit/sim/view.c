@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a small world: totals, the Scene, a Frame. */
-#include "physics.h"
-#include "samples.h"
-#include "suite.h"
+#include "sim/view.h"
 #include "bus/bus.h"
 #include "core/rounded.h"
 #include "muster/memory.h"
+#include "physics.h"
+#include "samples.h"
 #include "sim/runhash.h"
 #include "sim/scene.h"
 #include "sim/tally.h"
-#include "sim/view.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>
@@ -35,6 +35,9 @@ static void test_distance_is_what_the_rows_add_up_to(void)
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 1).distance_m, 0, 0);
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 2).distance_m, 5, 0);
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 4).distance_m, 6, 0);
+    const struct engine_percept placed[] = {{.pose = {1, 1, 0}},
+                                            {.pose = {8, 1, 0}, .placed = true}};
+    CU_ASSERT_DOUBLE_EQUAL(tally_of(placed, 2).distance_m, 0, 0);
     /* What has less than six decimals is not in run.csv, and so it is no way. */
     const struct engine_percept still[] = {{.pose = {1, 1, 0}}, {.pose = {1 + 4e-7, 1, 0}}};
     CU_ASSERT_DOUBLE_EQUAL(tally_of(still, 2).distance_m, 0, 0);
