@@ -212,6 +212,9 @@ enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mai
 void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail);
 void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail);
 
+/** Answers a directive that means nothing to the agent: refuse, `VERB unsupported`. */
+void robot_refuse_directive(mu_agent *a, const struct mu_mail *mail);
+
 /* robot_life.c */
 
 /** What robots do beside their rules, and with which events their rules hear of their life. */

@@ -4,6 +4,7 @@
 #include "agent/robot.h"
 #include "core/log.h"
 #include "core/name.h"
+#include "core/refusal.h"
 #include "runtime/kind.h"
 
 #include <stdio.h>
@@ -256,8 +257,16 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
         }
     }
     mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative, mail->src);
-    if (mail->reply_with[0] &&
-        mu_agent_reply(a, mail, "failure", "\"a robot knows no such directive\"") != MU_OK) {
+    robot_refuse_directive(a, mail);
+}
+
+void robot_refuse_directive(mu_agent *a, const struct mu_mail *mail)
+{
+    char content[2 * MU_FIELD_MAX];
+    struct mu_text t;
+    mu_text_init(&t, content, sizeof content);
+    mu_text_format(&t, "%s %s", mail->performative, mu_refusal_word(MU_REFUSAL_UNSUPPORTED));
+    if (mail->reply_with[0] && mu_agent_reply(a, mail, "refuse", content) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
     }
 }

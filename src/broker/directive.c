@@ -3,6 +3,7 @@
 
 #include "broker/parts.h"
 #include "broker/query.h"
+#include "core/refusal.h"
 #include "core/text.h"
 
 #include <stdlib.h>
@@ -90,7 +91,9 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m)
     struct mu_text t;
     mu_text_init(&t, content, sizeof content);
     if (strcmp(m->letter.performative, "do") != 0) {
-        query_refuse(b, own, m);
+        mu_text_format(&t, "%s %s", m->letter.performative,
+                       mu_refusal_word(MU_REFUSAL_UNSUPPORTED));
+        query_reply(b, own, m, "refuse", content);
         return;
     }
     const struct directive *d = line_read(m->letter.content, value);

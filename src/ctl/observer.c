@@ -15,9 +15,9 @@ static const struct form {
 } forms[] = {
     {"you-do", "do", OBSERVER_MAIL, REST_COMMAND, "(you-do WHO COMMAND WORD...)"},
     {"inspect", "do", OBSERVER_MAIL, REST_LINE, "(inspect WHO [LINE])"},
-    {"start", "start", OBSERVER_RECEIPT, REST_NONE, "(start WHO)"},
-    {"suspend", "suspend", OBSERVER_RECEIPT, REST_NONE, "(suspend WHO)"},
-    {"resume", "resume", OBSERVER_RECEIPT, REST_NONE, "(resume WHO)"},
+    {"start", "start", OBSERVER_MAIL, REST_NONE, "(start WHO)"},
+    {"suspend", "suspend", OBSERVER_MAIL, REST_NONE, "(suspend WHO)"},
+    {"resume", "resume", OBSERVER_MAIL, REST_NONE, "(resume WHO)"},
     {"step", "step", OBSERVER_MAIL, REST_COUNT, "(step WHO N)"},
     {"agents", NULL, OBSERVER_HERE, REST_NO_WHO, "(agents)"},
 };

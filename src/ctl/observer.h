@@ -13,9 +13,8 @@
 #include "muster/result.h"
 
 enum observer_answer {
-    OBSERVER_HERE,    /* the observer knows it itself */
-    OBSERVER_RECEIPT, /* it is done when it is delivered */
-    OBSERVER_MAIL     /* whom it is for answers */
+    OBSERVER_HERE, /* the observer knows it itself */
+    OBSERVER_MAIL  /* each agent that it is for answers */
 };
 
 struct observer_order {

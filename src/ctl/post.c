@@ -3,6 +3,7 @@
 #include "core/address.h"
 #include "core/exits.h"
 #include "core/name.h"
+#include "ctl/direct.h"
 #include "ctl/envelope.h"
 #include "ctl/operator.h"
 #include "ctl/receivers.h"
@@ -21,9 +22,9 @@ struct verb {
     bool directive;
     const char *performative; /* NULL: --performative */
     const char *example;
-    bool counts;      /* the only word behind TARGETS is a number, from 1 on */
-    bool unanswered;  /* a directive to which nobody answers */
-    size_t names_max; /* so many words behind TARGETS, all of them names; 0: any words */
+    bool counts;        /* the only word behind TARGETS is a number, from 1 on */
+    bool changes_state; /* an agent that is away does it when it is back */
+    size_t names_max;   /* so many words behind TARGETS, all of them names; 0: any words */
 };
 
 static const struct verb VERB_SEND = {"send",
@@ -52,7 +53,9 @@ static const struct verb VERB_BROADCAST = {"broadcast",
                                            0};
 static const struct verb VERB_DO = {"do",
                                     "TARGETS 'LINE' [OPTION...]",
-                                    "Makes agents evaluate a CLIPS line; TARGETS as for send.",
+                                    "Makes agents evaluate a CLIPS line; TARGETS as for send, but "
+                                    "all leaves hosts out.  Each receiver has a line of its own: "
+                                    "its answer, why not, or its silence.",
                                     2,
                                     NULL,
                                     true,
@@ -172,18 +175,6 @@ static bool names_check(const struct verb *v, const struct mu_options *o, size_t
     return true;
 }
 
-/* The broker would take it, and nothing would come of it.  @return whether it can be done; said if
- * not */
-static bool receiver_check(const struct verb *v, const char *program, const char *to)
-{
-    bool broker = strcmp(to, "broker") == 0 || strncmp(to, "broker.", strlen("broker.")) == 0;
-    if (v->unanswered && broker) {
-        fprintf(stderr, "%s: %s is no agent that can be told so\n", program, to);
-        return false;
-    }
-    return true;
-}
-
 /* @return whether the words are what the verb takes; said if not */
 static bool words_check(const struct verb *v, const struct mu_options *o)
 {
@@ -213,8 +204,7 @@ static bool words_check(const struct verb *v, const struct mu_options *o)
         fprintf(stderr, "%s: expected receivers of at most %d bytes\n", program, MU_DST_MAX);
         return false;
     }
-    return receiver_check(v, program, o->words[0]) &&
-           (v->names_max == 0 || names_check(v, o, v->names_max));
+    return v->names_max == 0 || names_check(v, o, v->names_max);
 }
 
 /* @return whether the content fits a mail; said if not */
@@ -263,8 +253,12 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
         return MU_EXIT_USAGE;
     }
     bool travels = v == &VERB_MOVE || v == &VERB_CLONE;
-    bool asks = v == &VERB_DO || travels || options->wait_s > 0.0;
+    bool asks = v->directive || options->wait_s > 0.0;
+    bool each = v->directive && !travels && direct_is_possible(to);
     options->takes_no_mail = !asks;
+    if (each) {
+        direct_hear(options);
+    }
     struct operator op;
     int code = operator_join(&op, options, v->name);
     if (code != MU_EXIT_DONE) {
@@ -275,7 +269,10 @@ static int verb_send(const struct verb *v, const struct mu_options *o,
         op.on_answer = answer_show;
     }
     code = v == &VERB_DO ? operator_look(&op, to, content, wait_s) : -1;
-    if (code < 0) {
+    if (code < 0 && each) {
+        struct direct direct = {to, v->performative, content, wait_s, v->changes_state};
+        code = direct_send(&op, &direct);
+    } else if (code < 0) {
         unsigned wanted =
             asks ? receivers_count(op.process, to, mu_agent_name(op.agent), v->directive) : 0;
         code = operator_send(&op, &mail, wanted, wait_s);
@@ -309,9 +306,8 @@ static int verb_run(const struct verb *v, int argc, char **argv)
          .target = &options.wait_s},
         ENVELOPE_OPTIONS(envelope),
     };
-    /* A directive has no envelope of its own, and one that only changes a state no answer. */
-    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0) -
-                   (v->unanswered ? 1 : 0);
+    /* A directive has no envelope of its own. */
+    size_t count = sizeof table / sizeof table[0] - (v->directive ? ENVELOPE_ROWS : 0);
     static struct mu_options o;
     o = (struct mu_options){
         .program = program, .usage = v->usage, .about = v->about, .table = table, .count = count};

@@ -51,7 +51,8 @@ bool receivers_have(const mu_process *p, const char *to, const struct mu_member 
     }
     bool is_special = m->kind == MU_KIND_SPECIAL;
     bool is_broker = strcmp(m->name, "broker") == 0 || strncmp(m->name, "broker.", 7) == 0;
-    return strcmp(to, "special") == 0 ? is_special && !is_broker : !is_special;
+    return strcmp(to, "special") == 0 ? is_special && !is_broker
+                                      : !is_special && m->kind != MU_KIND_HOST;
 }
 
 unsigned receivers_count(const mu_process *p, const char *to, const char *from, bool robots_only)

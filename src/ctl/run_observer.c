@@ -4,6 +4,7 @@
  * for, and each agent's answer, or what became of its directive, one line of the console's answer.
  */
 #include "core/clock.h"
+#include "core/exits.h"
 #include "core/fields.h"
 #include "core/name.h"
 #include "core/pieces.h"
@@ -236,7 +237,7 @@ static bool target_tell(struct run *r, struct order *o, struct target *t)
     struct mu_mail mail = {.dst = t->name,
                            .directive = true,
                            .performative = o->what.performative,
-                           .reply_with = o->what.answer == OBSERVER_MAIL ? label : "",
+                           .reply_with = label,
                            .content = o->what.content};
     return mu_agent_send(r->observer, &mail, &t->seq) == MU_OK;
 }
@@ -346,6 +347,10 @@ bool run_observer_take(struct run *r, const struct mu_mail *mail)
         target_end(o, t, true, "done");
         return true;
     }
+    if (strcmp(mail->performative, "refuse") == 0) {
+        target_answer(r, o, t, false, content);
+        return true;
+    }
     struct mu_text printed;
     mu_text_init(&printed, r->console->text, sizeof r->console->text);
     (void)mu_fields_next(&content, &printed); /* one string */
@@ -382,11 +387,7 @@ static void target_receipt(struct order *o, struct target *t, enum mu_outcome ou
 {
     if (outcome == MU_MAIL_REFUSED) {
         target_end(o, t, false, "refused by the trust policy");
-    } else if (outcome == MU_MAIL_DELIVERED) {
-        if (o->what.answer == OBSERVER_RECEIPT) {
-            target_end(o, t, true, "done");
-        }
-    } else if (outcome != MU_MAIL_STORED && outcome != MU_MAIL_DUPLICATE) {
+    } else if (answer_outcome_exit(outcome) != MU_EXIT_DONE) {
         target_end(o, t, false, mu_outcome_text(outcome));
     }
 }

@@ -3,6 +3,7 @@
 
 #include "core/exits.h"
 #include "core/json.h"
+#include "core/refusal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -79,6 +80,12 @@ static const char *priority_text(enum mu_priority priority)
     return priority < MU_PRIORITY_NORMAL ? "low" : "high";
 }
 
+/* @return why that is refused, if it is and its code is known */
+static enum mu_refusal code_of(const struct mu_mail *mail)
+{
+    return answer_is_failure(mail) ? mu_refusal_of(mail->content) : MU_REFUSAL_NONE;
+}
+
 static void object_print(const struct mu_mail *mail)
 {
     struct mu_json j;
@@ -99,6 +106,9 @@ static void object_print(const struct mu_mail *mail)
     mu_json_string(&j, "level", level_text(mail->level));
     mu_json_real(&j, "ttl_s", (double)mail->ttl_ns / 1e9);
     mu_json_string(&j, "content", mail->content);
+    if (code_of(mail) != MU_REFUSAL_NONE) {
+        mu_json_string(&j, "code", mu_refusal_word(code_of(mail)));
+    }
     mu_json_end(&j);
 }
 
@@ -109,7 +119,11 @@ void answer_print(const struct mu_mail *mail, bool json)
     if (json) {
         object_print(mail);
     }
-    if (said) {
+    if (said && code_of(mail) != MU_REFUSAL_NONE) {
+        fprintf(stderr, "muster: %s %s: ", mail->src, said);
+        answer_text_print(stderr, mail->content);
+        fprintf(stderr, "; %s\n", mu_refusal_text(code_of(mail)));
+    } else if (said) {
         fprintf(stderr, "muster: %s %s: ", mail->src, said);
         answer_content_print(stderr, mail->content);
     } else if (!json) {
@@ -154,25 +168,8 @@ const char *answer_outcome_advice(enum mu_outcome outcome, const char *to)
 
 const char *answer_travel_advice(const char *content)
 {
-    static const struct {
-        const char *word, *advice;
-    } words[] = {
-        {"unknown-host", "there is no host of that name; muster ps lists them"},
-        {"host-absent", "that host is there no more; muster ps lists them"},
-        {"here-already", "it is on that host"},
-        {"name-taken", "somebody has that name; muster ps lists all"},
-        {"busy", "its process sends another agent on its way; try again"},
-        {"too-large", "it has more facts and rules than fit into 1 MiB"},
-    };
-    size_t len = strlen(content);
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        size_t word_len = strlen(words[i].word);
-        const char *end = len > word_len ? content + len - word_len : NULL;
-        if (end && end[-1] == ' ' && strcmp(end, words[i].word) == 0) {
-            return words[i].advice;
-        }
-    }
-    return NULL;
+    const char *text = mu_refusal_text(mu_refusal_of(content));
+    return text[0] ? text : NULL;
 }
 
 bool answer_is_busy(const struct mu_member *m)

@@ -31,7 +31,7 @@ int answer_outcome_exit(enum mu_outcome outcome);
  * the mail was for */
 const char *answer_outcome_advice(enum mu_outcome outcome, const char *to);
 
-/** @return what is meant by the last word of why an agent stays, such as `red unknown-host`; NULL:
+/** @return what is meant by the code in why an agent stays, such as `red unknown-host`; NULL:
  *          that says enough */
 const char *answer_travel_advice(const char *content);
 

@@ -409,9 +409,8 @@ static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     if (strcmp(mail->performative, "launch") == 0) {
         arrival_take(self, mail);
-    } else if (mail->reply_with[0] &&
-               mu_agent_reply(a, mail, "failure", "\"a host knows launch alone\"") != MU_OK) {
-        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    } else {
+        robot_refuse_directive(a, mail);
     }
 }
 

@@ -142,9 +142,8 @@ static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
         strcmp(mail->performative, "move") == 0 || strcmp(mail->performative, "clone") == 0;
     if (!journey) {
         robot_on_directive(self, a, mail);
-    } else if (mail->reply_with[0] &&
-               mu_agent_reply(a, mail, "failure", "\"a monitor stays where it is\"") != MU_OK) {
-        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);
+    } else {
+        robot_refuse_directive(a, mail);
     }
 }
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/clock.h"
 #include "core/name.h"
+#include "core/refusal.h"
 #include "core/text.h"
+#include "muster/kind.h"
 #include "runtime/letter.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
@@ -279,12 +281,45 @@ void agent_live(struct mu_agent *a, enum life_event event, const char *by)
     }
 }
 
+/* Nothing of a host stops with its state, nor of somebody special that does not hear of it, such as
+ * a run's observer. */
+static bool life_obeys(const struct mu_agent *a, enum life_event event)
+{
+    if (a->kind == MU_KIND_HOST) {
+        return event != LIFE_SUSPEND;
+    }
+    bool stops = event == LIFE_SUSPEND || event == LIFE_DISPOSE;
+    return !stops || a->kind != MU_KIND_SPECIAL || a->handlers.on_state;
+}
+
+/* Refuses in words that say why, or answers before it is gone. */
+static void directive_live(struct mu_agent *a, enum life_event event, const struct mu_mail *mail)
+{
+    char content[MU_FIELD_MAX * 2];
+    struct mu_text t;
+    mu_text_init(&t, content, sizeof content);
+    mu_text_add(&t, mail->performative);
+    bool obeys = life_obeys(a, event);
+    bool done = obeys && life_next(a->state, event) == life_wanted(event);
+    if (!obeys) {
+        mu_text_format(&t, " %s", mu_refusal_word(MU_REFUSAL_UNSUPPORTED));
+    } else if (!done) {
+        mu_text_format(&t, " %s %s", mu_refusal_word(MU_REFUSAL_STATE), mu_state_text(a->state));
+    }
+    mu_result sent =
+        mail->reply_with[0] ? mu_agent_reply(a, mail, done ? "agree" : "refuse", content) : MU_OK;
+    (void)sent; /* a full outbox: the asker's own time limit is the answer */
+    if (done) {
+        agent_live(a, event, mail->src);
+    }
+}
+
 void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
 {
     struct mu_mail mail = mail_of(parcel);
     enum life_event event;
     if (life_event_named(mail.performative, &event) == MU_OK) {
-        agent_live(a, event, mail.src);
+        directive_live(a, event, &mail);
     } else if (a->handlers.on_directive) {
         a->handlers.on_directive(a->handlers.self, a, &mail);
     } else if (mail.reply_with[0]) {

@@ -22,11 +22,10 @@ static enum mu_take answered(mu_agent *a, const struct mu_mail *mail, const char
 
 /* --- layer 1: the life of the agent ----------------------------------------------------------- */
 
-static enum mu_take change_state(mu_agent *a, const struct mu_mail *mail, enum life_event event,
-                                 enum mu_state wanted)
+static enum mu_take change_state(mu_agent *a, const struct mu_mail *mail, enum life_event event)
 {
     /* Who directs a run is not suspended by those whom it directs. */
-    if (a->kind == MU_KIND_SPECIAL || life_next(a->state, event) != wanted) {
+    if (a->kind == MU_KIND_SPECIAL || life_next(a->state, event) != life_wanted(event)) {
         return MU_DECLINE;
     }
     (void)answered(a, mail, "agree", mail->performative);
@@ -37,19 +36,19 @@ static enum mu_take change_state(mu_agent *a, const struct mu_mail *mail, enum l
 static enum mu_take take_suspend(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
-    return change_state(a, mail, LIFE_SUSPEND, MU_SUSPENDED);
+    return change_state(a, mail, LIFE_SUSPEND);
 }
 
 static enum mu_take take_resume(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
-    return change_state(a, mail, LIFE_RESUME, MU_RUNNING);
+    return change_state(a, mail, LIFE_RESUME);
 }
 
 static enum mu_take take_dispose(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)self;
-    return change_state(a, mail, LIFE_DISPOSE, MU_GONE);
+    return change_state(a, mail, LIFE_DISPOSE);
 }
 
 static enum mu_take take_move(void *self, mu_agent *a, const struct mu_mail *mail)

@@ -18,6 +18,18 @@ enum mu_state life_next(enum mu_state state, enum life_event event)
     return state;
 }
 
+enum mu_state life_wanted(enum life_event event)
+{
+    switch (event) {
+    case LIFE_START:
+    case LIFE_RESUME: return MU_RUNNING;
+    case LIFE_SUSPEND: return MU_SUSPENDED;
+    case LIFE_DISPOSE:
+    case LIFE_EVENTS: break;
+    }
+    return MU_GONE;
+}
+
 mu_result life_event_named(const char *performative, enum life_event *event)
 {
     static const char *const names[LIFE_EVENTS] = {[LIFE_START] = "start",

@@ -227,7 +227,8 @@ def test_launch():
         path.write_text("")
         wrong = t.muster("launch", "green", "red", "--rules", path)
         check_equal((wrong.returncode, wrong.stdout + wrong.stderr),
-                    (8, "red: a robot knows no such directive\n"), "red is no host")
+                    (8, "muster: red refuses: launch unsupported; it is no agent that can be told "
+                         "so\n"), "red is no host")
 
 
 def test_names_that_nobody_can_have():
@@ -241,8 +242,8 @@ def test_names_that_nobody_can_have():
                             f"{words}: {done.stderr}")
         check_equal(t.muster("move", "red", "north", "south").returncode, 2, "two hosts")
         done = t.muster("move", "north", "south")
-        check_equal((done.returncode, done.stderr), (8, "muster: a host knows launch alone\n"),
-                    "a host stays")
+        check_equal((done.returncode, "move unsupported" in done.stderr), (8, True),
+                    done.stderr)
         check("ruby" not in members(t.domain), "a clone")
 
 

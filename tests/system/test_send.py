@@ -186,9 +186,6 @@ def test_bad_input_is_refused_with_what_is_right():
         check_equal(done.returncode, 2, "content that is no UTF-8")
         for words in ((), ("ann",)):
             check_equal(send(domain, *words).returncode, 2, f"{words}")
-        for verb in ("start", "suspend", "resume"):
-            done = muster(verb, "ann", "--wait", 1, "--domain", domain)
-            check_equal((done.returncode, "--wait" in done.stderr), (2, True), "nobody answers")
         for name in (b"a b", b"", b"1a", b"*", b"x" * 10000, b"caf\xe9"):
             done = subprocess.run([MUSTER, b"lookup", name, b"--domain", b"%d" % domain],
                                   capture_output=True, timeout=30)
@@ -299,3 +296,81 @@ def test_pages_keep_their_keys():
         check_equal(list(line), ["name", "kind", "state", "broker", "host", "pid", "since"], "keys")
         check_equal(list(members(domain)["ann"]), list(line), "of ps, too")
         check_equal(muster("lookup", "nobody", "--domain", domain).returncode, 7, "nobody")
+
+
+def test_each_of_many_has_a_line_of_its_own():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann", "bob")
+        for name in ("red", "blue"):
+            processes.start(MUSTER, "robot", name, "--rules", ROOT / "rules/follower.clp",
+                            "--domain", domain)
+        muster("dispose", "bob", "--domain", domain)
+        wait_for(lambda: {"red", "blue"} <= set(members(domain)) and
+                 state(domain, "bob") == "absent", 10, "two robots")
+        whom = "red,ann,nobody,bob,blue"
+        done = muster("do", whom, "(+ 1 2)", "--wait", 0.5, "--domain", domain)
+        check_equal((done.returncode, sorted(done.stdout.splitlines())), (7, ["blue: 3", "red: 3"]),
+                    done.stderr)
+        for said in ("ann has not understood: do", "to nobody: unknown-name",
+                     "bob is absent; what was sent waits for it"):
+            check(said in done.stderr, f"{said}: {done.stderr}")
+        check_equal(len(done.stderr.splitlines()), 3, done.stderr)
+        done = muster("do", whom, "(+ 1 2)", "--wait", 0.5, "--json", "--domain", domain)
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        check_equal((done.returncode, lines.pop()),
+                    (7, {"receivers": 5, "done": 2, "refused": 0, "failed": 2, "silent": 1,
+                         "exit": 7}), "counts")
+        check_equal({line.get("from", line.get("to")): line.get("outcome", line.get("performative"))
+                     for line in lines},
+                    {"red": "inform", "blue": "inform", "ann": "not-understood",
+                     "nobody": "unknown-name", "bob": "silent"}, "each")
+        done = muster("do", "robots", "(nonsense)", "--domain", domain)
+        check_equal((done.returncode, len(done.stderr.splitlines())), (8, 0), done.stderr)
+        check(all(f"{name}: [EXPRNPSR3]" in done.stdout for name in ("red", "blue")), done.stdout)
+        check_equal(muster("do", "ann,bob", "(facts)", "--wait", 0.5, "--domain", domain).returncode,
+                    8, "the smaller code")
+        done = muster("do", "special", "(facts)", "--domain", domain)
+        check_equal((done.returncode, done.stdout, "nobody is there" in done.stderr), (7, "", True),
+                    done.stderr)
+
+
+def test_what_cannot_be_done_is_refused_with_its_code():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        answerer_start(processes, domain, "ann")
+        processes.start(MUSTER, "host", "north", "--domain", domain)
+        processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp", "--domain",
+                        domain)
+        wait_for(lambda: {"red", "north"} <= set(members(domain)), 10, "a robot and a host")
+        for verb, whom, want, why in (
+                ("suspend", "red", 6, "red refuses: suspend wrong-state standby; its state"),
+                ("resume", "red", 6, "red refuses: resume wrong-state standby"),
+                ("suspend", "north", 6, "north refuses: suspend unsupported"),
+                ("suspend", "broker", 6, "broker refuses: suspend unsupported"),
+                ("dispose", "broker.courier", 6, "courier refuses: dispose unsupported"),
+                ("suspend", "red,nobody", 6, "to nobody: unknown-name"),
+                ("start", "ann", 0, ""), ("suspend", "ann", 0, ""), ("suspend", "ann", 0, ""),
+                ("start", "ann", 6, "ann refuses: start wrong-state suspended"),
+                ("resume", "ann", 0, ""), ("start", "red", 0, ""), ("suspend", "all", 0, "")):
+            done = muster(verb, whom, "--domain", domain)
+            check_equal(done.returncode, want, f"{verb} {whom}: {done.stderr}")
+            check(why in done.stderr, f"{verb} {whom}: {done.stderr}")
+        check_equal((state(domain, "red"), state(domain, "ann"), state(domain, "north")),
+                    ("suspended", "suspended", "running"), "states")
+        for whom, want in (("broker", 6), ("north", 6), ("ann", 8)):
+            done = muster("step", whom, "1", "--domain", domain)
+            check_equal((done.returncode, done.stdout), (want, ""), f"{whom}: {done.stderr}")
+            check(whom in done.stderr, done.stderr)
+        muster("resume", "all", "--domain", domain)
+        done = muster("start", "all", "--json", "--domain", domain)
+        check_equal(json.loads(done.stdout.splitlines()[-1]),
+                    {"receivers": 2, "done": 2, "refused": 0, "failed": 0, "silent": 0, "exit": 0},
+                    "a host is not among all")
+        done = muster("resume", "ann", "--json", "--domain", domain)
+        check_equal(json.loads(done.stdout)["performative"], "agree", "one")
+        muster("suspend", "ann", "--domain", domain)
+        done = muster("start", "ann", "--json", "--domain", domain)
+        check_equal((done.returncode, json.loads(done.stdout)["code"]), (6, "wrong-state"), "a code")

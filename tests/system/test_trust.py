@@ -110,7 +110,7 @@ def test_a_record_that_fits_in_part():
         wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
         robots_start(processes, domain, "red")
         for _ in range(30):
-            check_equal(muster("suspend", "red", "--domain", domain).returncode, 0, "a directive")
+            check_equal(muster("start", "red", "--domain", domain).returncode, 0, "a directive")
         check("audit-failed" in counters(domain, "broker.trust"), "a counter")
         check(counters(domain, "broker.trust")["audit-failed"] > 0, "records are lost")
         said = (out / "log").read_text()

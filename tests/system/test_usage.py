@@ -42,8 +42,6 @@ WRONG = (
     (("move", "red"), "expected NAME HOST"),
     (("clone", "red"), "expected NAME NEW [HOST]"),
     (("dispose",), "expected TARGETS"),
-    (("dispose", "broker"), "muster dispose: broker is no agent that can be told so"),
-    (("suspend", "broker.courier"), "broker.courier is no agent that can be told so"),
     (("send", "red", "x", "--layer", "0"), "--layer 0: expected 1 to 4294967295"),
     (("launch", "red", "north"), "expected NAME HOST --rules FILE"),
     (("launch", "red", "north", "--rules", FOLLOWER, "--global", "speed"), "expected NAME=VALUE"),

@@ -45,7 +45,7 @@ static void test_orders(void)
     says("(step (create$ red) 12)", "step", "red", "12");
     CU_ASSERT_EQUAL(order.answer, OBSERVER_MAIL);
     says("(resume red)", "resume", "red", "");
-    CU_ASSERT_EQUAL(order.answer, OBSERVER_RECEIPT);
+    CU_ASSERT_EQUAL(order.answer, OBSERVER_MAIL);
     says("(agents)", "", "", "");
 }
 
