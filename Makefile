@@ -333,6 +333,10 @@ soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and
 soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs that go on
 	@BUILD=$(BUILD) tests/soak/crash.py
 
+.PHONY: soak-standstill
+soak-standstill: all ## a hundred runs in which robots are killed and stopped at random steps: one hash
+	@BUILD=$(BUILD) tests/soak/standstill.py
+
 .PHONY: soak-brokers
 soak-brokers: all $(HELPERS) ## a link between two brokers that is cut for half a minute
 	@CUT_S=30 BUILD=$(BUILD) $(PYTEST) -k test_the_link_between
