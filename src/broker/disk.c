@@ -167,6 +167,36 @@ static void trouble_tell(struct disk *d, bool ok, const char *why)
     d->troubled = !ok;
 }
 
+/* @return whether the log is there */
+static bool log_stat(const struct disk *d, struct stat *out)
+{
+    char path[PATH_MAX + sizeof "-wal"];
+    snprintf(path, sizeof path, "%s-wal", d->path);
+    return stat(path, out) == 0;
+}
+
+/* It comes with the first commit, and stays until the store is closed. */
+static void log_note(struct disk *d)
+{
+    if (d->log.st_ino == 0 && !log_stat(d, &d->log)) {
+        d->log.st_ino = 0;
+    }
+}
+
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+bool disk_has_moved(struct disk *d)
+{
+    struct stat now;
+    if (stat(d->path, &now) != 0 || !is_same(&now, &d->file)) {
+        return true;
+    }
+    return d->log.st_ino != 0 && (!log_stat(d, &now) || !is_same(&now, &d->log));
+}
+
 static void log_copy(struct disk *d, int how)
 {
     /* What cannot be copied now stays in the log, where it is as safe. */
@@ -178,10 +208,17 @@ static void log_copy(struct disk *d, int how)
 bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t now_ns)
 {
     char why[128] = "";
-    bool ok = sync_set(d, level == muster_LEVEL_SYNCED) && disk_step(d->statements[DISK_BEGIN]) &&
-              entries_write(d, b) && disk_step(d->statements[DISK_COMMIT]);
-    if (!ok) {
-        snprintf(why, sizeof why, "%s", sqlite3_errmsg(d->db));
+    bool written = sync_set(d, level == muster_LEVEL_SYNCED) &&
+                   disk_step(d->statements[DISK_BEGIN]) &&
+                   (!d->unbegun || disk_incarnation_put(d)) && entries_write(d, b);
+    bool moved = written && disk_has_moved(d);
+    bool ok = written && !moved && disk_step(d->statements[DISK_COMMIT]);
+    if (ok) {
+        d->unbegun = false;
+        log_note(d);
+    } else {
+        snprintf(why, sizeof why, "%s",
+                 moved ? "it was removed or replaced while it was in use" : sqlite3_errmsg(d->db));
         if (!sqlite3_get_autocommit(d->db)) {
             (void)disk_step(d->statements[DISK_ROLLBACK]);
         }
@@ -207,6 +244,9 @@ void disk_close(struct disk *d)
 {
     for (int i = 0; i < DISK_STATEMENTS; i++) {
         sqlite3_finalize(d->statements[i]);
+    }
+    if (d->file.st_ino != 0 && disk_has_moved(d)) { /* what bears its name now is not ours */
+        (void)sqlite3_db_config(d->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     }
     sqlite3_close(d->db); /* copies the log into the file, and removes it */
 }

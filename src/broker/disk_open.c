@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/disk_bundle.h"
 #include "broker/disk_parts.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -177,13 +178,29 @@ static uint64_t greater(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
+bool disk_incarnation_put(struct disk *d)
+{
+    char sql[160];
+    snprintf(sql, sizeof sql,
+             "INSERT OR REPLACE INTO meta VALUES ('incarnation', %lld), ('number_base', %lld)",
+             (long long)d->incarnation, (long long)d->number_base);
+    return disk_run(d, sql);
+}
+
+/* What is stored can be handed out all the same. */
+static bool is_full(struct disk *d)
+{
+    int code = sqlite3_extended_errcode(d->db);
+    return code == SQLITE_FULL || code == SQLITE_IOERR_WRITE || code == SQLITE_IOERR_FSYNC ||
+           code == SQLITE_IOERR_TRUNCATE;
+}
+
 /* Of two brokers with one name the higher incarnation gives way: it is the time, and hardly ever
  * more.  Boxes count on beyond all that the last life can have given out, though a wall clock may
  * go back.  A store that notes no such number has had lives that counted from their incarnation. */
 static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
 {
     static const uint64_t NUMBERS_OF_A_LIFE = 1ull << 40;
-    char sql[160];
     int64_t last, base;
     if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last) ||
         !value_read(d,
@@ -194,10 +211,8 @@ static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
     }
     d->incarnation = greater(wall_ns, (uint64_t)last + 1);
     d->number_base = greater(wall_ns, base ? (uint64_t)base + NUMBERS_OF_A_LIFE : 1);
-    snprintf(sql, sizeof sql,
-             "INSERT OR REPLACE INTO meta VALUES ('incarnation', %lld), ('number_base', %lld)",
-             (long long)d->incarnation, (long long)d->number_base);
-    return disk_run(d, sql);
+    d->unbegun = !disk_incarnation_put(d);
+    return !d->unbegun || is_full(d);
 }
 
 static bool statements_prepare(struct disk *d)
@@ -252,8 +267,13 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
     bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
                  schema_set(d, version) && disk_run(d, capsules) && incarnation_begin(d, wall_ns) &&
                  statements_prepare(d) && sqlite3_db_release_memory(d->db) == SQLITE_OK;
+    if (d->unbegun) {
+        mu_log(MU_LOG_ERROR, "store-cannot-write",
+               "file=%s durable mail is refused until it can: the disk is full", d->path);
+        d->troubled = true;
+    }
     sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
-    return begun ? MU_OK : complain_of(d);
+    return begun && stat(d->path, &d->file) == 0 ? MU_OK : complain_of(d);
 }
 
 mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)

@@ -11,6 +11,7 @@
 
 #include <limits.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 /* Mails in one bundle. */
 enum { DISK_BUNDLE_MAILS = 256 };
@@ -51,9 +52,11 @@ struct disk {
     char path[PATH_MAX];
     uint64_t incarnation, number_base;
     struct disk_bundle bundle;
-    bool full_sync; /* as PRAGMA synchronous stands */
-    bool troubled;  /* the last commit failed, and the log has it */
-    int log_pages;  /* in the write-ahead log, not yet in the file */
+    struct stat file, log; /* what was opened; log.st_ino 0: there was none yet */
+    bool unbegun;          /* its incarnation is not on disk yet: the next commit has it */
+    bool full_sync;        /* as PRAGMA synchronous stands */
+    bool troubled;         /* the last commit failed, and the log has it */
+    int log_pages;         /* in the write-ahead log, not yet in the file */
     uint64_t wrote_ns;
 };
 
@@ -65,6 +68,12 @@ bool disk_run(struct disk *d, const char *sql);
 
 /** @return whether a statement without rows ran; it can be bound anew */
 bool disk_step(sqlite3_stmt *statement);
+
+/** Notes this life in the store.  @return whether it went */
+bool disk_incarnation_put(struct disk *d);
+
+/** @return whether the file, or its log, was removed or replaced since it was opened */
+bool disk_has_moved(struct disk *d);
 
 /** Makes the folders above a file.  @return whether they are there */
 bool disk_make_folders(const char *path);

@@ -327,6 +327,7 @@ int main(int argc, char **argv)
     }
     mu_log_open("broker", settings.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
 
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     struct post *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
     const struct mu_network *network = &settings.network;
@@ -342,7 +343,6 @@ int main(int argc, char **argv)
     struct sigaction note = {.sa_handler = signal_note};
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
     mu_memory_seal();
     doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,

@@ -186,6 +186,68 @@ def test_a_full_disk_refuses_durable_mail_and_the_rest_goes_on():
         check(text.count("store-cannot-write") >= 1, f"the log: {text}")
 
 
+def test_a_broker_whose_disk_is_full_starts_and_hands_out_what_it_has():
+    domain = new_domain()
+    with folder() as out, Processes() as processes, (out / "log").open("w") as log:
+        store = out / "store.db"
+
+        def start(**more):
+            broker = processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", store,
+                                     stderr=log, **more)
+            wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+            return broker
+
+        broker = start()
+        receiver = receiver_start(processes, domain, out)
+        wait_for(lambda: "receiver" in members(domain), 5, "the receiver in the white pages")
+        receiver.terminate()
+        receiver.wait()
+        storer_start(processes, domain, out, 100, "logged").wait(30)
+        broker.kill()
+        broker.wait()
+        endless = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+        broker = start(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, endless)))
+        for _ in range(2):
+            done = muster("send", "receiver", "count", "0", "--level", "logged", "--domain", domain)
+            check_equal((done.returncode, "no-store" in done.stderr), (9, True), done.stderr)
+        check("store-cannot-write" in (out / "log").read_text(), "the log says so")
+        receiver_start(processes, domain, out)
+        wait_for(lambda: len(taken(out / "record")) >= 100, 10, "all that was stored")
+        resource.prlimit(broker.pid, resource.RLIMIT_FSIZE, (endless, endless))
+        wait_for(lambda: muster("send", "receiver", "count", "0", "--level", "logged", "--domain",
+                                domain).returncode == 0, 10, "it stores again")
+        broker.terminate()
+        check_equal(broker.wait(30), 0, "its end")
+        check_equal(store_rows(store), 0, "mails that wait")
+
+
+def test_a_store_that_is_removed_or_replaced_is_noticed():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "store.db"
+        broker = processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", store)
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+
+        def send():
+            return muster("send", "bob", "x", "--level", "logged", "--domain", domain).returncode
+
+        muster("send", "broker", "hello", "--as", "bob", "--domain", domain)
+        check_equal(send(), 0, "mail that waits")
+        for path in (store, store.with_name("store.db-wal")):
+            aside = out / "aside"
+            path.rename(aside)
+            check_equal(send(), 9, f"{path.name} is gone")
+            path.write_bytes(b"another file")
+            wait_for(lambda: send() == 9, 10, f"{path.name} is another")
+            aside.rename(path)
+            wait_for(lambda: send() == 0, 10, f"{path.name} is back")
+        store.rename(out / "aside")
+        store.write_bytes(b"another file")
+        broker.terminate()
+        check_equal(broker.wait(30), 0, "its end")
+        check_equal(store.read_bytes(), b"another file", "what is not its own is left as it is")
+
+
 def refused_start(domain, store):
     done = muster("broker", "main", "--domain", domain, "--store", store, timeout=60)
     return done.returncode, done.stderr

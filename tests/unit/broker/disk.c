@@ -5,6 +5,7 @@
 #include "broker/disk.h"
 #include "broker/parts.h"
 
+#include <dirent.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -372,6 +373,18 @@ static void test_default_path(void)
     CU_ASSERT_FALSE(disk_default_path(path, sizeof path, 7, "main"));
 }
 
+static void folder_remove(void)
+{
+    DIR *all = opendir(folder);
+    for (const struct dirent *e; all && (e = readdir(all));) {
+        unlink(file(e->d_name));
+    }
+    if (all) {
+        closedir(all);
+    }
+    rmdir(folder);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -388,11 +401,6 @@ int main(void)
         return EXIT_FAILURE;
     }
     int result = suite_run("disk", tests);
-    static const char *const files[] = {"mail.db", "settled.db", "fails.db", "never.db",
-                                        "bundles.db"};
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
-        unlink(file(files[i]));
-    }
-    rmdir(folder);
+    folder_remove();
     return result;
 }
