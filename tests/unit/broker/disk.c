@@ -16,7 +16,7 @@ static struct disk *disk;
 
 static const char *file(const char *name)
 {
-    static char path[128];
+    static char path[512];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return path;
 }
