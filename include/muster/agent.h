@@ -161,7 +161,7 @@ struct mu_member {
     enum mu_kind kind;
     enum mu_state state;
     char broker[MU_NAME_MAX + 1];
-    char host[MU_FIELD_MAX + 1];
+    char host[MU_FIELD_MAX + 1];   /* the agent of kind host on which it lives; "": on none */
     uint32_t pid;                  /* of its process */
     uint64_t since_wall_ns;        /* since when in this state, nanoseconds since 1970 */
     char reason[MU_FIELD_MAX + 1]; /* why it suspended itself; "" otherwise */

@@ -186,7 +186,8 @@
       "this agent's name") \
     X("lookup", 'u', clips_social_lookup, "11k", \
       "(lookup name)", \
-      "`(name kind state host)` from the white pages, or FALSE") \
+      "`(name kind state host)` from the white pages, or FALSE; host is the platform on which it " \
+      "lives, or an empty string") \
     X("listing", 'm', clips_social_listing, "00", \
       "(listing)", \
       "the names of all agents") \

@@ -24,7 +24,7 @@ void clips_social_lookup(void *env, DATA_OBJECT *out)
     clips_value_set_symbol(env, fields, 0, member.name);
     clips_value_set_symbol(env, fields, 1, member.kind);
     clips_value_set_symbol(env, fields, 2, member.state);
-    clips_value_set_symbol(env, fields, 3, member.host);
+    clips_value_set_word(env, fields, 3, member.host);
     clips_value_multifield(out, fields);
 }
 

@@ -90,6 +90,12 @@ void clips_value_set_symbol(void *env, struct multifield *fields, size_t index, 
     fields->theFields[index].value = EnvAddSymbol(env, value);
 }
 
+void clips_value_set_word(void *env, struct multifield *fields, size_t index, const char *value)
+{
+    clips_value_set_symbol(env, fields, index, value);
+    fields->theFields[index].type = value[0] ? SYMBOL : STRING;
+}
+
 void clips_value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values)
 {
     struct multifield *fields = EnvCreateMultifield(env, (long)count);

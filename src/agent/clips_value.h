@@ -24,6 +24,9 @@ void clips_value_floats(void *env, DATA_OBJECT *out, size_t count, const double 
 void clips_value_set_float(void *env, struct multifield *fields, size_t index, double value);
 void clips_value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value);
 
+/** A symbol, or the empty string. */
+void clips_value_set_word(void *env, struct multifield *fields, size_t index, const char *value);
+
 /** Evaluates an argument; counted from 1. @return false: it ended in an error */
 bool clips_value_any(void *env, int index, DATA_OBJECT *out);
 

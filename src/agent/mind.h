@@ -80,7 +80,7 @@ struct mind_member {
     const char *name;
     const char *kind;  /* agent, robot, host, special */
     const char *state; /* standby, running, suspended, moving, absent */
-    const char *host;
+    const char *host;  /* on which it lives; "": on none */
 };
 
 /* What the mind asks of its body; all calls return at once. */

@@ -421,14 +421,11 @@ static void pieces_send(struct trip *t)
     }
 }
 
-/* @return whether the white pages show the agent in the host's process, and no longer on its way */
+/* @return whether the white pages show the agent on the host, and no longer on its way */
 static bool is_there(const struct trip *t)
 {
-    const mu_process *p = t->robot->crew->process;
-    const struct mu_member *host = mu_process_lookup(p, t->host);
-    const struct mu_member *m = mu_process_lookup(p, t->robot->name);
-    return host && m && m->state != MU_GONE && m->state != MU_MOVING && m->pid == host->pid &&
-           strcmp(m->host, host->host) == 0;
+    const struct mu_member *m = mu_process_lookup(t->robot->crew->process, t->robot->name);
+    return m && m->state != MU_GONE && m->state != MU_MOVING && strcmp(m->host, t->host) == 0;
 }
 
 /* The host has it; the copy here goes. */

@@ -26,7 +26,6 @@ static void broker_enlist(struct broker *b, const struct broker_options *options
 {
     struct presence is = {
         .kind = muster_KIND_SPECIAL, .state = muster_STATE_RUNNING, .pid = options->pid};
-    (void)mu_text_copy(is.host, sizeof is.host, options->host);
     for (uint32_t own = 0; own < REGISTRY_OWN; own++) {
         char name[MU_NAME_MAX + 1];
         struct mu_text text;

@@ -374,11 +374,11 @@ static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
         return;
     }
     struct presence is = a->is;
-    const struct presence *host = &b->registry.agents[c->host].is;
+    const struct agent *host = &b->registry.agents[c->host];
     is.epoch = c->epoch;
-    is.pid = host->pid;
+    is.pid = host->is.pid;
     is.state = free ? c->state : is.state;
-    (void)mu_text_copy(is.host, sizeof is.host, host->host);
+    (void)mu_text_copy(is.host, sizeof is.host, host->name);
     (free ? presence_seat : presence_move)(b, c->agent, c->target, slot, &is);
     b->registry.agents[c->agent].handed = true;
     seat_tell(b, c);
@@ -402,12 +402,12 @@ static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
         seat_refuse(b, c, wrong);
         return;
     }
-    const struct presence *host = &b->registry.agents[c->host].is;
+    const struct agent *host = &b->registry.agents[c->host];
     struct presence is = {.kind = muster_KIND_ROBOT,
                           .state = c->state,
                           .since_wall_ns = presence_wall_ns(b),
-                          .pid = host->pid};
-    (void)mu_text_copy(is.host, sizeof is.host, host->host);
+                          .pid = host->is.pid};
+    (void)mu_text_copy(is.host, sizeof is.host, host->name);
     presence_seat(b, agent, c->target, slot, &is);
     b->registry.agents[agent].handed = true;
     seat_tell(b, c);

@@ -435,7 +435,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .newcomer = e->newcomer,
                             .pid = r->pid};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
-    host_copy(is->host, r->host);
+    host_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host);
     reason_copy(is->reason, e->reason);
 }
 

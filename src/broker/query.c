@@ -244,7 +244,7 @@ static void query_lookup(struct broker *b, const struct mail *question)
     mu_fields_add(&t, registry_state_word(m.state));
     mu_fields_add(&t, m.broker);
     bool inside = presence_in_lockstep(b, question->sender);
-    mu_fields_add(&t, inside ? "nil" : m.host);
+    mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     query_send(b, question, "inform");
 }

@@ -106,6 +106,9 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     mu_text_copy(a->name, sizeof a->name, name);
     (void)mu_table_put(&p->names, a->name, index);
     a->kind = kind;
+    if (kind == MU_KIND_HOST) {
+        mu_text_copy(p->platform, sizeof p->platform, name);
+    }
     a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
     a->handlers = handlers ? *handlers : (struct mu_handlers){0};
     a->senses = kind == MU_KIND_ROBOT ? MU_SENSE_SONAR : 0;

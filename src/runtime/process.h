@@ -90,10 +90,11 @@ struct mu_agent {
 
 struct mu_process {
     struct bus bus;
-    char name[MU_PROCESS_MAX + 1]; /* also its partition */
-    char host[MU_FIELD_MAX + 1];
-    bool with_body, watches; /* one at most; either: the simulator's steps are wanted */
-    bool brief;              /* neither of them: who brings mail handles it (bus_wait_lending) */
+    char name[MU_PROCESS_MAX + 1];  /* also its partition */
+    char host[MU_FIELD_MAX + 1];    /* the machine's name */
+    char platform[MU_NAME_MAX + 1]; /* the agent of kind host in it; "": it is no host */
+    bool with_body, watches;        /* one at most; either: the simulator's steps are wanted */
+    bool brief; /* neither of them: who brings mail handles it (bus_wait_lending) */
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */

@@ -72,7 +72,7 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
                              .part = part,
                              .broker = p->link.broker,
                              .incarnation = p->incarnation,
-                             .host = p->host,
+                             .host = p->platform,
                              .pid = (uint32_t)getpid(),
                              .watches = p->watches,
                              .ready = p->ready};

@@ -50,7 +50,9 @@ class Team:
         if name not in pages or pages[name]["state"] == "absent":
             return None
         pids = {pages[host]["pid"]: host for host in self.hosts if host in pages}
-        return pids.get(pages[name]["pid"], "elsewhere")
+        place = pids.get(pages[name]["pid"], "elsewhere")
+        check_equal(pages[name]["host"] or "elsewhere", place, "the host in the pages")
+        return place
 
     def set_out(self, name, host, *words):
         """Sends an agent to a host that takes nothing in.  When this is back the agent is on its way, the broker
@@ -103,6 +105,8 @@ def test_a_robot_moves_with_all_that_it_knows():
         for host in ("north", "south", "north"):
             check_equal(t.done("move", "red", host), f"red at {host}\n", "the answer")
             check_equal(t.place_of("red"), host, "its platform")
+            check_equal(t.ask("red", "(lookup red)"), f"(red robot running {host})", "to rules")
+            check_equal(t.ask("red", "(nth$ 4 (lookup operator))"), '""', "who lives on none")
             check_equal(members(t.domain)["red"]["state"], "running", "its state")
             check_equal(t.ask("red", "?*mate*"), "green", "a global")
             check('(kept "a b" 0.1)' in t.ask("red", "(facts)"), "a fact is lost")

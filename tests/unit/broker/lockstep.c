@@ -435,7 +435,7 @@ static void test_a_question_in_a_step(void)
     EXPECT("operator #1 broker/4611686018427387905 member green robot running alpha here 1; "
            "operator 1-1 delivered");
     answer("green", 0);
-    EXPECT("p-red@0; red #1 broker/1 member green robot running alpha nil 0; red 1-1 delivered; "
+    EXPECT("p-red@0; red #1 broker/1 member green robot running alpha here 0; red 1-1 delivered; "
            "p-green@0; sim@0");
 }
 

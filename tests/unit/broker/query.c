@@ -34,7 +34,7 @@ static void test_lookup(void)
     story_mail(question(4, "lookup", "\"a \\\"b\""));
     EXPECT("red #4 broker/4611686018427387908 unknown-name \"a \\\"b\"; red 4-4 delivered");
     story_mail(question(5, "lookup", "broker"));
-    EXPECT("red #5 broker/4611686018427387909 member broker special running alpha here 9; "
+    EXPECT("red #5 broker/4611686018427387909 member broker special running alpha \"\" 9; "
            "red 5-5 delivered");
 }
 

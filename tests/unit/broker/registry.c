@@ -35,7 +35,7 @@ static void test_others_hear_of_changes_alone(void)
     CU_ASSERT_TRUE(broker_page_news(story.b, &news));
     /* The broker and its parts, red and green. */
     CU_ASSERT_EQUAL_FATAL(news.lines._length, MU_BROKER_LINES + 2);
-    CU_ASSERT_STRING_EQUAL(news.lines._buffer[0], "broker special running alpha - here 9 1000");
+    CU_ASSERT_STRING_EQUAL(news.lines._buffer[0], "broker special running alpha - - 9 1000");
     CU_ASSERT_STRING_EQUAL(news.lines._buffer[MU_BROKER_LINES + 1],
                            "green robot suspended alpha p-green here 1 1000");
     CU_ASSERT_FALSE(broker_page_news(story.b, &news));
