@@ -154,7 +154,7 @@ ENGINE_OWN := \
   genalloc genfree EnvReleaseMem gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList \
   EnvCreateMultifield FlushMultifields \
   PushProcParameters PopProcParameters \
-  gensprintf PPCRAndIndent ExpandStringWithChar
+  EnvRtnUnknown gensprintf PPCRAndIndent ExpandStringWithChar
 $(O)/libclips.a: Makefile | deps
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@

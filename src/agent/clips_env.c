@@ -157,6 +157,7 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
 {
     m->stack = __builtin_frame_address(0);
     m->mode = mode;
+    m->meter = NULL;
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
@@ -262,6 +263,7 @@ static void env_install(struct mind *m)
     clips_load_install(m);
     clips_fire_install(m);
     clips_diary_install(m);
+    clips_meter_install(m);
 }
 
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */

@@ -7,6 +7,11 @@
 
 #include <prcdrfun.h>
 
+enum {
+    EVALUATE_UNITS = CLIPS_UNITS_A_TICK / 8, /* what a call of a function costs */
+    EVALUATE_NEAR = 8
+};
+
 static inline void evaluate_bool(void *env, DATA_OBJECT *out, bool value)
 {
     out->type = SYMBOL;
@@ -116,6 +121,22 @@ static void evaluate_function(void *env, const struct FunctionDefinition *f, DAT
     }
 }
 
+/* A function that pays for its arguments. */
+static void evaluate_metered(void *env, const struct FunctionDefinition *f, const struct expr *e,
+                             DATA_OBJECT *out)
+{
+    struct mind *m = clips_engine_mind(env);
+    struct clips_meter meter = {.row = f->context, .call = e};
+    if (clips_meter_begin(m, &meter)) {
+        evaluate_function(env, f, out);
+    } else if (f->returnValueType == 'v') {
+        evaluate_constant(out, RVOID, SymbolData(env)->FalseSymbolHN);
+    } else {
+        evaluate_bool(env, out, false);
+    }
+    m->meter = meter.outer;
+}
+
 static inline void evaluate_call(void *env, struct evaluationData *data, struct expr *e,
                                  DATA_OBJECT *out)
 {
@@ -123,9 +144,13 @@ static inline void evaluate_call(void *env, struct evaluationData *data, struct 
     const struct FunctionDefinition *f = e->value;
     struct expr *caller = data->CurrentExpression;
     void *context = environment->functionContext;
-    environment->functionContext = f->context;
+    environment->functionContext = NULL;
     data->CurrentExpression = e;
-    evaluate_function(env, f, out);
+    if (f->context) {
+        evaluate_metered(env, f, e, out);
+    } else {
+        evaluate_function(env, f, out);
+    }
     environment->functionContext = context;
     data->CurrentExpression = caller;
 }
@@ -163,6 +188,8 @@ static inline void evaluate_primitive(void *env, struct evaluationData *data, st
 int EvaluateExpression(void *env, struct expr *e, DATA_OBJECT *out)
 {
     struct evaluationData *data = EvaluationData(env);
+    struct mind *m = clips_engine_mind(env);
+    unsigned units = 1;
     if (!e) {
         evaluate_bool(env, out, false);
         return data->EvaluationError;
@@ -176,7 +203,10 @@ int EvaluateExpression(void *env, struct expr *e, DATA_OBJECT *out)
     case INSTANCE_ADDRESS:
     case EXTERNAL_ADDRESS:
     case DATA_OBJECT_ARRAY: evaluate_constant(out, e->type, e->value); break;
-    case FCALL: evaluate_call(env, data, e, out); break;
+    case FCALL:
+        units = EVALUATE_UNITS;
+        evaluate_call(env, data, e, out);
+        break;
     case MULTIFIELD:
         evaluate_constant(out, MULTIFIELD, ((DATA_OBJECT *)e->value)->value);
         out->begin = ((DATA_OBJECT *)e->value)->begin;
@@ -186,7 +216,32 @@ int EvaluateExpression(void *env, struct expr *e, DATA_OBJECT *out)
     case SF_VARIABLE: evaluate_variable(env, e, out); break;
     default: evaluate_primitive(env, data, e, out); break;
     }
+    if (m) {
+        m->units += units;
+        if (m->meter && m->meter->call == data->CurrentExpression) {
+            clips_meter_take(m, m->meter, out);
+        }
+    }
     return data->EvaluationError;
+}
+
+/* An argument of a function, counted from 1.  One of a hundred thousand is far down the list. */
+DATA_OBJECT *EnvRtnUnknown(void *env, int position, DATA_OBJECT *out)
+{
+    struct mind *m = clips_engine_mind(env);
+    struct expr *call = EvaluationData(env)->CurrentExpression, *at = call->argList;
+    bool paid = !m || clips_guard_charge(m, position > EVALUATE_NEAR ? (uint64_t)position : 0);
+    for (int i = 1; paid && at && i < position; i++) {
+        at = at->nextArg;
+    }
+    if (!paid || !at) {
+        SetHaltExecution(env, TRUE);
+        SetEvaluationError(env, TRUE);
+        evaluate_bool(env, out, false);
+        return NULL;
+    }
+    EvaluateExpression(env, at, out);
+    return out;
 }
 
 int EnvRtnArgCount(void *env)

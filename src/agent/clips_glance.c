@@ -10,7 +10,8 @@
 
 /* What a call into CLIPS changes of itself. */
 struct glance_before {
-    uint32_t ticks, allocations, diary_lost;
+    uint64_t units, worked;
+    uint32_t allocations, diary_lost;
     const char *stopped;
     long memory_max;
     bool ring_unseen;
@@ -21,7 +22,8 @@ struct glance_before {
 
 static struct glance_before glance_begin(struct mind *m)
 {
-    struct glance_before before = {.ticks = m->ticks,
+    struct glance_before before = {.units = m->units,
+                                   .worked = m->worked,
                                    .allocations = m->allocations,
                                    .stopped = m->stopped,
                                    .memory_max = m->memory_max,
@@ -32,7 +34,7 @@ static struct glance_before glance_begin(struct mind *m)
                                    .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
     clips_env_enter(m, CLIPS_MODE_LINE);
     m->sheltered = false; /* a mind that is short of memory does not break because of a look */
-    m->ticks = 0;
+    m->units = m->worked = 0;
     m->memory_max = LONG_MAX;
     clips_percept_show(m);
     return before;
@@ -50,7 +52,8 @@ static void glance_end(struct mind *m, const struct glance_before *before)
     m->diary = before->diary;
     m->diary.at[m->diary.len] = '\0';
     m->diary_lost = before->diary_lost;
-    m->ticks = before->ticks;
+    m->units = before->units;
+    m->worked = before->worked;
     m->allocations = before->allocations;
     m->stopped = before->stopped;
     m->memory_max = before->memory_max;

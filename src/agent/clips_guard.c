@@ -6,7 +6,7 @@
 #include "agent/clips_mind.h"
 
 /* So many turns of loops, or pieces of memory, may pass without a look at the clock. */
-enum { GUARD_WORK_TICKS = 256, GUARD_WORK_ALLOCATIONS = 1024 };
+enum { GUARD_WORK_UNITS = 256 * CLIPS_UNITS_A_TICK, GUARD_WORK_ALLOCATIONS = 1024 };
 
 static void guard_work(struct mind *m)
 {
@@ -37,6 +37,7 @@ void clips_guard_burst(struct mind *m)
     m->firing = false;
     m->mode = CLIPS_MODE_QUIET;
     m->stack = NULL;
+    m->meter = NULL;
     longjmp(m->shelter, 1);
 }
 
@@ -47,16 +48,27 @@ void clips_guard_allocated(struct mind *m)
     }
 }
 
+/* @return false: there were not so many left */
+static bool guard_count(struct mind *m, uint64_t units)
+{
+    m->units = units > CLIPS_UNITS_MAX ? CLIPS_UNITS_MAX + 1 : m->units + units;
+    if (m->units > CLIPS_UNITS_MAX) {
+        guard_stop(m, "ticks");
+        return false;
+    }
+    if (m->units - m->worked >= GUARD_WORK_UNITS) {
+        m->worked = m->units;
+        guard_work(m);
+    }
+    return true;
+}
+
 /* CLIPS calls this at each turn of a loop, at each return of a function and after each rule. */
 static void guard_tick(void *env)
 {
     struct mind *m = clips_env_mind(env);
-    if (++m->ticks > CLIPS_TICKS_MAX) {
-        guard_stop(m, "ticks");
+    if (!guard_count(m, CLIPS_UNITS_A_TICK)) {
         return;
-    }
-    if (m->ticks % GUARD_WORK_TICKS == 0) {
-        guard_work(m);
     }
     if (EnvMemUsed(env) > m->memory_max) {
         EnvReleaseMem(env, -1);
@@ -66,12 +78,9 @@ static void guard_tick(void *env)
     }
 }
 
-void clips_guard_spend(struct mind *m, uint32_t ticks)
+bool clips_guard_charge(struct mind *m, uint64_t units)
 {
-    m->ticks += ticks;
-    if (m->ticks > CLIPS_TICKS_MAX) {
-        guard_stop(m, "ticks");
-    }
+    return !m->sheltered || guard_count(m, units);
 }
 
 void clips_guard_install(struct mind *m)
@@ -81,7 +90,7 @@ void clips_guard_install(struct mind *m)
 
 void clips_guard_start(struct mind *m, long memory_spare)
 {
-    m->ticks = 0;
+    m->units = m->worked = 0;
     m->stopped = NULL;
     m->memory_max = CLIPS_MEMORY_MAX;
     if (memory_spare > 0 && EnvMemUsed(m->env) + memory_spare > m->memory_max) {

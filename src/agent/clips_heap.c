@@ -178,6 +178,7 @@ void *genalloc(void *env, size_t bytes)
     }
     data->MemoryAmount += (long)whole;
     data->MemoryCalls++;
+    m->units += whole >= MEM_TABLE_SIZE ? whole / 64 : 0; /* it is filled */
     clips_guard_allocated(m);
     return given;
 }

@@ -18,6 +18,8 @@
 
 enum {
     CLIPS_TICKS_MAX = 2000000,      /* turns of loops and returns of functions, a step or a line */
+    CLIPS_UNITS_A_TICK = 64,        /* what functions do beside: bytes that they read, ... */
+    CLIPS_UNITS_MAX = CLIPS_TICKS_MAX * CLIPS_UNITS_A_TICK,
     CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
     CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
     CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
@@ -100,6 +102,14 @@ struct clips_heap {
     size_t held;    /* bytes of chunks and pieces */
 };
 
+/* A call of a function that pays for what its arguments are: clips_meter.c. */
+struct clips_meter {
+    const struct clips_meter_row *row;
+    const struct expr *call;
+    uint64_t fields; /* of the arguments that it has had */
+    struct clips_meter *outer;
+};
+
 /* Globals that C code reads; clips_env.c says what they are. */
 enum clips_global {
     CLIPS_SONAR_MARGIN,
@@ -172,7 +182,9 @@ struct mind {
     bool passes;                   /* that rule may fire once all the same */
 
     /* guards */
-    uint32_t ticks;
+    uint64_t units;            /* of work, since the call of mind.h began */
+    uint64_t worked;           /* of them, when the port was told last */
+    struct clips_meter *meter; /* of the innermost call that has one, or NULL */
     long memory_max;
     const char *stopped;  /* which guard, or NULL */
     const char *stack;    /* at the entry */
@@ -262,8 +274,19 @@ _Noreturn void clips_guard_burst(struct mind *m);
 void clips_guard_allocated(struct mind *m);
 void clips_guard_start(struct mind *m, long memory_spare);
 
-/** Counts what C code has done for a rule as so many turns of a loop. */
-void clips_guard_spend(struct mind *m, uint32_t ticks);
+/** Counts what C code does for a rule; CLIPS_UNITS_A_TICK are a turn of a loop.  @return false:
+ * there are not so many left, and the rule is stopped */
+bool clips_guard_charge(struct mind *m, uint64_t units);
+
+/* clips_meter.c */
+void clips_meter_install(struct mind *m);
+
+/** Calls a function that pays.  @return false: it has nothing left to pay with, and was not called
+ */
+bool clips_meter_begin(struct mind *m, struct clips_meter *meter);
+
+/** An argument of the call is known: it is paid for, or becomes empty. */
+void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *value);
 
 /* clips_override.c */
 void clips_override_install(struct mind *m);

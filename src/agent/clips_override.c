@@ -7,7 +7,11 @@
 #include "agent/clips_post.h"
 #include "agent/clips_value.h"
 
+#include <stdio.h>
 #include <string.h>
+
+/* Where the engine keeps the number of (gensym), which stands in miscfun.c. */
+enum { OVERRIDE_GENSYM_DATA = 9 };
 
 enum override { OVERRIDE_EVAL, OVERRIDE_BUILD, OVERRIDE_ASSERT, OVERRIDE_CHECK, OVERRIDE_COUNT };
 
@@ -154,6 +158,36 @@ static void override_strategy(void *env, DATA_OBJECT *out)
     clips_value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
 }
 
+/* The engine compares at each place anew: 4 MB in 8 MB took it hours. */
+static void override_index(void *env, DATA_OBJECT *out)
+{
+    DATA_OBJECT word, text;
+    clips_value_bool(env, out, false);
+    if (!EnvArgTypeCheck(env, "str-index", 1, SYMBOL_OR_STRING, &word) ||
+        !EnvArgTypeCheck(env, "str-index", 2, SYMBOL_OR_STRING, &text)) {
+        return;
+    }
+    const char *in = ValueToString(text.value), *what = ValueToString(word.value);
+    const char *at = strstr(in, what);
+    if (what[0] == '\0') {
+        clips_value_integer(env, out, (long long)UTF8Length(in) + 1);
+    } else if (at) {
+        clips_value_integer(env, out, (long long)UTF8CharNum(in, (size_t)(at - in) + 1));
+    }
+}
+
+/* The next word that is not there yet; rules may have made a hundred thousand of them. */
+static void *override_gensym(void *env)
+{
+    char word[32];
+    long long *number = GetEnvironmentData(env, OVERRIDE_GENSYM_DATA);
+    do {
+        snprintf(word, sizeof word, "gen%lld", (*number)++);
+    } while (clips_guard_charge(clips_env_mind(env), CLIPS_UNITS_A_TICK) &&
+             FindSymbolHN(env, word));
+    return EnvAddSymbol(env, word);
+}
+
 /* Those look at all facts that there are. */
 static void override_facts(void *env)
 {
@@ -201,6 +235,9 @@ void clips_override_install(struct mind *m)
         (void (*)(void *))override_replace(m->env, "facts", (void (*)(void))override_facts);
     override_list_facts = (void (*)(void *, DATA_OBJECT *))override_replace(
         m->env, "get-fact-list", (void (*)(void))override_list);
+    override_define(m->env, "str-assert", override_assert, "11k");
+    override_define(m->env, "str-index", override_index, "22j");
+    (void)override_replace(m->env, "gensym*", (void (*)(void))override_gensym);
     (void)override_replace(m->env, "format", (void (*)(void))clips_format_call);
     override_define(m->env, "set-strategy", override_strategy, "11w");
 }

@@ -29,7 +29,7 @@ void clips_plan_call(void *env, DATA_OBJECT *out)
     double from_m[2] = {p->x_m, p->y_m};
     double to_m[2] = {to_mm[0] / 1000, to_mm[1] / 1000};
     mu_result found = route_search(m->options.router, from_m, to_m, m->options.half_m, &route);
-    clips_guard_spend(m, (uint32_t)(route.looked / PLAN_CELLS_A_TICK));
+    (void)clips_guard_charge(m, CLIPS_UNITS_A_TICK * (route.looked / PLAN_CELLS_A_TICK));
     if (found != MU_OK) {
         return;
     }

@@ -9,6 +9,8 @@
 #include <router.h>
 #include <stdio.h>
 
+enum { PRINT_UNITS = 16 }; /* what a word costs, with one for each byte */
+
 static bool print_is_for(void *env, const struct router *r, const char *name)
 {
     if (!r->printer || !r->active || !r->query) {
@@ -20,6 +22,10 @@ static bool print_is_for(void *env, const struct router *r, const char *name)
 
 int EnvPrintRouter(void *env, const char *name, const char *text)
 {
+    struct mind *m = clips_engine_mind(env);
+    if (m) {
+        m->units += PRINT_UNITS + strlen(text);
+    }
     if ((const char *)RouterData(env)->FastSaveFilePtr == name) {
         fputs(text, RouterData(env)->FastSaveFilePtr);
         return 2;

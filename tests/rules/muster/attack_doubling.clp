@@ -1,6 +1,6 @@
 ; SPDX-License-Identifier: Apache-2.0
 ; options: library=no
-; One right-hand side without a loop that wants more memory than any machine has.
+; One right-hand side without a loop, and one fact, that want more memory than any machine has.
 (defrule double
   (attack)
   =>
@@ -15,13 +15,17 @@
   (bind ?a (create$ ?a ?a ?a ?a ?a ?a ?a ?a ?a ?a))
   (bind ?a (create$ ?a ?a ?a ?a ?a ?a ?a ?a ?a ?a)))
 
+(defrule matches (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) =>)
+
 ; acts: on
 ; line: (assert (attack))
 ; expect: <Fact-1>
 ; step:
-; expect: speed 0 0
-; expect: stopped memory, 0 fired, 1 errors:
-; expect: enough: its rules are gone: memory
+; expect: rule double (tests/rules/muster/attack_doubling.clp:4): stopped by the guard for ticks
+; expect: stopped ticks, 1 fired, 1 errors: double
+; line: (assert (m 1) (m 2))
+; expect: the rules are gone: they wanted more memory than there is for them
+; expect: refused
 ;
 ; It stays so, whatever comes.
 ; event: on-run
