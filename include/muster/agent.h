@@ -19,6 +19,7 @@
 #define MUSTER_AGENT_H
 
 #include "muster/limits.h"
+#include "muster/refusal.h"
 #include "muster/result.h"
 
 #include <stdbool.h>
@@ -164,7 +165,9 @@ struct mu_member {
     char host[MU_FIELD_MAX + 1];   /* the agent of kind host on which it lives; "": on none */
     uint32_t pid;                  /* of its process */
     uint64_t since_wall_ns;        /* since when in this state, nanoseconds since 1970 */
-    char reason[MU_FIELD_MAX + 1]; /* why it suspended itself; "" otherwise */
+    uint64_t busy_since_wall_ns;   /* its rules, or a line, run since then; 0: no, or for less than
+                                      half a second */
+    char reason[MU_FIELD_MAX + 1]; /* why it suspended itself, for people; "" otherwise */
 };
 
 struct mu_service; /* directory.h */
@@ -398,6 +401,9 @@ void mu_agent_want(mu_agent *a, const char *goal);
 
 /** @return the name, as long as the process is open */
 const char *mu_agent_name(const mu_agent *a);
+
+/** @return why the broker has refused the agent's name; MU_REFUSAL_NONE: it has not */
+enum mu_refusal mu_agent_refusal(const mu_agent *a);
 
 /** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);

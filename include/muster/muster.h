@@ -14,6 +14,7 @@
 #include "muster/memory.h"
 #include "muster/monitor.h"
 #include "muster/resolver.h"
+#include "muster/refusal.h"
 #include "muster/result.h"
 #include "muster/stats.h"
 

@@ -4,7 +4,7 @@
 #include "agent/robot.h"
 #include "core/log.h"
 #include "core/name.h"
-#include "core/refusal.h"
+#include "muster/refusal.h"
 #include "runtime/kind.h"
 
 #include <stdio.h>

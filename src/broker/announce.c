@@ -77,6 +77,7 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
     e.hops = a->is.hops;
     e.since_wall_ns = a->is.since_wall_ns;
     e.host = a->is.host;
+    e.busy_since_wall_ns = a->is.busy_since_wall_ns;
     e.reason = a->is.reason;
     e.pid = a->is.pid;
     return e;

@@ -229,6 +229,7 @@ static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d
     for (uint32_t i = 0; i < at->refusals_count; i++) {
         muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
         *v = (muster_Verdict){.agent = at->refusals[i].name, .broker_incarnation = b->incarnation};
+        v->code = at->refusals[i].code;
         v->reason = sample_text(at->refusals[i].reason);
     }
 }

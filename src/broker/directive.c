@@ -3,8 +3,8 @@
 
 #include "broker/parts.h"
 #include "broker/query.h"
-#include "core/refusal.h"
 #include "core/text.h"
+#include "muster/refusal.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -106,7 +106,8 @@ static struct presence presence_of(const struct way *way)
                           .no_broadcasts = way->no_broadcasts,
                           .hops = way->hops + 1,
                           .since_wall_ns = way->since_wall_ns,
-                          .pid = way->pid};
+                          .pid = way->pid,
+                          .busy_since_wall_ns = way->busy_since_wall_ns};
     (void)mu_text_copy(is.home, sizeof is.home, way->home);
     (void)mu_text_copy(is.host, sizeof is.host, way->host);
     (void)mu_text_copy(is.reason, sizeof is.reason, way->reason);
@@ -136,7 +137,8 @@ static void clash_lose(struct broker *b, uint32_t agent, const struct way *way)
 {
     const struct agent *a = &b->registry.agents[agent];
     b->liaison.count.clashes++;
-    places_refuse(&b->places, a->process, a->name, liaison_holder(b, way->home));
+    places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                  liaison_holder(b, way->home));
 }
 
 static void way_use(struct broker *b, uint32_t agent, const struct peer *p)
@@ -420,6 +422,7 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
                         .slot = slot,
                         .pid = e->pid,
                         .since_wall_ns = e->since_wall_ns,
+                        .busy_since_wall_ns = e->busy_since_wall_ns,
                         .last_seq = e->last_seq};
     (void)mu_text_copy(way->home, sizeof way->home, e->home);
     (void)mu_text_copy(way->host, sizeof way->host, e->host);

@@ -44,6 +44,7 @@ struct way {
     uint64_t since_wall_ns, last_seq;
     char home[MU_NAME_MAX + 1];
     char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;
     char reason[MU_FIELD_MAX + 1];
 };
 

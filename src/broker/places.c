@@ -150,7 +150,8 @@ static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
     }
 }
 
-void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason)
+void places_refuse(struct places *p, uint32_t place, const char *name, muster_Refusal code,
+                   const char *reason)
 {
     struct place *at = &p->at[place];
     char cut[MU_PROCESS_MAX + 1];
@@ -165,6 +166,7 @@ void places_refuse(struct places *p, uint32_t place, const char *name, const cha
         return;
     }
     memcpy(at->refusals[i].name, cut, sizeof cut);
+    at->refusals[i].code = code;
     at->refusals[i].reason = reason;
     at->refusals_count += i == at->refusals_count;
 }

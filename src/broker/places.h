@@ -19,6 +19,7 @@ _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole p
 /* A registration that was turned down. */
 struct refusal {
     char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
+    muster_Refusal code;
     const char *reason;
 };
 
@@ -98,7 +99,8 @@ void places_tidy(struct places *p, uint32_t place);
 void places_set_matched(struct places *p, uint32_t place, bool matched);
 
 /** Notes a refused registration; when there are too many, the process will ask again. */
-void places_refuse(struct places *p, uint32_t place, const char *name, const char *reason);
+void places_refuse(struct places *p, uint32_t place, const char *name, muster_Refusal code,
+                   const char *reason);
 
 /** The name is the process's after all: what it has not heard yet, it need not hear. */
 void places_accept(struct places *p, uint32_t place, const char *name);

@@ -83,10 +83,10 @@ static bool is_out_of_date(const struct presence *copy, const struct presence *n
     return copy->epoch > 0 && copy->epoch < now->epoch;
 }
 
-static void claim_refuse(struct broker *b, uint32_t index, const char *reason)
+static void claim_refuse(struct broker *b, uint32_t index, muster_Refusal code, const char *reason)
 {
     const struct claim *claim = &b->claims.pool[index];
-    places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name, reason);
+    places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name, code, reason);
     claim_end(b, index);
 }
 
@@ -100,7 +100,7 @@ static void claims_review(struct broker *b, uint32_t agent)
         if (b->claims.pool[i].process == a->process) {
             claim_end(b, i);
         } else if (is_out_of_date(&b->claims.pool[i].presence, &a->is)) {
-            claim_refuse(b, i, "out of date");
+            claim_refuse(b, i, muster_REFUSAL_OUT_OF_DATE, "out of date");
         }
     }
 }
@@ -147,14 +147,14 @@ static void claim_make(struct broker *b, uint32_t agent, uint32_t place, uint32_
                                 .presence = *is};
     uint32_t had = claims_find(&b->claims, a->claim, place);
     if (is_out_of_date(is, &a->is)) {
-        places_refuse(&b->places, place, a->name, "out of date");
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (had != MU_NONE) {
         b->claims.pool[had].slot = slot;
         b->claims.pool[had].presence = *is;
     } else if (claims_add(&b->claims, &a->claim, &claim)) {
         b->places.at[place].claims++;
     } else {
-        places_refuse(&b->places, place, a->name, holder_of(b, agent));
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_NAME_HELD, holder_of(b, agent));
     }
 }
 
@@ -231,7 +231,7 @@ void presence_tick(struct broker *b)
         if (b->registry.agents[agent].process == MU_NONE) {
             claims_grant(b, agent); /* whom the name was kept for has not come */
         } else {
-            claim_refuse(b, index, holder_of(b, agent));
+            claim_refuse(b, index, muster_REFUSAL_NAME_HELD, holder_of(b, agent));
         }
     }
 }
@@ -433,7 +433,8 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .since_wall_ns = e->since_wall_ns,
                             .epoch = e->epoch,
                             .newcomer = e->newcomer,
-                            .pid = r->pid};
+                            .pid = r->pid,
+                            .busy_since_wall_ns = e->busy_since_wall_ns};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
     host_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host);
     reason_copy(is->reason, e->reason);
@@ -463,7 +464,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         presence_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && depot_has_later(b, agent, is->epoch)) {
-        places_refuse(&b->places, place, a->name, "out of date");
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (is->newcomer && is_kept(b, agent) && !is_copy(a, is)) {
         claim_make(b, agent, place, slot, is);
     } else if (a->process == MU_NONE) {
@@ -475,7 +476,8 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
         presence_move(b, agent, place, slot, is);
     } else if (outlived_a_broker(b, agent, is)) {
-        places_refuse(&b->places, a->process, a->name, holder_of(b, agent));
+        places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                      holder_of(b, agent));
         presence_move(b, agent, place, slot, is);
     } else {
         claim_make(b, agent, place, slot, is);
@@ -503,6 +505,7 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     const muster_Entry *e = &r->agents._buffer[index];
     uint32_t slot = r->part * MU_PART_AGENTS + index;
     const char *objection = registry_objection(e->name, e->kind);
+    muster_Refusal code = muster_REFUSAL_NOT_A_NAME;
     uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, e->name);
     if (e->state == muster_STATE_ABSENT) {
         if (agent != MU_NONE) {
@@ -513,10 +516,11 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     if (!objection && agent == MU_NONE) {
         agent = registry_add(&b->registry, e->name);
         objection = agent == MU_NONE ? "the white pages are full" : NULL;
+        code = muster_REFUSAL_FULL;
     }
     if (objection) {
         b->counters.malformed += !mu_name_valid(e->name);
-        places_refuse(&b->places, place, e->name, objection);
+        places_refuse(&b->places, place, e->name, code, objection);
         return;
     }
     struct presence is;

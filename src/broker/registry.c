@@ -142,6 +142,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
                 strcmp(a->is.host, presence->host) == 0 &&
                 strcmp(a->is.home, presence->home) == 0 &&
+                a->is.busy_since_wall_ns == presence->busy_since_wall_ns &&
                 strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
     a->handed = false;
@@ -177,6 +178,7 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .host = a->is.host,
                            .pid = a->is.pid,
                            .since_wall_ns = a->since_wall_ns,
+                           .busy_since_wall_ns = a->is.busy_since_wall_ns,
                            .reason = a->is.reason};
     out->broker = a->is.home[0] ? a->is.home : sample_text(broker);
 }

@@ -41,6 +41,7 @@ struct presence {
     bool newcomer;              /* no broker has given it the name before */
     uint32_t pid;
     char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;   /* 0: it is not */
     char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
 };
 

@@ -81,33 +81,29 @@ static void answer_take(void *self, const struct mu_mail *mail)
     mu_text_add_bytes(&t, mail->content, strcspn(mail->content, " "));
 }
 
-static const struct {
-    const char *reason;
-    enum mu_exit exit;
-    const char *said;
-} refusals[] = {
-    {"refused", MU_EXIT_REFUSED,
-     "refused by the trust policy: who may direct an agent may do this"},
-    {"unknown-name", MU_EXIT_NO_AGENT, "unknown-name; muster ps lists who is there"},
-    {"unknown-group", MU_EXIT_NO_AGENT, "unknown-group; muster group list lists them"},
-    {"not-a-member", MU_EXIT_NO_AGENT, "not-a-member"},
-    {"not-offered", MU_EXIT_NO_AGENT, "not-offered; muster service list lists what is"},
-    {"not-a-name", MU_EXIT_USAGE, "not-a-name"},
-    {"not-attributes", MU_EXIT_USAGE, "not-attributes"},
-    {"group-exists", MU_EXIT_UNDELIVERED, "group-exists"},
-    {"full", MU_EXIT_UNDELIVERED, "full: the broker has no room for more"},
-};
+static int refusal_exit(enum mu_refusal code)
+{
+    static const struct {
+        enum mu_refusal code;
+        int exit;
+    } exits[] = {
+        {MU_REFUSAL_POLICY, MU_EXIT_REFUSED},         {MU_REFUSAL_UNKNOWN_NAME, MU_EXIT_NO_AGENT},
+        {MU_REFUSAL_UNKNOWN_GROUP, MU_EXIT_NO_AGENT}, {MU_REFUSAL_NOT_A_MEMBER, MU_EXIT_NO_AGENT},
+        {MU_REFUSAL_NOT_OFFERED, MU_EXIT_NO_AGENT},   {MU_REFUSAL_NOT_A_NAME, MU_EXIT_USAGE},
+        {MU_REFUSAL_NOT_ATTRIBUTES, MU_EXIT_USAGE}};
+    size_t i = 0;
+    while (i < sizeof exits / sizeof exits[0] && exits[i].code != code) {
+        i++;
+    }
+    return i < sizeof exits / sizeof exits[0] ? exits[i].exit : MU_EXIT_UNDELIVERED;
+}
 
 static int refusal_tell(const char *program, const char *reason)
 {
-    for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++) {
-        if (strcmp(reason, refusals[i].reason) == 0) {
-            fprintf(stderr, "%s: %s\n", program, refusals[i].said);
-            return refusals[i].exit;
-        }
-    }
-    fprintf(stderr, "%s: the broker refuses it: %s\n", program, reason);
-    return MU_EXIT_UNDELIVERED;
+    enum mu_refusal code = mu_refusal_named(reason);
+    fprintf(stderr, "%s: %s; %s\n", program, reason,
+            code != MU_REFUSAL_NONE ? mu_refusal_text(code) : "the broker refuses it");
+    return refusal_exit(code);
 }
 
 int change_make(struct operator* op, const struct operator_options *options, const struct change *c)

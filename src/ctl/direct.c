@@ -5,7 +5,6 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/json.h"
-#include "core/refusal.h"
 #include "core/text.h"
 #include "ctl/receivers.h"
 #include "desk/answer.h"
@@ -187,7 +186,7 @@ static mu_result targets_tell(struct operator* o)
 static bool target_is_busy(const struct operator* o, const struct target *t)
 {
     const struct mu_member *m = mu_process_lookup(o->process, t->name);
-    return m && answer_is_busy(m);
+    return m && m->busy_since_wall_ns > 0;
 }
 
 static bool target_waits(const struct operator* o, const struct target *t, double passed_s)
@@ -211,7 +210,7 @@ static bool any_waits(const struct operator* o, double passed_s)
 static void silence_tell(const struct operator* o, struct target *t)
 {
     const struct mu_member *m = mu_process_lookup(o->process, t->name);
-    bool is_busy = m && answer_is_busy(m);
+    bool is_busy = m && m->busy_since_wall_ns > 0;
     bool is_lost = t->state != TARGET_TAKEN && !is_busy;
     target_end(t, is_lost ? MU_EXIT_DDS : MU_EXIT_TIME);
     if (o->json) {

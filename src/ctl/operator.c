@@ -157,7 +157,7 @@ static void verdict_await(struct operator* o, uint64_t patience_ns)
 
 static bool is_held(const struct operator* o)
 {
-    return o->refused && strncmp(o->reason, "held", 4) == 0;
+    return o->refused && mu_agent_refusal(o->agent) == MU_REFUSAL_NAME_HELD;
 }
 
 /* Tries again while another verb has our name.  @return the exit code, explained */
@@ -224,7 +224,7 @@ void operator_leave(struct operator* o)
 static const struct mu_member *busy_find(const struct operator* o, const char *to)
 {
     const struct mu_member *m = mu_process_lookup(o->process, to);
-    return m && answer_is_busy(m) ? m : NULL;
+    return m && m->busy_since_wall_ns > 0 ? m : NULL;
 }
 
 static bool busy_tell(const struct operator* o, const char *to)

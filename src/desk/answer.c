@@ -3,7 +3,7 @@
 
 #include "core/exits.h"
 #include "core/json.h"
-#include "core/refusal.h"
+#include "muster/refusal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -170,10 +170,4 @@ const char *answer_travel_advice(const char *content)
 {
     const char *text = mu_refusal_text(mu_refusal_of(content));
     return text[0] ? text : NULL;
-}
-
-bool answer_is_busy(const struct mu_member *m)
-{
-    static const char word[] = "busy ";
-    return strncmp(m->reason, word, sizeof word - 1) == 0;
 }

@@ -35,7 +35,4 @@ const char *answer_outcome_advice(enum mu_outcome outcome, const char *to);
  *          that says enough */
 const char *answer_travel_advice(const char *content);
 
-/** @return whether the white pages say that the agent is at work, and does not answer meanwhile */
-bool answer_is_busy(const struct mu_member *m);
-
 #endif

@@ -350,7 +350,7 @@ static void attach_again(struct console_link *l)
 static void busy_look(struct console_link *l)
 {
     const struct mu_member *m = mu_process_lookup(l->process, l->agent);
-    if (l->pending_count > 0 && l->busy_number != l->lines && m && answer_is_busy(m)) {
+    if (l->pending_count > 0 && l->busy_number != l->lines && m && m->busy_since_wall_ns > 0) {
         l->busy_number = l->lines;
         show_note(l, 0, "[%s is %s]", l->agent, m->reason);
     }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/clock.h"
 #include "core/name.h"
-#include "core/refusal.h"
 #include "core/text.h"
 #include "muster/kind.h"
+#include "muster/refusal.h"
 #include "runtime/letter.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
@@ -16,6 +16,10 @@
 _Static_assert((int)MU_KIND_SPECIAL == (int)muster_KIND_SPECIAL, "kinds");
 _Static_assert((int)MU_GONE == (int)muster_STATE_ABSENT, "states");
 _Static_assert((int)MU_MAIL_NO_STORE == (int)muster_OUTCOME_NO_STORE, "outcomes");
+#define X(name, word, text) \
+    _Static_assert((int)MU_REFUSAL_##name == (int)muster_REFUSAL_##name, word);
+MU_REFUSALS(X)
+#undef X
 _Static_assert((int)MU_LEVEL_SYNCED == (int)muster_LEVEL_SYNCED, "levels");
 
 const char *mu_kind_text(enum mu_kind kind)
@@ -251,6 +255,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     }
     bool is_news = v->accepted ? !a->welcomed : !a->refused;
     a->registered = v->accepted;
+    a->refusal = v->accepted ? MU_REFUSAL_NONE : (enum mu_refusal)v->code;
     a->accepted_serial = a->process->inbox.serial;
     if (a->refused == v->accepted) {
         a->refused = !v->accepted;
@@ -486,6 +491,11 @@ void mu_agent_want(mu_agent *a, const char *goal)
 const char *mu_agent_name(const mu_agent *a)
 {
     return a->name;
+}
+
+enum mu_refusal mu_agent_refusal(const mu_agent *a)
+{
+    return a->refusal;
 }
 
 enum mu_state mu_agent_state(const mu_agent *a)

@@ -107,6 +107,7 @@ void members_set(struct members *m, const muster_Member *from)
     to->state = (enum mu_state)from->state;
     to->pid = from->pid;
     to->since_wall_ns = from->since_wall_ns;
+    to->busy_since_wall_ns = from->busy_since_wall_ns;
     mu_text_copy(to->broker, sizeof to->broker, from->broker);
     mu_text_copy(to->host, sizeof to->host, from->host);
     mu_text_copy(to->reason, sizeof to->reason, from->reason ? from->reason : "");

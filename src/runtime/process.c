@@ -372,7 +372,8 @@ static bool handle_one(mu_process *p)
 static void busy_say(mu_process *p, uint64_t busy_ns)
 {
     struct tm utc;
-    time_t since = (time_t)((mu_clock_wall_ns() - busy_ns) / 1000000000u);
+    p->busy_since_wall_ns = mu_clock_wall_ns() - busy_ns;
+    time_t since = (time_t)(p->busy_since_wall_ns / 1000000000u);
     gmtime_r(&since, &utc);
     (void)strftime(p->busy, sizeof p->busy, "busy since %Y-%m-%dT%H:%M:%SZ", &utc);
     roll_mark_all(p);
@@ -401,6 +402,7 @@ static bool handle_next(mu_process *p)
     p->works_ns = 0;
     if (p->busy[0]) {
         p->busy[0] = '\0';
+        p->busy_since_wall_ns = 0;
         roll_mark_all(p);
     }
     return handled;

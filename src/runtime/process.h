@@ -51,8 +51,9 @@ struct mu_agent {
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
     bool registered, refused;
-    bool said;     /* the broker has been asked for its name */
-    bool welcomed; /* has been told that its name is accepted */
+    enum mu_refusal refusal; /* why its name was refused, if it was */
+    bool said;               /* the broker has been asked for its name */
+    bool welcomed;           /* has been told that its name is accepted */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */
     uint32_t box_mails;            /* which holds so many mails, */
@@ -137,7 +138,8 @@ struct mu_process {
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
     char
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
-    bool done;                  /* the simulator has ended the run */
+    uint64_t busy_since_wall_ns; /* the same; 0: they have not */
+    bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;

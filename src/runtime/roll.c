@@ -63,6 +63,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .since_wall_ns = a->since_wall_ns,
                           .epoch = a->epoch,
                           .newcomer = !a->welcomed,
+                          .busy_since_wall_ns = a->process->busy_since_wall_ns,
                           .reason = a->reason[0] ? a->reason : a->process->busy};
 }
 

@@ -110,8 +110,8 @@ static void on_ended(void *self, uint64_t line, bool good)
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct consoles *c = self;
-    (void)a;
-    bool held = strncmp(reason ? reason : "", "held", 4) == 0;
+    (void)reason;
+    bool held = mu_agent_refusal(a) == MU_REFUSAL_NAME_HELD;
     c->state = accepted ? CONSOLES_IN : CONSOLES_REFUSED;
     if (!accepted && held && c->attempt < ATTEMPTS_MAX) {
         c->attempt++;

@@ -112,8 +112,8 @@ def test_who_is_not_there_is_named():
                 (("group", "members", "nothing"), 7, "no group named nothing; muster group list"),
                 (("send", "nobody", "hello"), 7, "to nobody: unknown-name; muster ps lists who"),
                 (("do", "nobody", "(facts)"), 7, "to nobody: unknown-name"),
-                (("service", "remove", "cleaning"), 7, "not-offered; muster service list lists"),
-                (("group", "leave", "scouts"), 7, "unknown-group; muster group list lists them")):
+                (("service", "remove", "cleaning"), 7, "not-offered; it does not offer that; muster service list"),
+                (("group", "leave", "scouts"), 7, "unknown-group; there is no such group; muster group list")):
             done = muster(*words, "--domain", domain)
             check_equal((done.returncode, done.stdout), (code, ""), f"{words}: {done.stderr}")
             check(why in done.stderr, f"{words}: {done.stderr}")

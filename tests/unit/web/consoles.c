@@ -147,6 +147,9 @@ static void verdict(bool accepted, const char *reason)
     muster_Verdict v = {.agent = words(name),
                         .accepted = accepted,
                         .broker_incarnation = process->link.incarnation,
+                        .code = accepted || strcmp(reason, "taken by another") != 0
+                                    ? muster_REFUSAL_NONE
+                                    : muster_REFUSAL_NAME_HELD,
                         .reason = words(reason)};
     muster_Delivery d = delivery_make();
     d.verdicts._buffer = &v;
@@ -260,7 +263,7 @@ static void test_who_acts_joins(void)
     CU_ASSERT_EQUAL(say("red", "(facts)", 1), CONSOLES_NOT_YET);
     char first[MU_NAME_MAX + 1];
     snprintf(first, sizeof first, "%s", name);
-    verdict(false, "held by another");
+    verdict(false, "taken by another");
     TURN_UNTIL(registered == 2); /* another name, unasked */
     CU_ASSERT_STRING_NOT_EQUAL(name, first);
     CU_ASSERT_EQUAL(say("red", "(facts)", 1), CONSOLES_NOT_YET);
@@ -565,7 +568,7 @@ static void test_another_name_forgets_what_was_asked(void)
     begin();
     CU_ASSERT_EQUAL(say("red", "(assert (a))", 70), CONSOLES_DONE);
     (void)sent_await(1);
-    verdict(false, "held by another"); /* a broker that does not know us */
+    verdict(false, "taken by another"); /* a broker that does not know us */
     unsigned before = registered;
     TURN_UNTIL(registered == before + 1);
     is_told(one, "event: ended\ndata: {\"agent\": \"red\", \"ask\": 70, \"good\": false}\n\n");
