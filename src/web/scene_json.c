@@ -26,6 +26,9 @@ static void outline_write(struct mu_json *j, const char *key, const muster_Outli
     if (o->radius_m > 0) {
         number_write(j, "radius", o->radius_m);
     }
+    if (o->flat) {
+        mu_json_bool(j, "flat", true);
+    }
     mu_json_list(j, "corners");
     for (uint32_t i = 0; i < o->corners_m._length; i++) {
         number_write(j, NULL, (double)o->corners_m._buffer[i]);

@@ -542,6 +542,15 @@ def test_a_click_suspends_a_robot():
                          ".includes('23')")
             browser.click(".panel:not([hidden]) [data-do='Resume']")
             wait_for(lambda: members(domain)["red"]["state"] == "running", 15, "it goes on")
+            # The tab in front is the robot that keys are about, and the other way round.
+            browser.click("[data-tab='agent blue']")
+            browser.value("document.activeElement.blur()")
+            browser.key("s")
+            wait_for(lambda: members(domain)["blue"]["state"] == "suspended", 15, "the tab in front")
+            browser.key("j")
+            front = "document.querySelector('[role=tab][aria-selected=true]').dataset.tab"
+            browser.wait(f"{front} === 'agent {names[(names.index('blue') + 1) % 4]}'")
+            check_equal(members(domain)["red"]["state"], "running", "it alone")
             check_equal(browser.said, [], "the page had no fault")
         viewer.close()
 

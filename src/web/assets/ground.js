@@ -43,13 +43,16 @@ function drawScale(context, camera, ink, ratio) {
   context.fillText(`${+step.toPrecision(3)} m`, right, bottom - 6);
 }
 
-/** Walls of one scene, as one path. */
+const MARK_ALPHA = 0.15; /* as in tracks.svg */
+
+/** Walls of one scene, as one path; marks on its floor, which robots drive over. */
 export function createGround() {
-  let scene = null, walls = null;
+  let scene = null, walls = null, marks = [];
   function load(next) {
     scene = next;
     walls = new Path2D();
-    for (const wall of scene.walls) outlinePath(wall, walls);
+    for (const wall of scene.walls) if (!wall.flat) outlinePath(wall, walls);
+    marks = scene.walls.filter((wall) => wall.flat).map((mark) => ({color: mark.rgb, path: outlinePath(mark)}));
   }
   return {
     draw(context, next, camera, ink, ratio) {
@@ -62,6 +65,12 @@ export function createGround() {
       camera.enter(context, ratio);
       context.fillStyle = ink.floor;
       context.fillRect(x0, y0, x1 - x0, y1 - y0);
+      context.globalAlpha = MARK_ALPHA;
+      for (const {color, path} of marks) {
+        context.fillStyle = color;
+        context.fill(path);
+      }
+      context.globalAlpha = 1;
       drawGrid(context, camera, ink);
       context.fillStyle = ink.wall;
       context.fill(walls);

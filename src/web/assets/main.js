@@ -34,7 +34,8 @@ const statistics = createStatistics({onPick: pick, onOpen: (name) => tabs.show(n
 const world = createWorld(actor);
 const tabs = createTabs([['Robots', statistics.panel], ['Mail', log.panel], ...(recording ? [] : [['World', world.panel]])],
   (name, onClose) => (recording ? createDiary(name, {stepMs: recording.step_ms, onWhy: tellWhy, onClose}) : consoleFor(name, onClose)),
-  recording ? [] : ['observer']);
+  recording ? [] : ['observer'],
+  (name) => { const index = indexOf(name); if (index >= 0 && index !== view.look.picked) pick(index); });
 const hands = createHands({camera: view.camera, bodiesOf, order: world.order, canAct: () => !recording && !actor.denied && !isOver()});
 view.onTop = hands.draw;
 const theme = createTheme(paint);
@@ -46,12 +47,16 @@ function paint(name) {
 
 let picked = ''; /* name of the picked robot, for the next scene */
 
+/* The picked robot and the console in front are one choice. */
 function pick(index) {
   view.look.picked = index;
   picked = nameOf(index) ?? '';
+  if (picked && indexOf(tabs.shown) >= 0 && tabs.shown !== picked) tabs.show(picked);
   if (index < 0) view.look.follow = false;
   drawTools();
 }
+
+const indexOf = (name) => model.scene?.robots.findIndex((robot) => robot.name === name) ?? -1;
 
 const nameOf = (index) => model.scene?.robots[index]?.name;
 

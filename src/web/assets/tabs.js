@@ -7,9 +7,9 @@ const OPEN_AT_ONCE = 8; /* of so many robots each has a tab from the beginning *
 
 /**
  * fixed: [title, panel] of tabs that are always there; makeConsole: by name, and what closes it;
- * names: opened at once.
+ * names: opened at once; onShow: called with the name of an agent whose console comes to the front.
  */
-export function createTabs(fixed, makeConsole, names) {
+export function createTabs(fixed, makeConsole, names, onShow = () => {}) {
   const strip = byId('tabs'), panels = byId('panels');
   const tabs = new Map(); /* by key: {button, panel, console} */
   let selected = '';
@@ -33,6 +33,7 @@ export function createTabs(fixed, makeConsole, names) {
       tab.panel.hidden = name !== key;
     }
     tabs.get(key)?.button.scrollIntoView({block: 'nearest', inline: 'nearest'});
+    if (tabs.get(key)?.console) onShow(key.slice('agent '.length));
   }
 
   function open(name) {
