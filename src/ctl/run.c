@@ -628,6 +628,7 @@ int run_verb(int argc, char **argv)
     if (taken != MU_OK) {
         return taken == MU_FAULT_OS ? MU_EXIT_WRITE : domain_explain((int)r->options.domain);
     }
+    runs_note(r->experiment->name, r->folder);
     setenv(MU_NETWORK_WAIT, "1e9", 1); /* children end with us */
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
@@ -643,6 +644,6 @@ int run_verb(int argc, char **argv)
     if (!reports) {
         run_broken_tell(r);
     }
-    runs_end(r->experiment->name, r->folder);
+    runs_note(r->experiment->name, r->folder);
     return code < 0 ? reported : code;
 }

@@ -179,34 +179,55 @@ static bool domain_lives(const char *folder, int domain, char *name, size_t size
     return lives;
 }
 
-void runs_end(const char *name, const char *folder)
+void runs_note(const char *name, const char *folder)
 {
-    held_write("%.100s\n%s\n", name, folder);
+    char path[PATH_MAX];
+    held_write("%.100s\n%s\n", name, realpath(folder, path) ? path : folder);
+}
+
+/* What the run in a domain has noted: its name, and its report's folder.
+ * @return when; 0: nothing */
+static time_t note_read(int domain, char *name, size_t size, char *report, size_t report_size)
+{
+    char folder[PATH_MAX], text[PATH_MAX + 256];
+    struct stat info;
+    int fd = runs_folder(folder, sizeof folder) ? lock_open(folder, domain, O_RDONLY) : -1;
+    ssize_t len = fd >= 0 ? read(fd, text, sizeof text - 1) : 0;
+    bool there = fd >= 0 && fstat(fd, &info) == 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    text[len > 0 ? len : 0] = '\0';
+    char *second = strchr(text, '\n');
+    if (!there || !second || !second[1]) {
+        return 0;
+    }
+    *second++ = '\0';
+    second[strcspn(second, "\n")] = '\0';
+    return mu_text_copy(name, size, text) && mu_text_copy(report, report_size, second)
+               ? info.st_mtime
+               : 0;
+}
+
+bool runs_folder_of(int domain, char *folder, size_t size)
+{
+    char name[128];
+    return note_read(domain, name, sizeof name, folder, size) != 0;
 }
 
 void runs_tell_last(const char *program)
 {
-    char folder[PATH_MAX], name[PATH_MAX + 256], last[sizeof name] = "";
-    struct stat info;
-    time_t last_s = 0, now_s = time(NULL);
-    for (int d = 0; runs_folder(folder, sizeof folder) && d <= MU_DOMAIN_MAX; d++) {
-        int fd = lock_open(folder, d, O_RDONLY);
-        ssize_t len = fd >= 0 ? read(fd, name, sizeof name - 1) : 0;
-        name[len > 0 ? len : 0] = '\0';
-        char *report = strchr(name, '\n');
-        if (report && report[1] && fstat(fd, &info) == 0 && info.st_mtime > last_s) {
-            last_s = info.st_mtime;
-            memcpy(last, name, sizeof last);
-        }
-        if (fd >= 0) {
-            close(fd);
-        }
+    char name[128], report[PATH_MAX];
+    int last = -1;
+    time_t last_s = time(NULL) - RUNS_RECENT_S;
+    for (int d = 0; d <= MU_DOMAIN_MAX; d++) {
+        time_t at_s = note_read(d, name, sizeof name, report, sizeof report);
+        last = at_s > last_s ? d : last;
+        last_s = at_s > last_s ? at_s : last_s;
     }
-    char *report = strchr(last, '\n');
-    if (report && now_s - last_s < RUNS_RECENT_S) {
-        fprintf(stderr, "%s: the run %.*s ended %lld s ago; its report is in %.*s\n", program,
-                (int)(report - last), last, (long long)(now_s - last_s),
-                (int)strcspn(report + 1, "\n"), report + 1);
+    if (last >= 0 && note_read(last, name, sizeof name, report, sizeof report)) {
+        fprintf(stderr, "%s: the run %s ended %lld s ago; its report is in %s\n", program, name,
+                (long long)(time(NULL) - last_s), report);
     } else {
         fprintf(stderr, "%s: a whole run starts with: muster run FILE\n", program);
     }

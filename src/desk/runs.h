@@ -12,6 +12,7 @@
 
 #include "muster/result.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /** Domains that a run picks from: below them is everybody's 0, above are ephemeral ports. */
@@ -36,8 +37,11 @@ MU_MUST_USE mu_result runs_take(int wanted, const char *name, int *domain);
  */
 MU_MUST_USE mu_result runs_find(int *domain);
 
-/** Notes where the report of this process's run is, for runs_tell_last. */
-void runs_end(const char *name, const char *folder);
+/** Notes where the report of this process's run is, and that it lives now: again at its end. */
+void runs_note(const char *name, const char *folder);
+
+/** @return whether the run in a domain, or the last one there, has noted its report's folder */
+bool runs_folder_of(int domain, char *folder, size_t size);
 
 /** Says on standard error that a run of this user has just ended, or how to start one. */
 void runs_tell_last(const char *program);

@@ -117,7 +117,7 @@ static mu_result network_join(struct web *w, struct settings *set)
                                          .broker = set->network.broker,
                                          .name = "web"};
     MU_TRY(mu_process_open(&w->process, &options));
-    MU_TRY(watch_open(&w->watch, w->process, &w->board));
+    MU_TRY(watch_open(&w->watch, w->process, domain, &w->board));
     w->consoles = consoles_open(w->process, &w->viewers);
     return hands_open(&w->hands, &w->process->bus, &w->viewers, &w->watch);
 }

@@ -10,6 +10,11 @@ static bool has_ended(const struct run_json *r)
     return r->state == muster_RUN_DONE || r->state == muster_RUN_FAULT;
 }
 
+bool run_json_has_ended(const struct run_json *r)
+{
+    return r->simulator[0] && has_ended(r);
+}
+
 bool run_json_lives(const struct run_json *r)
 {
     return r->simulator[0] && !has_ended(r);
@@ -27,6 +32,7 @@ void run_json_take(struct run_json *r, const muster_RunStatus *status)
 {
     mu_text_copy(r->simulator, sizeof r->simulator, status->simulator);
     r->state = status->state;
+    r->report[0] = '\0';
     r->step = status->step;
     r->time_ns = status->time_ns;
     r->wall_ns = status->wall_ns;
@@ -139,5 +145,6 @@ void run_json_write(struct mu_json *j, const struct run_json *r)
     mu_json_string(j, "waits_for", r->waits_for);
     mu_json_string(j, "broker", broker_there(r));
     mails_write(j, r);
+    mu_json_string(j, "report", r->report);
     mu_json_end(j);
 }

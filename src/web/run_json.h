@@ -10,7 +10,7 @@
 #include "muster/limits.h"
 #include "wire.h"
 
-enum { RUN_JSON_WAITS_MAX = 255 };
+enum { RUN_JSON_WAITS_MAX = 255, RUN_JSON_REPORT_MAX = 1023 };
 
 /* One of a run's brokers, and its mails.  Of one that has died they count on. */
 struct run_broker {
@@ -27,11 +27,16 @@ struct run_json {
     uint64_t time_ns, wall_ns, duration_ns, skipped;
     char hash[65];
     char waits_for[RUN_JSON_WAITS_MAX + 1];
+    char report[RUN_JSON_REPORT_MAX + 1]; /* the folder of its report; "": it has not ended, or
+                                             was not ours */
     struct run_broker brokers[MU_BROKERS_MAX];
 };
 
 /** @return whether a simulator is there whose run has not ended */
 bool run_json_lives(const struct run_json *r);
+
+/** @return whether the last run that was heard of has ended */
+bool run_json_has_ended(const struct run_json *r);
 
 /** Keeps what a status says. */
 void run_json_take(struct run_json *r, const muster_RunStatus *status);

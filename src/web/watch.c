@@ -2,6 +2,7 @@
 #include "web/watch.h"
 
 #include "core/text.h"
+#include "desk/runs.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
 #include "web/frame_json.h"
@@ -12,10 +13,11 @@
 /* What people read as words and numbers need not change more often. */
 static const uint64_t SLOW_NS = 250000000;
 
-mu_result watch_open(struct watch *w, mu_process *process, struct board *board)
+mu_result watch_open(struct watch *w, mu_process *process, int domain, struct board *board)
 {
     struct bus *bus = &process->bus;
-    *w = (struct watch){.board = board, .pages = mu_startup_alloc(sizeof *w->pages)};
+    *w = (struct watch){
+        .board = board, .domain = domain, .pages = mu_startup_alloc(sizeof *w->pages)};
     pages_init(w->pages);
     mu_text_init(&w->totals, mu_startup_alloc(BOARD_EVENT_MAX), BOARD_EVENT_MAX);
     MU_TRY(bus_reader_open(bus, BUS_SCENE, NULL, &w->scenes));
@@ -131,8 +133,19 @@ static void pages_read(struct watch *w)
     }
 }
 
+/* A run on this machine has noted where its report is to be. */
+static void report_find(struct watch *w)
+{
+    char folder[sizeof w->run.report];
+    if (run_json_has_ended(&w->run) && !w->run.report[0] &&
+        runs_folder_of(w->domain, folder, sizeof folder)) {
+        mu_text_copy(w->run.report, sizeof w->run.report, folder);
+    }
+}
+
 static void slow_put(struct watch *w)
 {
+    report_find(w);
     run_json_write(board_begin(w->board, BOARD_RUN), &w->run);
     (void)board_end(w->board);
     pages_write(board_begin(w->board, BOARD_AGENTS), w->pages);

@@ -18,13 +18,15 @@ struct watch {
     char simulator[MU_PROCESS_MAX + 1]; /* whose scene it is; "": none has come */
     uint64_t scenes_count;
     struct run_json run;
+    int domain;
     struct pages *pages;
     struct mu_text totals; /* of the last frame */
     uint64_t slow_ns;      /* when what changes slowly was looked at last */
 };
 
 /** Opens the readers, and takes the memory.  @return MU_OK or a fault */
-MU_MUST_USE mu_result watch_open(struct watch *w, mu_process *process, struct board *board);
+MU_MUST_USE mu_result watch_open(struct watch *w, mu_process *process, int domain,
+                                 struct board *board);
 
 /** Takes what is there. */
 void watch_round(struct watch *w, uint64_t now_ns);

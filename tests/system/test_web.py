@@ -686,6 +686,19 @@ def place_of(page, browser):
             box["y"] + box["height"] / 2 + middle_y * scale), scale
 
 
+def test_a_page_that_is_opened_after_the_end_shows_how_it_ended():
+    with folder() as out, page_open() as (page, processes, domain):
+        run = follow_start(processes, domain, out / "run", "--duration", 3)
+        run.wait(60)
+        with Browser(page.url) as browser:
+            browser.wait("document.querySelector('#banner, [role=status], .banner')"
+                         ".textContent.includes('The run has ended')")
+            browser.wait(f"document.body.textContent.includes('{out}/run')")
+            browser.wait("[...document.querySelectorAll('tbody tr')]"
+                         ".some(row => +row.children[2].textContent > 0.1)")
+            check_equal(browser.said, [], "the page had no fault")
+
+
 def test_who_has_no_token_only_looks():
     with folder() as out, page_open() as (page, processes, domain):
         follow_start(processes, domain, out / "run", "--rate", 2, "--duration", 600)

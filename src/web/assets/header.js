@@ -33,7 +33,8 @@ function bannerOf({linked, full, blind, hello, run, scene}) {
   if (run.state === 'fault') return {bad: true, words: ['The run has failed: ', element('code', {}, run.waits_for)]};
   if (run.state === 'waiting' && run.waits_for) return {words: [`The run waits for ${run.waits_for}.`]};
   if (run.state === 'done') {
-    return {words: ['The run has ended, hash ', element('code', {}, run.hash.slice(0, 16)), '…']};
+    const report = run.report ? [', report ', element('code', {}, run.report)] : [];
+    return {words: ['The run has ended, hash ', element('code', {}, run.hash.slice(0, 16)), '…', ...report]};
   }
   if (run.state === 'none' && !scene) {
     const command = `muster run experiments/follow.yaml --rate 1 --domain ${hello?.domain ?? 0}`;

@@ -77,12 +77,14 @@ function bodiesOf() {
 // --- what comes ----------------------------------------------------------------------------------
 
 let scenes = 0, bounds = '';
+let early = {}; /* what came while its scene was fetched: of a run that has ended there is no more */
 
 /* Frames that come before their scene are none of the world that is shown.  When the server is gone
  * again it says later that there is a scene. */
 async function takeScene() {
   const asked = ++scenes;
   model.scene = null;
+  early = {};
   const {scene, why = ''} = await fetchScene().catch(() => ({}));
   if (asked !== scenes) return;
   header.set({blind: why});
@@ -103,9 +105,12 @@ async function takeScene() {
   pick(scene.robots.findIndex(({name}) => name === was));
   if (fresh) view.fit();
   if (recording) loadPast(scene);
+  if (early.frame) takeFrame(early.frame);
+  if (early.statistics) takeStatistics(early.statistics);
 }
 
 function takeFrame(data) {
+  if (!model.scene) early.frame = data;
   if (!model.scene || data.robots.length !== model.scene.robots.length) return;
   const frame = decodeFrame(data), now = performance.now();
   model.frame = frame;
@@ -117,6 +122,11 @@ function takeFrame(data) {
   log.take(frame);
   world.take(frame);
   header.set({frame});
+}
+
+function takeStatistics(data) {
+  if (!model.scene) early.statistics = data;
+  statistics.take(decodeStatistics(data));
 }
 
 /* What was asked has no answer any more. */
@@ -142,7 +152,7 @@ openFeed({
   },
   scene: takeScene,
   frame: takeFrame,
-  statistics: (data) => statistics.take(decodeStatistics(data)),
+  statistics: takeStatistics,
   agents({agents}) {
     model.agents = new Map(agents.map(([name, kind, state, host, reason]) => [name, {name, kind, state, host, reason}]));
   },

@@ -3,10 +3,10 @@
  * The locks of live runs.  Every holder is a process of its own, because a lock lasts as long as
  * its process; XDG_RUNTIME_DIR is a folder of this test's own.
  */
+#include "desk/runs.h"
+#include "bus/bus.h"
 #include "capture.h"
 #include "suite.h"
-#include "bus/bus.h"
-#include "desk/runs.h"
 
 #include <arpa/inet.h>
 #include <CUnit/Basic.h>
@@ -265,9 +265,20 @@ static void test_limit_domains(void)
     CU_ASSERT_EQUAL(status, 0);
 }
 
+/* @return whether another process of ours can take a domain */
+static bool another_takes(void)
+{
+    int status = -1, domain = -7;
+    pid_t pid = fork();
+    if (pid == 0) {
+        _exit(runs_take(-1, "follow", &domain) == MU_OK ? 0 : 1);
+    }
+    return waitpid(pid, &status, 0) == pid && status == 0;
+}
+
+/* A folder below /tmp stands in for it. */
 static void test_a_folder_that_cannot_be(void)
 {
-    int domain = -7;
     char file[64];
     snprintf(file, sizeof file, "%s/file", folder);
     CU_ASSERT_EQUAL_FATAL(mkdir(file, 0700), 0);
@@ -275,18 +286,12 @@ static void test_a_folder_that_cannot_be(void)
     char link[96];
     snprintf(link, sizeof link, "%s/muster", file);
     CU_ASSERT_EQUAL(symlink(folder, link), 0); /* where somebody else wants it */
-    capture_begin();
-    CU_ASSERT_EQUAL(runs_take(-1, "follow", &domain), MU_FAULT_OS);
-    capture_end();
-    CU_ASSERT(said("muster: cannot use "));
-    expect_none();
+    CU_ASSERT(another_takes());
+    struct stat info;
+    CU_ASSERT(lstat(link, &info) == 0 && S_ISLNK(info.st_mode));
     CU_ASSERT_EQUAL(unlink(link), 0);
     CU_ASSERT_EQUAL(rmdir(file), 0);
-    setenv("XDG_RUNTIME_DIR", file, 1); /* not there at all */
-    capture_begin();
-    CU_ASSERT_EQUAL(runs_take(-1, "follow", &domain), MU_FAULT_OS);
-    capture_end();
-    expect_none();
+    CU_ASSERT(another_takes()); /* not there at all */
 }
 
 static void set_up(void)
