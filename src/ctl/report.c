@@ -3,7 +3,7 @@
  * muster report: a run's pages and pictures once more, from what lies in its folder.
  *
  * The experiment and its world come out of run.mcap, or, of a run without one, from where its
- * command says.  What the brokers counted is in summary.json alone; without one the run broke off,
+ * summary says.  What the brokers counted is in summary.json alone; without one the run broke off,
  * and what there is to know is in the recording.
  */
 #include "ctl/remake.h"
@@ -52,15 +52,8 @@ static const char *note(const struct remaking *m, const char *key)
 /* The file as it was named on the command line; path: it is not known */
 static const char *file_named(const struct remaking *m, const char *path)
 {
-    static const char begin[] = "muster run ", end[] = " --seed ";
-    const char *command = m->recorded ? note(m, "command") : m->summary->command;
-    const char *behind = strstr(command, end);
-    if (strncmp(command, begin, sizeof begin - 1) != 0 || !behind) {
-        return path;
-    }
-    char *named = mu_startup_string(command + sizeof begin - 1);
-    named[behind - command - (ptrdiff_t)(sizeof begin - 1)] = '\0';
-    return named;
+    const char *file = m->recorded ? note(m, "file") : m->summary->file;
+    return file[0] ? mu_startup_string(file) : path;
 }
 
 /* Paths as they were, for people. */
@@ -99,8 +92,7 @@ static mu_result named_take(struct remaking *m, struct mu_fault *fault)
     struct run *r = m->run;
     const struct summary *s = m->summary;
     const char *file = file_named(m, NULL);
-    const char *duration = strstr(s->command, " --duration ");
-    if (!file || !duration) {
+    if (!file || s->duration_s <= 0) {
         return mu_fault_at(fault, m->path, 0, 0,
                            "there is no recording, and summary.json does not say how the run was "
                            "made");
@@ -108,9 +100,9 @@ static mu_result named_take(struct remaking *m, struct mu_fault *fault)
     MU_TRY(experiment_load(&r->experiment, file, s->overrides, s->overrides_count, fault));
     r->options.set = s->overrides;
     r->options.set_count = s->overrides_count;
-    r->options.free = strstr(s->command, " --free") != NULL || r->experiment->free;
+    r->options.free = s->free || r->experiment->free;
     r->experiment->seed = s->seed;
-    r->experiment->duration = strtod(duration + sizeof " --duration", NULL);
+    r->experiment->duration = s->duration_s;
     return run_place(r, fault);
 }
 
@@ -243,6 +235,8 @@ static int report_make(struct remaking *m)
 {
     struct report_input input;
     run_report_input(m->run, &input);
+    input.file = file_named(m, "");
+    input.free = m->run->options.free;
     input.chaos = m->summary->chaos;
     input.broke_off = broke_off(m);
     if (m->summary->there) {

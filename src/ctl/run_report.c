@@ -285,6 +285,8 @@ int run_report(struct run *r)
     run_command_write(r, command, sizeof command);
     run_report_input(r, &input);
     input.command = command;
+    input.file = r->options.file;
+    input.free = r->options.free;
     input.versions = versions;
     input.mail = mail_of(r);
     input.chaos = chaos_fates(r);

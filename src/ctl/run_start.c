@@ -148,6 +148,7 @@ static void recording_add(const struct run *r)
         word_add("--without-percepts");
     }
     word_add("--note=command=%s", command);
+    word_add("--note=file=%s", r->options.file);
     word_add("--note=experiment=%s", r->experiment->name);
     word_add("--note=seed=%lld", (long long)r->experiment->seed);
     word_add("--note=duration_s=%.17g", r->experiment->duration);

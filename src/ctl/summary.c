@@ -173,6 +173,12 @@ static void run_take(struct summary *s, const char *path, const struct mu_json_v
         mu_text_copy(s->hash, sizeof s->hash, value->text);
     } else if (strcmp(path, "command") == 0) {
         mu_text_copy(s->command, sizeof s->command, value->text);
+    } else if (strcmp(path, "file") == 0) {
+        mu_text_copy(s->file, sizeof s->file, value->text);
+    } else if (strcmp(path, "duration_s") == 0) {
+        s->duration_s = fmax(0, fmin(value->number, SUMMARY_TIME_MAX_S));
+    } else if (strcmp(path, "free") == 0) {
+        s->free = value->number > 0;
     } else if (strcmp(path, "made_with") == 0) {
         mu_text_copy(s->made_with, sizeof s->made_with, value->text);
     } else if (strcmp(path, "seed") == 0) {

@@ -19,7 +19,9 @@ struct summary {
     bool there; /* the rest is what it says */
     bool broke_off, mail_unknown;
     uint64_t seed, packets_struck;
-    double sim_time_s, wall_time_s;
+    bool free;
+    double sim_time_s, wall_time_s, duration_s; /* duration_s: as it was wanted; 0: not said */
+    char file[SUMMARY_TEXT_MAX];                /* the experiment's; "": not said */
     char hash[80], command[SUMMARY_TEXT_MAX], made_with[256];
     const char *overrides[SUMMARY_LIST_MAX], *undone[SUMMARY_LIST_MAX];
     size_t overrides_count, undone_count;

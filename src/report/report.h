@@ -60,6 +60,8 @@ struct report_input {
     double sim_time_s, wall_time_s; /* from the first to the last step */
     bool broke_off;                 /* it did not come to its end; what there is, is here */
     const char *command;            /* how to run it again */
+    const char *file;               /* the experiment's, as the command names it */
+    bool free;                      /* without a lock step */
     const char *const *overrides;   /* of --set, "key=value" */
     size_t overrides_count;
     const struct report_robot *robots; /* in the order of run.csv */

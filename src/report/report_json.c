@@ -152,6 +152,9 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_uint(&j, "seed", input->seed);
     mu_json_string(&j, "hash", input->hash);
     mu_json_string(&j, "command", input->command);
+    mu_json_string(&j, "file", input->file);
+    mu_json_real(&j, "duration_s", input->experiment->duration);
+    mu_json_bool(&j, "free", input->free);
     mu_json_string(&j, "made_with", input->versions);
     mu_json_list(&j, "overrides");
     for (size_t i = 0; i < input->overrides_count; i++) {

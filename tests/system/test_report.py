@@ -58,14 +58,19 @@ def test_a_report_again_is_the_same():
 
 def test_a_report_of_a_run_without_a_recording():
     with folder() as out:
-        file = out / "again.yaml"
+        file = out / "the --seed again.yaml"
         file.write_text(TEAM + EVENTS)
-        done, _ = experiment_run(out / "run", "--set", "seed=3", "--record", "none", file=file)
+        done, summary = experiment_run(out / "run", "--set", "seed=3", "--record", "none", file=file)
+        check_equal((summary["file"], summary["free"]), (str(file), False), "how it was made")
+        text = (out / "run/summary.json").read_text()
+        (out / "run/summary.json").write_text(text.replace("muster run ", "words for people: "))
         before = texts(out / "run")
         (out / "run/report.html").unlink()
         again = muster("report", out / "run")
         check_equal(again.returncode, done.returncode, f"{again.stdout} {again.stderr}")
-        same(before, texts(out / "run"), before)
+        after = texts(out / "run")
+        same(before, after, [name for name in before if name != "report.html"])
+        check(b"words for people: " in after["report.html"], "the command")
         file.unlink()
         gone = muster("report", out / "run")
         check_equal(gone.returncode, 3, "without its experiment, too")
