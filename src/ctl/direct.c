@@ -145,10 +145,7 @@ static void on_mail(void *self, const struct mu_mail *mail)
         strcmp(mail->in_reply_to, directing.reply_with) != 0) {
         return;
     }
-    bool refuses = strcmp(mail->performative, "refuse") == 0;
-    target_end(&directing.targets[i], refuses                   ? MU_EXIT_REFUSED
-                                      : answer_is_failure(mail) ? MU_EXIT_UNDELIVERED
-                                                                : MU_EXIT_DONE);
+    target_end(&directing.targets[i], answer_exit(mail));
     bool is_dull = strcmp(mail->performative, "agree") == 0 && directing.op->quiet;
     if (!is_dull) {
         answer_print(mail, directing.op->json);

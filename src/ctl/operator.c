@@ -76,7 +76,9 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
         return; /* who is in a group need not know CLIPS */
     }
     o->answers++;
-    o->failures += answer_is_failure(mail);
+    int code = answer_exit(mail);
+    bool counts = code != MU_EXIT_DONE && (o->failure_code == 0 || code < o->failure_code);
+    o->failure_code = counts ? code : o->failure_code;
     if (o->on_answer) {
         o->on_answer(o->on_answer_self, mail);
     } else {
@@ -322,7 +324,7 @@ static int answers_take(struct operator* o, const struct mu_mail *mail, unsigned
     if (o->answers < wanted && !(o->asks_many && o->answers > 0)) {
         return MU_EXIT_TIME;
     }
-    return o->failures > 0 ? MU_EXIT_UNDELIVERED : MU_EXIT_DONE;
+    return o->failure_code;
 }
 
 int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wanted, double wait_s)

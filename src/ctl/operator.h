@@ -45,7 +45,7 @@ struct operator
     bool answered_for;       /* there is an outcome */
     bool asks_many;          /* nobody in particular: not-understood is no answer */
     unsigned answers;        /* mails that came in reply to it */
-    unsigned failures;       /* of them, failures */
+    int failure_code;        /* the smallest exit code of those that are failures; 0: none is */
     const char *reply_with;  /* that answers refer to; NULL: none are wanted */
     char reply_with_own[32];
     uint64_t glance;        /* number of the question that was asked; 0: none waits */

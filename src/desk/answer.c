@@ -83,7 +83,21 @@ static const char *priority_text(enum mu_priority priority)
 /* @return why that is refused, if it is and its code is known */
 static enum mu_refusal code_of(const struct mu_mail *mail)
 {
-    return answer_is_failure(mail) ? mu_refusal_of(mail->content) : MU_REFUSAL_NONE;
+    enum mu_refusal code = mu_refusal_named(mail->content); /* a host says no more than that */
+    code = code != MU_REFUSAL_NONE ? code : mu_refusal_of(mail->content);
+    return answer_is_failure(mail) ? code : MU_REFUSAL_NONE;
+}
+
+int answer_exit(const struct mu_mail *mail)
+{
+    static const enum mu_refusal refused[] = {MU_REFUSAL_NAME_HELD, MU_REFUSAL_NAME_TAKEN,
+                                              MU_REFUSAL_STATE, MU_REFUSAL_UNSUPPORTED,
+                                              MU_REFUSAL_POLICY};
+    int code = answer_is_failure(mail) ? MU_EXIT_UNDELIVERED : MU_EXIT_DONE;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        code = code_of(mail) == refused[i] ? MU_EXIT_REFUSED : code;
+    }
+    return code;
 }
 
 static void object_print(const struct mu_mail *mail)

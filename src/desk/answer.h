@@ -14,6 +14,10 @@
 /** @return whether it says that the mail was of no use: refuse, not-understood, failure */
 bool answer_is_failure(const struct mu_mail *mail);
 
+/** @return MU_EXIT_DONE; MU_EXIT_REFUSED: another agent has the name, the agent or its state does
+ *          not allow it, or the trust policy; MU_EXIT_UNDELIVERED for any other failure */
+int answer_exit(const struct mu_mail *mail);
+
 /** Prints what an agent says; on a terminal "?" stands for what would steer it. */
 void answer_text_print(FILE *to, const char *text);
 

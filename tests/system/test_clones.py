@@ -106,9 +106,9 @@ class Live:
         check_equal(done.returncode, 0, f"muster {' '.join(map(str, words))}: {done.stdout} {done.stderr}")
         return done.stdout
 
-    def refused(self, why, *words):
+    def refused(self, code, why, *words):
         done = self.muster(*words)
-        check_equal((done.returncode, why in done.stdout + done.stderr), (8, True),
+        check_equal((done.returncode, why in done.stdout + done.stderr), (code, True),
                     f"muster {' '.join(map(str, words))}: {done.stdout} {done.stderr}")
 
     def verify(self):
@@ -138,10 +138,10 @@ def test_a_person_launches_clones_and_disposes():
                     "south: c_2 at south\n", "the answer")
         check("(launched well)" in live.done("do", "c_2", "(facts)"), "its facts")
         check("(position" not in live.done("do", "c_1", "(facts)"), "it has no body")
-        live.refused("name-taken", "clone", "blue", "c_2", "south")
-        live.refused("name-taken", "launch", "c_1", "north", "--rules", rules)
+        live.refused(6, "name-taken", "clone", "blue", "c_2", "south")
+        live.refused(6, "name-taken", "launch", "c_1", "north", "--rules", rules)
         rules.write_text("(defrule broken (a) => (nonsense))")
-        live.refused("nonsense", "launch", "c_3", "north", "--rules", rules)
+        live.refused(8, "nonsense", "launch", "c_3", "north", "--rules", rules)
         check("c_3" not in members(live.domain), "who could not be made is in the pages")
         live.done("move", "c_1", "north")
         live.done("dispose", "c_1")
