@@ -63,6 +63,7 @@ USES_core    :=
 USES_world   := core
 USES_mcap    := core
 USES_bus     := core
+USES_faults  := bus core
 USES_stats   := core
 USES_runtime := stats bus core
 USES_broker  := bus core
@@ -116,6 +117,7 @@ MAIN_muster-monitor := monitor
 MAIN_muster-record := record
 MAIN_muster-replay := replay
 MAIN_muster-web    := web
+FAULTS   := $(O)/lib/muster/libmuster-faults.so
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 UNITS    := $(patsubst tests/unit/%/,$(O)/unit/%,$(wildcard tests/unit/*/))
@@ -127,7 +129,7 @@ KEPT     := $(wildcard $(HELPERS) $(BENCHES) $(O)/test/gohome)
 
 .DEFAULT_GOAL := all
 .PHONY: all
-all: deps $(PROGRAMS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
+all: deps $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
 .PHONY: deps test-deps
 deps: ## install what is missing (DEPS=skip: never touch the system)
@@ -172,6 +174,12 @@ $(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
 	  -Wl,-z,pack-relative-relocs $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
+
+# Loaded before the C library by the children of a run that has faults of the network.
+$(FAULTS): $(call objs,faults) $(O)/src/core/clock.o
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS) -o $@ $^
+$(O)/unit/bus: | $(FAULTS)
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -501,11 +509,12 @@ $(O)/muster.pc: FORCE
 	  'Libs.private: -lddsc -lm' > $@.$$$$ && mv $@.$$$$ $@ # somebody else may install, too
 
 install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig include/muster share/muster/rules \
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig lib/muster include/muster share/muster/rules \
 	  share/muster/worlds share/muster/experiments share/man/man1)
 	install -m755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
 	install -m644 $(O)/libmuster.a $(O)/libmuster.so.0 $(DESTDIR)$(PREFIX)/lib
 	ln -sf libmuster.so.0 $(DESTDIR)$(PREFIX)/lib/libmuster.so
+	install -m644 $(FAULTS) $(DESTDIR)$(PREFIX)/lib/muster
 	install -m644 $(O)/muster.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig
 	install -m644 include/muster/*.h $(DESTDIR)$(PREFIX)/include/muster
 	install -m644 rules/* $(DESTDIR)$(PREFIX)/share/muster/rules

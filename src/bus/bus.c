@@ -5,7 +5,6 @@
 #include "bus/config.h"
 #include "bus/loopback.h"
 #include "bus/topics.h"
-#include "bus/traffic.h"
 #include "core/clock.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -50,11 +49,13 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     const char *interface = options->interface ? options->interface : "127.0.0.1";
     bool is_loopback =
         inet_pton(AF_INET, interface, &address) == 1 && (ntohl(address.s_addr) >> 24) == 127;
-    if (is_loopback) {
-        loopback_begin(ntohl(address.s_addr));
-    }
+    static struct loopback before;
+    loopback_note(&before);
     dds_entity_t domain = dds_create_domain((dds_domainid_t)options->domain, buffer);
-    loopback_end();
+    if (domain >= 0 && is_loopback && !loopback_hold(&before)) {
+        dds_delete(domain);
+        return DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
+    }
     return domain;
 }
 
@@ -118,6 +119,7 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
     dds_set_log_sink(log_nothing, NULL);
     int index = 0;
     for (int i = 0; code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
+                    code != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY &&
                     (index = index_try(options->place, i)) >= 0;
          i++) {
         code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
@@ -131,6 +133,9 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
     if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
         fprintf(stderr, "this program is in domain %d already\n", options->domain);
         return MU_FAULT_USAGE;
+    }
+    if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+        return MU_FAULT_DDS;
     }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;
     return is_hub ? MU_BUSY : dds_fault("no participant index is free from 10 to 118", code);
@@ -187,7 +192,6 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
                 MU_DOMAIN_MAX);
         return MU_FAULT_USAGE;
     }
-    traffic_join();
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
         mu_result opened = peers_find(options->hub);

@@ -1,52 +1,72 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* With the GNU extensions, glibc declares bind() with a type that ISO C cannot define. */
-#undef _GNU_SOURCE
-#define _DEFAULT_SOURCE
-
 #include "bus/loopback.h"
 
-#include "bus/traffic.h"
-
-#include <arpa/inet.h>
-#include <netinet/in.h>
+#include <dirent.h>
+#include <errno.h>
+#include <net/if.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
-static _Thread_local uint32_t loopback_address; /* 0: leave every bind alone */
-
-void loopback_begin(uint32_t address)
+static bool is_udp(int fd)
 {
-    loopback_address = address;
+    int type = 0, family = 0;
+    socklen_t len = sizeof type, family_len = sizeof family;
+    return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &len) == 0 && type == SOCK_DGRAM &&
+           getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &family, &family_len) == 0 && family == AF_INET;
 }
 
-void loopback_end(void)
+static bool is_in(const struct loopback *l, int fd)
 {
-    loopback_address = 0;
+    return l->bits[fd / 64] >> (fd % 64) & 1;
 }
 
-static int is_udp(int fd)
+/* @return false: the system does not say which descriptors there are */
+static bool sockets_look(struct loopback *l)
 {
-    int type = 0;
-    socklen_t len = sizeof type;
-    return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &len) == 0 && type == SOCK_DGRAM;
-}
-
-/* Seen from outside a shared library, too; libmuster.map gives it no version. */
-__attribute__((visibility("default"))) int bind(int fd, const struct sockaddr *address,
-                                                socklen_t len);
-
-/* Takes the place of the C library's bind in every program that links this file. */
-int bind(int fd, const struct sockaddr *address, socklen_t len)
-{
-    if (loopback_address && address->sa_family == AF_INET && len >= sizeof(struct sockaddr_in)) {
-        struct sockaddr_in inet = *(const struct sockaddr_in *)(const void *)address;
-        if (inet.sin_addr.s_addr == htonl(INADDR_ANY) && is_udp(fd)) {
-            inet.sin_addr.s_addr = htonl(loopback_address);
-            int result = (int)syscall(SYS_bind, fd, &inet, sizeof inet);
-            traffic_bound(fd);
-            return result;
+    DIR *folder = opendir("/proc/self/fd");
+    memset(l, 0, sizeof *l);
+    for (struct dirent *e = folder ? readdir(folder) : NULL; e; e = readdir(folder)) {
+        int fd = (int)strtol(e->d_name, NULL, 10);
+        if (fd > 0 && fd < LOOPBACK_FDS_MAX && is_udp(fd)) {
+            l->bits[fd / 64] |= UINT64_C(1) << (fd % 64);
         }
     }
-    return (int)syscall(SYS_bind, fd, address, len);
+    if (folder) {
+        closedir(folder);
+    }
+    return folder != NULL;
+}
+
+void loopback_note(struct loopback *before)
+{
+    (void)sockets_look(before);
+}
+
+/* @return whether the socket hears loopback alone now */
+static bool socket_hold(int fd)
+{
+    static const char lo[] = "lo";
+    char device[IFNAMSIZ] = "";
+    socklen_t len = sizeof device;
+    return setsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, lo, sizeof lo) == 0 &&
+           getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, device, &len) == 0 &&
+           strcmp(device, lo) == 0;
+}
+
+bool loopback_hold(const struct loopback *before)
+{
+    static struct loopback now;
+    bool held = sockets_look(&now);
+    for (int fd = 0; held && fd < LOOPBACK_FDS_MAX; fd++) {
+        held = !is_in(&now, fd) || is_in(before, fd) || socket_hold(fd);
+    }
+    if (!held) {
+        fprintf(stderr,
+                "cannot keep DDS on loopback: its sockets cannot be bound to the device lo: %s; "
+                "Linux 5.7 or later is needed\n",
+                strerror(errno));
+    }
+    return held;
 }

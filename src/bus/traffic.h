@@ -5,14 +5,15 @@
  *
  * Who starts processes makes a table in shared memory, and tells each child in its environment
  * where the table is and which part of the run it is.  Every UDP packet that Cyclone sends to a
- * port of another part goes by the table: our own sendmsg() stands before the system's, in programs
- * that link this file.  Without the table it is the system's.
+ * port of another part goes by the table: a library that these children load before others
+ * (LD_PRELOAD, src/faults) stands before the system's sendmsg().  Nobody else has it.
  */
 #ifndef MUSTER_BUS_TRAFFIC_H
 #define MUSTER_BUS_TRAFFIC_H
 
 #include "muster/result.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,15 +21,32 @@
 /* Parts that can be told apart; 0 stands for all others. */
 enum { TRAFFIC_PARTS_MAX = 128 };
 
-struct traffic;
+#define TRAFFIC_ENVIRONMENT "MUSTER_TRAFFIC"
+
+enum { TRAFFIC_PORTS = 65536 };
+
+struct traffic_rule {
+    _Atomic uint32_t lost_ppm, late_us;
+};
+
+struct traffic {
+    uint64_t seed;
+    _Atomic uint64_t struck;
+    _Atomic uint8_t parts[TRAFFIC_PORTS]; /* whose each port is */
+    struct traffic_rule rules[TRAFFIC_PARTS_MAX][TRAFFIC_PARTS_MAX];
+};
+
+/* Where src/faults is, seen from the folder of our programs. */
+#define TRAFFIC_LIBRARY "../lib/muster/libmuster-faults.so"
 
 /**
  * Makes the table, which the children of this process share.
  *
- * @param seed  of the chance by which packets are lost
+ * @param seed     of the chance by which packets are lost
+ * @param library  src/faults, which the children load before others; it outlives them
  * @return MU_OK or MU_FAULT_OS
  */
-MU_MUST_USE mu_result traffic_make(struct traffic **out, uint64_t seed);
+MU_MUST_USE mu_result traffic_make(struct traffic **out, uint64_t seed, const char *library);
 
 /** Says which part the next child is; 1 to TRAFFIC_PARTS_MAX - 1, or 0. */
 void traffic_child(unsigned part);
@@ -43,11 +61,5 @@ void traffic_set(struct traffic *t, unsigned one, unsigned other, double share, 
 
 /** @return how many packets have been lost so, or late, in all processes together */
 uint64_t traffic_struck(const struct traffic *t);
-
-/** Looks into the environment whether there is a table, and takes memory if so; bus_open does. */
-void traffic_join(void);
-
-/** Notes that a socket of this process has a port. */
-void traffic_bound(int fd);
 
 #endif

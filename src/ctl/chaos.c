@@ -3,11 +3,13 @@
 
 #include "bus/traffic.h"
 #include "core/clock.h"
+#include "core/paths.h"
 #include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
 #include "world/condition.h"
 
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -153,7 +155,9 @@ mu_result chaos_prepare(struct run *r, struct mu_fault *fault)
             part_add(r, e->chaos[i].whom);
         }
     }
-    if (traffic && traffic_make(&r->chaos->traffic, e->seed) != MU_OK) {
+    char library[PATH_MAX];
+    if (traffic && (!mu_path_program(library, sizeof library, TRAFFIC_LIBRARY) ||
+                    traffic_make(&r->chaos->traffic, e->seed, library) != MU_OK)) {
         return mu_fault_at(fault, e->file, 0, 0, "the system has no memory to share");
     }
     return MU_OK;

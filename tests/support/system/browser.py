@@ -91,8 +91,7 @@ class Browser:
         self.folder = tempfile.mkdtemp(prefix="muster-browser-")
         words = [program, *FLAGS, f"--user-data-dir={self.folder}",
                  f"--window-size={self.size[0]},{self.size[1]}"]
-        if os.geteuid() == 0:
-            words.append("--no-sandbox")
+        words.append("--no-sandbox")  # root has none, nor has a folder that is somebody's root; it shows our pages alone
         self.process = subprocess.Popen([*words, "about:blank"], stdin=subprocess.DEVNULL,
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:

@@ -13,11 +13,13 @@
 
 #include <arpa/inet.h>
 #include <CUnit/Basic.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -495,24 +497,24 @@ static void test_registrations(void)
     bus_writer_close(&one);
 }
 
-/* @return whether every UDP socket of this process stands on 127.0.0.1 (Linux, proc(5)) */
+/* @return whether every UDP socket of this process is bound to the device lo */
 static bool sockets_are_loopback(unsigned *count)
 {
-    char line[512];
     bool all = true;
-    FILE *file = fopen("/proc/self/net/udp", "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     *count = 0;
-    while (fgets(line, sizeof line, file)) {
-        unsigned address, port;
-        bool read = sscanf(line, " %*d: %8X:%4X", &address, &port) == 2;
-        int first = bus_port(domain(), 0);
-        if (read && (int)port >= first - 10 && (int)port < first + 240) {
+    for (int fd = 0; fd < 1024; fd++) {
+        struct sockaddr_in address;
+        char device[IFNAMSIZ] = "";
+        int type = 0;
+        socklen_t len = sizeof type, address_len = sizeof address, device_len = sizeof device;
+        if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &len) == 0 && type == SOCK_DGRAM &&
+            getsockname(fd, (struct sockaddr *)&address, &address_len) == 0 &&
+            address.sin_family == AF_INET) {
             (*count)++;
-            all = all && address == 0x0100007f;
+            all = all && getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, device, &device_len) == 0 &&
+                  strcmp(device, "lo") == 0;
         }
     }
-    fclose(file);
     return all;
 }
 
@@ -520,7 +522,7 @@ static void test_sockets_stay_on_loopback(void)
 {
     unsigned count;
     CU_ASSERT_TRUE(sockets_are_loopback(&count));
-    CU_ASSERT(count >= 2); /* this process's and the broker's */
+    CU_ASSERT(count >= 1);
 }
 
 static void test_a_program_is_in_a_domain_once(void)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A child of this test sends packets to itself; the table says what becomes of them. */
 #include "suite.h"
-#include "bus/loopback.h"
 #include "bus/traffic.h"
+#include "core/paths.h"
 
 #include <arpa/inet.h>
 #include <CUnit/Basic.h>
@@ -26,10 +26,9 @@ static int socket_bind(struct sockaddr_in *address)
 {
     socklen_t len = sizeof *address;
     int fd = socket(AF_INET, SOCK_DGRAM, 0);
-    *address = (struct sockaddr_in){.sin_family = AF_INET};
-    loopback_begin(INADDR_LOOPBACK);
+    *address = (struct sockaddr_in){.sin_family = AF_INET,
+                                    .sin_addr = {htonl(INADDR_LOOPBACK)}};
     bool good = bind(fd, (struct sockaddr *)address, sizeof *address) == 0;
-    loopback_end();
     good = good && getsockname(fd, (struct sockaddr *)address, &len) == 0;
     return good ? fd : -1;
 }
@@ -53,7 +52,6 @@ static int child_live(void)
     struct iovec pieces[] = {{hello, 5}, {world, 5}};
     struct msghdr message = {
         .msg_name = &to, .msg_namelen = sizeof to, .msg_iov = pieces, .msg_iovlen = 2};
-    traffic_join();
     int fd = socket_bind(&to);
     for (int i = 0; i < PACKETS; i++) {
         if (sendmsg(fd, &message, 0) != 10) {
@@ -123,7 +121,9 @@ int main(void)
         {"late", test_late},
         CU_TEST_INFO_NULL,
     };
-    if (traffic_make(&table, 7) != MU_OK) {
+    char library[4096];
+    if (!mu_path_program(library, sizeof library, TRAFFIC_LIBRARY) ||
+        traffic_make(&table, 7, library) != MU_OK) {
         return EXIT_FAILURE;
     }
     return suite_run("bus/traffic", tests);
