@@ -480,6 +480,7 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                               .over_share = c->over_share,
                               .no_store = c->no_store,
                               .stored = b->store.mails,
+                              .lockstep = b->lockstep_end,
                               .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
     status->broker = sample_text(b->name);
 }

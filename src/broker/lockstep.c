@@ -539,9 +539,24 @@ static void lockstep_hold(struct broker *b, bool held)
     }
 }
 
+/* What comes from now on comes by the clock. */
+static void counters_keep(struct broker *b)
+{
+    const struct broker_counters *c = &b->counters;
+    b->lockstep_end =
+        (muster_LockstepEnd){.ended = b->lockstep_end.ended + 1,
+                             .sent = c->sent,
+                             .delivered = c->delivered,
+                             .waiting = c->waiting,
+                             .expired = c->expired,
+                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
+                                        c->dropped + c->no_store};
+}
+
 static void lockstep_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
+    counters_keep(b);
     l->awaits_moves = false;
     depot_lockstep_over(b);
     do { /* nothing that was admitted is lost */

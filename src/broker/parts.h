@@ -107,6 +107,7 @@ struct broker {
     struct journal journal;
     struct liaison liaison;
     struct broker_counters counters;
+    muster_LockstepEnd lockstep_end;
     struct events events;
     struct pacer pacer;
     uint64_t orders;           /* mails routed */

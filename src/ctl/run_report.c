@@ -13,6 +13,14 @@
 
 static void mail_add(struct report_mail *m, const muster_BrokerStatus *b)
 {
+    if (b->lockstep.ended > 0) {
+        m->sent += b->lockstep.sent;
+        m->delivered += b->lockstep.delivered;
+        m->waiting += b->lockstep.waiting;
+        m->expired += b->lockstep.expired;
+        m->refused += b->lockstep.refused;
+        return;
+    }
     m->sent += b->sent;
     m->delivered += b->delivered;
     m->waiting += b->waiting;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "lockstep_story.h"
 #include "broker/parts.h"
+#include "lockstep_story.h"
 
 static void answer_with(muster_Mail m, int64_t step)
 {
@@ -34,6 +34,21 @@ static void test_the_barrier(void)
     answer("red", 1);
     EXPECT("p-red@1; red 1-1 delivered; p-green@1; sim@1");
     CU_ASSERT_EQUAL(story_status().delivered, 1);
+}
+
+/* What comes by the clock, after the last step, differs from run to run. */
+static void test_the_counters_of_the_last_step_are_kept(void)
+{
+    run_begin();
+    CU_ASSERT_EQUAL(story_status().lockstep.ended, 0);
+    answer_with(letter("red", 1, "green", "hello"), 0);
+    answer("green", 0);
+    roster_say(false, 1, "");
+    story_send("operator", 1, "red", "after it");
+    CU_ASSERT_EQUAL(story_status().sent, 2);
+    CU_ASSERT_EQUAL(story_status().lockstep.ended, 1);
+    CU_ASSERT_EQUAL(story_status().lockstep.sent, 1);
+    CU_ASSERT_EQUAL(story_status().lockstep.waiting, 1);
 }
 
 /* It is an answer all the same. */
@@ -632,6 +647,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"the barrier", test_the_barrier},
+        {"the counters of the last step are kept", test_the_counters_of_the_last_step_are_kept},
         {"an answer that acknowledges to another life",
          test_an_answer_that_acknowledges_to_another_life},
         {"a repeated answer is dropped", test_a_repeated_answer_is_dropped},
