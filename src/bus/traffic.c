@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 static int shared = -1; /* the table's descriptor */
-static char preload[4200];
+static char preload[8192];
 
 mu_result traffic_make(struct traffic **out, uint64_t seed, const char *library)
 {
@@ -22,7 +22,9 @@ mu_result traffic_make(struct traffic **out, uint64_t seed, const char *library)
     *out = table;
     (*out)->seed = seed;
     shared = fd;
-    snprintf(preload, sizeof preload, "LD_PRELOAD=%s", library);
+    const char *others = getenv("LD_PRELOAD");
+    snprintf(preload, sizeof preload, "LD_PRELOAD=%s%s%s", others ? others : "", others ? " " : "",
+             library);
     traffic_child(0);
     return MU_OK;
 }
