@@ -79,13 +79,8 @@ static int services_list(const struct request *r)
 static int service_find(const struct request *r)
 {
     char query[MU_QUERY_MAX + 1];
-    struct mu_query read;
-    if (!words_join(query, sizeof query, r->words, r->count) ||
-        mu_attributes_query(&read, query) != MU_OK) {
-        fprintf(stderr,
-                "%s: expected a service, or *, and up to %d constraints such as role=scout "
-                "battery>=0.5 near=X,Y,RADIUS, at most %d bytes\n",
-                r->program, MU_CONSTRAINTS_MAX, MU_QUERY_MAX);
+    bool joined = words_join(query, sizeof query, r->words, r->count);
+    if (!words_query_check(r->program, joined ? query : "")) {
         return MU_EXIT_USAGE;
     }
     return query_ask(r, query);

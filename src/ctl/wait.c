@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster wait: until agents, a broker, hosts or a run are there. */
+/* muster wait: until agents, a service, a broker, hosts or a run are there. */
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/text.h"
@@ -21,6 +21,7 @@ struct wait {
     size_t names_count;
     bool broker, run;
     int64_t hosts;
+    const char *service;
     double timeout_s;
     uint64_t until_ns;
     struct operator op;
@@ -47,6 +48,11 @@ static struct mu_option wait_table[] = {
      .kind = MU_OPTION_FLAG,
      .help = "until a run has begun its steps",
      .target = &wait.run},
+    {.name = "service",
+     .kind = MU_OPTION_STRING,
+     .unit = "QUERY",
+     .help = "until somebody offers this, such as 'map hz>=1'",
+     .target = &wait.service},
     {.name = "timeout",
      .kind = MU_OPTION_REAL,
      .unit = "S",
@@ -115,6 +121,9 @@ static void missing_add(const struct wait *w, struct mu_text *out)
     if (w->run && !w->runs) {
         mu_text_add(out, ", a run that has begun");
     }
+    if (w->service && !mu_process_find_service(w->op.process, w->service, 0)) {
+        mu_text_format(out, ", the service %s", w->service);
+    }
     for (size_t i = 0; i < w->names_count; i++) {
         if (!is_there(w, w->names[i])) {
             mu_text_format(out, ", %s", w->names[i]);
@@ -159,7 +168,8 @@ int wait_verb(int argc, char **argv)
     static struct mu_options o = {
         .program = "muster wait",
         .usage = "[NAME...] [OPTION...]",
-        .about = "Waits until agents are there, or a broker, hosts or a run: for scripts.",
+        .about =
+            "Waits until agents are there, or a service, a broker, hosts or a run: for scripts.",
         .table = wait_table,
         .count = sizeof wait_table / sizeof wait_table[0]};
     mu_result parsed = operator_parse(&o, argc, argv, &wait.options);
@@ -168,8 +178,11 @@ int wait_verb(int argc, char **argv)
     }
     wait.names = o.words;
     wait.names_count = o.words_count;
-    if (wait.names_count == 0 && !wait.broker && !wait.run && wait.hosts == 0) {
-        fputs("muster wait: name agents, or --broker, --hosts N or --run\n", stderr);
+    if (wait.names_count == 0 && !wait.broker && !wait.run && wait.hosts == 0 && !wait.service) {
+        fputs("muster wait: name agents, or --service, --broker, --hosts N or --run\n", stderr);
+        return MU_EXIT_USAGE;
+    }
+    if (wait.service && !words_query_check("muster wait", wait.service)) {
         return MU_EXIT_USAGE;
     }
     for (size_t i = 0; i < wait.names_count; i++) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "ctl/words.h"
 
+#include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "core/utf8.h"
@@ -51,4 +52,17 @@ bool words_group_check(const char *program, const char *name)
         return false;
     }
     return true;
+}
+
+bool words_query_check(const char *program, const char *query)
+{
+    struct mu_query read;
+    bool good = mu_attributes_query(&read, query) == MU_OK;
+    if (!good) {
+        fprintf(stderr,
+                "%s: expected a service, or *, and up to %d constraints such as role=scout "
+                "battery>=0.5 near=X,Y,RADIUS, at most %d bytes\n",
+                program, MU_CONSTRAINTS_MAX, MU_QUERY_MAX);
+    }
+    return good;
 }

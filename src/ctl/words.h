@@ -23,4 +23,7 @@ bool words_name_check(const char *program, const char *what, const char *name);
 /** The same for a group. */
 bool words_group_check(const char *program, const char *name);
 
+/** The same for a query of the yellow pages. */
+bool words_query_check(const char *program, const char *query);
+
 #endif

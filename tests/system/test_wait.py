@@ -36,6 +36,19 @@ def test_wait_for_a_run():
         check_equal(waiting.wait(30), 0, "the run has begun")
 
 
+def test_wait_for_a_service():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain, "--store", "none")
+        done = muster("wait", "--service", "map hz>=1", "--timeout", "0.3", "--domain", domain)
+        check_equal((done.returncode, done.stderr),
+                    (124, "muster wait: not there after 0.3 s: the service map hz>=1\n"), "nobody")
+        processes.start(MUSTER, "robot", "red", "--rules", "rules/follower.clp", "--service",
+                        "map hz=2", "--domain", domain)
+        check_equal(muster("wait", "--service", "map hz>=1", "--domain", domain).returncode, 0, "red")
+    check_equal(muster("wait", "--service", "a>=").returncode, 2, "no query")
+
+
 def test_wait_ends_without_anybody():
     for words, missing in ((("--broker",), "no broker answers"), (("red",), "no broker answers")):
         done = muster("wait", *words, "--timeout", "0.2", "--domain", new_domain())
@@ -57,9 +70,9 @@ def test_who_comes_before_the_broker_waits_for_it():
 
 
 def test_runs_that_live_and_have_ended():
-    """Without a folder for the list of runs there is one below /tmp; who asks for nothing is told."""
     with Processes() as processes, folder() as out:
-        env = {**os.environ, "XDG_RUNTIME_DIR": str(out / "none"), "MUSTER_STORE": "none"}
+        (out / "runs").mkdir(mode=0o700)
+        env = {**os.environ, "XDG_RUNTIME_DIR": str(out / "runs"), "MUSTER_STORE": "none"}
         env.pop("MUSTER_DOMAIN", None)
         domain = new_domain()
         run = processes.start(MUSTER, "run", FOLLOW, "--rate", 1, "--quiet", "--out", out / "r",
@@ -72,6 +85,14 @@ def test_runs_that_live_and_have_ended():
         done = muster("ps", "--domain", domain, "--wait-broker", "0.2", env=env)
         check_equal(done.returncode, 4, done.stderr)
         check("the run follow ended " in done.stderr and str(out / "r") in done.stderr, done.stderr)
+
+
+def test_a_folder_that_is_not_there_is_passed_over():
+    with folder() as out:
+        env = {**os.environ, "XDG_RUNTIME_DIR": str(out / "none"), "MUSTER_STORE": "none"}
+        done = muster("run", FOLLOW, "--duration", "0.1", "--quiet", "--out", out / "r", "--domain",
+                      new_domain(), env=env)
+        check_equal(done.returncode, 0, done.stderr)
 
 
 def test_a_folder_that_others_may_write_to_is_refused():
