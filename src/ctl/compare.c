@@ -22,7 +22,8 @@ static struct mu_option option_table[] = {
     {.name = "by",
      .kind = MU_OPTION_STRING,
      .unit = "KEY",
-     .help = "group runs by what --set gave this key (default: by experiment)",
+     .help = "group runs by what --set gave this key, whatever it gave others (default: by all "
+             "that was run but the seed)",
      .target = &chosen.by},
     {.name = "statistic",
      .kind = MU_OPTION_LIST,

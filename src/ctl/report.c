@@ -237,6 +237,8 @@ static int report_make(struct remaking *m)
     run_report_input(m->run, &input);
     input.file = file_named(m, "");
     input.free = m->run->options.free;
+    input.files = m->recorded ? m->files.files : m->summary->files;
+    input.files_count = m->recorded ? m->files.files_count : m->summary->files_count;
     input.chaos = m->summary->chaos;
     input.broke_off = broke_off(m);
     if (m->summary->there) {

@@ -50,12 +50,21 @@ struct run_observer;
 struct run_inputs;
 struct chaos;
 
+struct run_file {
+    const char *role; /* experiment, world, rules, policy, library */
+    const char *path;
+    const char *name; /* in the recording: where it is from here; of the library, in that */
+    uint64_t hash;    /* of what it has in it: mu_hash_bytes */
+};
+
 struct run {
     struct run_options options;
     struct experiment *experiment;
     struct world *world;
     int domain;
-    char folder[PATH_MAX]; /* of the report */
+    char folder[PATH_MAX];  /* of the report */
+    struct run_file *files; /* that it is made of */
+    size_t files_count;
     struct supervise children;
     struct run_part *parts;                      /* what each of them is */
     bool begun;                                  /* it was told to go */
@@ -109,16 +118,10 @@ void run_child_name(const struct run *r, unsigned index, char *name);
 MU_MUST_USE mu_result run_place(struct run *r, struct mu_fault *fault);
 
 /* A file that a run is made of. */
-struct run_file {
-    const char *role; /* experiment, world, rules, policy, library */
-    const char *path;
-    const char *name; /* in the recording: where it is from here; of the library, in that */
-};
-
 enum { RUN_FILES_MAX = 512 };
 
 /** Finds the files that a run is made of, in run_files.c; takes memory at start-up. */
-const struct run_file *run_files(const struct run *r, size_t *count);
+void run_files_find(struct run *r);
 
 /** @return a robot's name as the world has it, which lives as long; NULL: it has none of that name.
  * Robots with a random place may stand elsewhere in the simulator's list than in ours. */

@@ -6,6 +6,7 @@
  * Worlds and rules are not parsed for that.  A text in quotes behind the word that takes a file in
  * names one, if there is one: at worst the recording has a file too many.
  */
+#include "core/hash.h"
 #include "core/paths.h"
 #include "core/sort.h"
 #include "core/text.h"
@@ -39,29 +40,18 @@ static void name_add(struct mu_text *name, const char *spelled)
     mu_text_add(name, below ? "" : path);
 }
 
-/* The simulator splits a name from its path at "=": one in the name is doubled. */
-static void equals_double(struct mu_text *name, const char *plain)
-{
-    for (; *plain; plain++) {
-        mu_text_add(name, *plain == '=' ? "=" : "");
-        mu_text_add_bytes(name, plain, 1);
-    }
-}
-
 static const char *name_make(const char *role, const char *path)
 {
-    char plain_bytes[PATH_MAX + 32], bytes[2 * sizeof plain_bytes];
+    char bytes[PATH_MAX + 32];
     const char *slash = strrchr(path, '/');
-    struct mu_text plain, name;
-    mu_text_init(&plain, plain_bytes, sizeof plain_bytes);
+    struct mu_text name;
     mu_text_init(&name, bytes, sizeof bytes);
-    mu_text_add(&plain, role);
+    mu_text_add(&name, role);
     if (strcmp(role, "library") == 0 && slash) {
-        mu_text_add(&plain, slash);
+        mu_text_add(&name, slash);
     } else {
-        name_add(&plain, path);
+        name_add(&name, path);
     }
-    equals_double(&name, plain.at);
     return mu_startup_string(name.at);
 }
 
@@ -80,6 +70,20 @@ static bool is_listed(const struct files *f, const char *spelled)
     return listed;
 }
 
+static uint64_t file_hash(const char *path)
+{
+    char bytes[4096];
+    uint64_t hash = MU_HASH_EMPTY;
+    FILE *file = fopen(path, "re");
+    for (size_t count; file && (count = fread(bytes, 1, sizeof bytes, file)) > 0;) {
+        hash = mu_hash_bytes(hash, bytes, count);
+    }
+    if (file) {
+        fclose(file);
+    }
+    return hash;
+}
+
 static void file_add(struct files *f, const char *role, const char *path)
 {
     if (is_listed(f, path)) {
@@ -93,6 +97,7 @@ static void file_add(struct files *f, const char *role, const char *path)
         file->role = role;
         file->path = mu_startup_string(path);
         file->name = name_make(role, path);
+        file->hash = file_hash(path);
     }
 }
 
@@ -172,7 +177,7 @@ static void library_add(struct files *f)
     mu_sort(f->list + before, f->count - before, sizeof *f->list, path_compare, NULL);
 }
 
-const struct run_file *run_files(const struct run *r, size_t *count)
+void run_files_find(struct run *r)
 {
     const struct experiment *e = r->experiment;
     struct files f = {.list = mu_startup_array(RUN_FILES_MAX, sizeof *f.list),
@@ -201,6 +206,6 @@ const struct run_file *run_files(const struct run *r, size_t *count)
         file_search(&f, &f.list[f.searched]);
     }
     library_add(&f);
-    *count = f.count;
-    return f.list;
+    r->files = f.list;
+    r->files_count = f.count;
 }

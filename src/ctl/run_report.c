@@ -284,6 +284,16 @@ int run_report_write(const struct run *r, const struct report_input *input)
                                      : MU_EXIT_DONE;
 }
 
+static void files_fill(const struct run *r, struct report_input *input)
+{
+    struct report_source *files = mu_startup_array(r->files_count, sizeof *files);
+    for (size_t i = 0; i < r->files_count; i++) {
+        files[i] = (struct report_source){r->files[i].name, r->files[i].hash};
+    }
+    input->files = files;
+    input->files_count = r->files_count;
+}
+
 int run_report(struct run *r)
 {
     char command[2048], versions[128];
@@ -295,6 +305,7 @@ int run_report(struct run *r)
     input.command = command;
     input.file = r->options.file;
     input.free = r->options.free;
+    files_fill(r, &input);
     input.versions = versions;
     input.mail = mail_of(r);
     input.chaos = chaos_fates(r);

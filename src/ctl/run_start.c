@@ -135,10 +135,22 @@ static bool record_is(const struct run *r, const char *level)
     return strcmp(r->options.record ? r->options.record : usual, level) == 0;
 }
 
+/* The simulator splits a name from its path at "=": one in the name is doubled. */
+static void file_attach(const struct run_file *file)
+{
+    char bytes[2 * PATH_MAX];
+    struct mu_text name;
+    mu_text_init(&name, bytes, sizeof bytes);
+    for (const char *c = file->name; *c; c++) {
+        mu_text_add(&name, *c == '=' ? "=" : "");
+        mu_text_add_bytes(&name, c, 1);
+    }
+    word_add("--attach=%s=%s", name.at, file->path);
+}
+
 static void recording_add(const struct run *r)
 {
     char command[2048], here[PATH_MAX];
-    size_t count = 0;
     if (record_is(r, "none")) {
         return;
     }
@@ -159,9 +171,8 @@ static void recording_add(const struct run *r)
     for (size_t i = 0; i < r->options.set_count; i++) {
         word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
-    const struct run_file *files = run_files(r, &count);
-    for (size_t i = 0; i < count; i++) {
-        word_add("--attach=%s=%s", files[i].name, files[i].path);
+    for (size_t i = 0; i < r->files_count; i++) {
+        file_attach(&r->files[i]);
     }
 }
 
@@ -403,6 +414,7 @@ mu_result run_start(struct run *r)
         MU_TRY(broker_start(r, i, NULL));
     }
     part_note(r, RUN_SIMULATOR, 0);
+    run_files_find(r);
     MU_TRY(simulator_start(r));
     for (unsigned i = 0; i < r->experiment->resolvers_count; i++) {
         part_note(r, RUN_RESOLVER, i);

@@ -73,6 +73,21 @@ static void undone_take(struct summary *s, const char *path, const struct mu_jso
     text_take(s->undone, &s->undone_count, path, value);
 }
 
+static void file_take(struct summary *s, const char *path, const struct mu_json_value *value)
+{
+    size_t index;
+    const char *key;
+    if (!item_split(path, SUMMARY_FILES_MAX, &index, &key)) {
+        return;
+    }
+    grow(&s->files_count, index);
+    if (strcmp(key, "file") == 0) {
+        s->files[index].name = mu_startup_string(value->text);
+    } else if (strcmp(key, "hash") == 0) {
+        s->files[index].hash = strtoull(value->text, NULL, 16);
+    }
+}
+
 static void restart_take(struct summary *s, const char *path, const struct mu_json_value *value)
 {
     size_t index;
@@ -199,10 +214,10 @@ static void value_take(void *self, const char *path, const struct mu_json_value 
     static const struct {
         const char *list;
         void (*take)(struct summary *s, const char *path, const struct mu_json_value *value);
-    } lists[] = {{"mail.", mail_take},     {"overrides.", override_take},
-                 {"undone.", undone_take}, {"restarts.", restart_take},
-                 {"chaos.", chaos_take},   {"monitors.", monitor_take},
-                 {"robots.", robot_take},  {"objects.", object_take}};
+    } lists[] = {
+        {"mail.", mail_take},        {"overrides.", override_take}, {"undone.", undone_take},
+        {"restarts.", restart_take}, {"chaos.", chaos_take},        {"monitors.", monitor_take},
+        {"robots.", robot_take},     {"objects.", object_take},     {"made_of.", file_take}};
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         size_t len = strlen(lists[i].list);
         if (strncmp(path, lists[i].list, len) == 0) {
@@ -218,6 +233,9 @@ static void absent_fill(struct summary *s)
 {
     for (size_t i = 0; i < s->overrides_count; i++) {
         s->overrides[i] = s->overrides[i] ? s->overrides[i] : "";
+    }
+    for (size_t i = 0; i < s->files_count; i++) {
+        s->files[i].name = s->files[i].name ? s->files[i].name : "";
     }
     for (size_t i = 0; i < s->restarts_count; i++) {
         s->restarts[i].name = s->restarts[i].name ? s->restarts[i].name : "";

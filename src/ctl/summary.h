@@ -10,6 +10,7 @@
 
 enum {
     SUMMARY_LIST_MAX = 64, /* overrides, things undone */
+    SUMMARY_FILES_MAX = 512,
     SUMMARY_TEXT_MAX = 2048,
     SUMMARY_BYTES_MAX = 4 << 20,
     SUMMARY_TIME_MAX_S = 1000000000 /* no run is longer */
@@ -25,6 +26,8 @@ struct summary {
     char hash[80], command[SUMMARY_TEXT_MAX], made_with[256];
     const char *overrides[SUMMARY_LIST_MAX], *undone[SUMMARY_LIST_MAX];
     size_t overrides_count, undone_count;
+    struct report_source files[SUMMARY_FILES_MAX];
+    size_t files_count;
     struct report_mail mail;
     struct report_restarts restarts[MU_ROBOTS_MAX];
     size_t restarts_count;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "ctl/unpack.h"
 
+#include "core/hash.h"
 #include "core/text.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -221,6 +222,8 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
         fprintf(stderr, "%s: %s in it is not whole\n", file, mu_text_show(shown, a->name));
         return MU_FAULT_FILE;
     }
+    u->files[u->files_count++] =
+        (struct report_source){a->name, mu_hash_bytes(MU_HASH_EMPTY, room, (size_t)a->size)};
     if (strncmp(a->name, "experiment/", 11) == 0) {
         mu_text_copy(u->experiment, sizeof u->experiment, bytes);
     }
@@ -232,8 +235,13 @@ mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char
 {
     *u = (struct unpacked){.keeps = keeps};
     void *room = mu_startup_alloc(MU_RECORD_MESSAGE_MAX);
+    uint32_t count = 0;
+    while (mcap_reader_attachment(reader, count)) {
+        count++;
+    }
+    u->files = mu_startup_array(count, sizeof *u->files);
     mu_result done = folder_make(u);
-    for (uint32_t i = 0; done == MU_OK && mcap_reader_attachment(reader, i); i++) {
+    for (uint32_t i = 0; done == MU_OK && i < count; i++) {
         done = file_unpack(u, reader, i, file, room);
     }
     if (done == MU_OK && !u->experiment[0]) {

@@ -11,6 +11,7 @@
 #define MUSTER_CTL_UNPACK_H
 
 #include "mcap/mcap_read.h"
+#include "report/report.h"
 
 #include <limits.h>
 
@@ -20,7 +21,9 @@ struct unpacked {
     char folder[UNPACK_FOLDER_MAX]; /* of all; experiment_root: folder/files; its rules:
                                        folder/library */
     char experiment[PATH_MAX];      /* the file of it in there */
-    bool keeps;                     /* it stays when it is closed */
+    struct report_source *files;    /* of the recording; their names live as long as its reader */
+    uint32_t files_count;
+    bool keeps; /* it stays when it is closed */
 };
 
 /**

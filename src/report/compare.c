@@ -68,19 +68,14 @@ static bool number_of(const char *text, double *number)
     return end != text && *end == '\0' && isfinite(*number);
 }
 
-static struct compare_group *group_find(struct compare *c, const char *name)
+static struct compare_group *group_find(struct compare *c, const struct compare_run *run)
 {
     for (unsigned g = 0; g < c->groups_count; g++) {
-        if (strcmp(c->groups[g].name, name) == 0) {
+        if (c->groups[g].first->content == run->content) {
             return &c->groups[g];
         }
     }
-    if (c->groups_count == COMPARE_GROUPS_MAX) {
-        return NULL;
-    }
-    struct compare_group *group = &c->groups[c->groups_count++];
-    mu_text_copy(group->name, sizeof group->name, name);
-    return group;
+    return NULL;
 }
 
 /* Numbers go up, whatever the order of the folders; words stay in that. */
@@ -98,30 +93,79 @@ static void groups_order(struct compare *c)
     }
 }
 
-/* One value of a key may stand for runs of several experiments. */
-static void groups_tell_apart(struct compare *c)
+static bool part_is_of(const struct compare_part *part, const struct compare_run *run)
+{
+    for (unsigned i = 0; i < run->parts_count; i++) {
+        if (run->parts[i].hash == part->hash) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* @return whether another group of that experiment is without it */
+static bool part_differs(const struct compare *c, const struct compare_run *run,
+                         const struct compare_part *part)
+{
+    bool differs = false;
+    for (unsigned g = 0; g < c->groups_count && !differs; g++) {
+        const struct compare_run *other = c->groups[g].first;
+        differs = strcmp(other->experiment, run->experiment) == 0 && !part_is_of(part, other);
+    }
+    return differs;
+}
+
+static void group_name(const struct compare *c, struct compare_group *group, bool several)
+{
+    const struct compare_run *run = group->first;
+    struct mu_text name;
+    mu_text_init(&name, group->name, sizeof group->name);
+    mu_text_add(&name, several || !c->by ? run->experiment : "");
+    mu_text_format(&name, "%s%s", several && c->by ? " " : "", run->value);
+    for (unsigned i = 0; i < run->parts_count; i++) {
+        if (part_differs(c, run, &run->parts[i])) {
+            mu_text_format(&name, ", %s", run->parts[i].text);
+        }
+    }
+}
+
+static void groups_name(struct compare *c)
 {
     bool several = false;
-    for (unsigned i = 1; c->by && i < c->runs_count; i++) {
+    for (unsigned i = 1; i < c->runs_count; i++) {
         several = several || strcmp(c->runs[i].experiment, c->runs[0].experiment) != 0;
     }
-    for (unsigned i = 0; several && i < c->runs_count; i++) {
-        char value[COMPARE_NAME_MAX];
-        struct compare_run *run = &c->runs[i];
-        mu_text_copy(value, sizeof value, run->group);
-        snprintf(run->group, sizeof run->group, "%.60s %.60s", run->experiment, value);
+    for (unsigned g = 0; g < c->groups_count; g++) {
+        group_name(c, &c->groups[g], several);
     }
+}
+
+/* @return whether there is room for all */
+static bool groups_make(struct compare *c)
+{
+    for (unsigned i = 0; i < c->runs_count; i++) {
+        if (group_find(c, &c->runs[i])) {
+            continue;
+        }
+        if (c->groups_count == COMPARE_GROUPS_MAX) {
+            return false;
+        }
+        c->groups[c->groups_count++] = (struct compare_group){.first = &c->runs[i]};
+    }
+    groups_name(c);
+    groups_order(c);
+    return true;
 }
 
 mu_result compare_close(struct compare *c)
 {
-    groups_tell_apart(c);
+    if (!groups_make(c)) {
+        return MU_FULL;
+    }
     for (unsigned i = 0; i < c->runs_count; i++) {
-        const struct compare_run *run = &c->runs[i];
-        struct compare_group *group = group_find(c, run->group);
-        if (!group) {
-            return MU_FULL;
-        }
+        struct compare_run *run = &c->runs[i];
+        struct compare_group *group = group_find(c, run);
+        run->group = group;
         group->runs++;
         group->as_expected += run->met == run->expected;
         for (unsigned k = 0; k < c->statistics_count; k++) {
@@ -130,6 +174,5 @@ mu_result compare_close(struct compare *c)
             }
         }
     }
-    groups_order(c);
     return MU_OK;
 }

@@ -6,6 +6,9 @@
  * A statistic is a number of summary.json by its name there: explored_fraction, mail.sent, of a
  * robot red.distance_m, red.final.x_m.  robots.distance_m is the mean over a run's robots, and
  * expectations.met the share of them that is met.
+ *
+ * Runs are of one group if they ran the same but for the seed: files, duration, lock step and what
+ * --set said.  A group's name says in what it differs from the others of its experiment.
  */
 #ifndef MUSTER_REPORT_COMPARE_H
 #define MUSTER_REPORT_COMPARE_H
@@ -25,24 +28,36 @@ enum {
     COMPARE_FILE_MAX = 16 << 20
 };
 
+/* Something that was run: a file, the duration. */
+struct compare_part {
+    const char *text; /* "follower.clp 1a2b3c4", "60 s" */
+    uint64_t hash;
+};
+
 struct compare_run {
     const char *folder;
-    char experiment[COMPARE_NAME_MAX], group[COMPARE_NAME_MAX], hash[80];
+    char experiment[COMPARE_NAME_MAX], hash[80];
+    char value[COMPARE_NAME_MAX]; /* of the key that runs are grouped by; "": they are by none */
+    const struct compare_part *parts;
+    unsigned parts_count;
+    uint64_t content; /* hash of experiment, value and parts, in whatever order these came */
+    const struct compare_group *group; /* NULL before compare_close */
     uint64_t seed;
     bool broke_off;
     unsigned expected, met;                /* expectations */
     double values[COMPARE_STATISTICS_MAX]; /* NaN: this run has none of that name */
 };
 
-/* Runs of one experiment, or of one value of what they are grouped by. */
 struct compare_group {
     char name[COMPARE_NAME_MAX];
+    const struct compare_run *first;
     unsigned runs, as_expected; /* all expectations of so many are met */
     struct interval statistics[COMPARE_STATISTICS_MAX];
 };
 
 struct compare {
-    const char *by; /* the key of --set that runs are grouped by; NULL: the experiment */
+    const char *by; /* the key of --set whose values make groups: others of --set make none.  NULL:
+                       all that was run makes them */
     char statistics[COMPARE_STATISTICS_MAX][COMPARE_NAME_MAX];
     unsigned statistics_count;
     struct compare_run *runs; /* runs_max */

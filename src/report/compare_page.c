@@ -120,7 +120,7 @@ static void runs_draw(const struct plot *p, unsigned group)
     unsigned number = 0;
     for (unsigned i = 0; i < c->runs_count; i++) {
         const struct compare_run *run = &c->runs[i];
-        if (strcmp(run->group, c->groups[group].name) != 0 || isnan(run->values[p->statistic])) {
+        if (run->group != &c->groups[group] || isnan(run->values[p->statistic])) {
             continue;
         }
         double aside = fmod(number++ * 0.618034, 1) * 22 + 14; /* the golden section spreads them */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What one summary.json says. */
+#include "core/hash.h"
 #include "core/json_read.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -11,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { COMPARE_PARTS_MAX = 640 };
+
 /* A summary while it is read. */
 struct reading {
     struct compare *compare;
@@ -18,6 +21,9 @@ struct reading {
     char robot[COMPARE_NAME_MAX];        /* whose values come: its name stands first */
     double sums[COMPARE_STATISTICS_MAX]; /* over the robots */
     unsigned counts[COMPARE_STATISTICS_MAX];
+    struct compare_part parts[COMPARE_PARTS_MAX];
+    unsigned parts_count;
+    char file[COMPARE_NAME_MAX]; /* whose hash comes */
     bool is_summary;
 };
 
@@ -52,15 +58,46 @@ static void robot_take(struct reading *r, const char *rest, const struct mu_json
     }
 }
 
+/* shown: what people are told of it; the last of what it is hashed to is at least that. */
+static void part_add(struct reading *r, const char *shown, uint64_t hash)
+{
+    if (r->parts_count < COMPARE_PARTS_MAX) {
+        r->parts[r->parts_count++] =
+            (struct compare_part){mu_startup_string(shown), mu_hash_number(hash)};
+    }
+}
+
 /* "KEY=VALUE", as --set has it. */
 static void override_take(struct reading *r, const char *text)
 {
+    char shown[MU_TEXT_SHOWN];
     const char *by = r->compare->by;
     size_t len = by ? strlen(by) : 0;
     if (by && strncmp(text, by, len) == 0 && text[len] == '=') {
-        char shown[MU_TEXT_SHOWN];
-        mu_text_copy(r->run->group, sizeof r->run->group, mu_text_show(shown, text + len + 1));
+        mu_text_copy(r->run->value, sizeof r->run->value, mu_text_show(shown, text + len + 1));
+    } else if (!by && strncmp(text, "seed=", 5) != 0) {
+        part_add(r, mu_text_show(shown, text), mu_hash_string(text));
     }
+}
+
+/* "made_of.3.file" and ".hash": where a file lies makes no difference. */
+static void file_take(struct reading *r, const char *path, const char *text)
+{
+    char bytes[2 * COMPARE_NAME_MAX], shown[MU_TEXT_SHOWN];
+    const char *key = strrchr(path, '.'), *slash = strrchr(text, '/');
+    if (strcmp(key, ".file") == 0) {
+        mu_text_copy(r->file, sizeof r->file, mu_text_show(shown, slash ? slash + 1 : text));
+    } else if (strcmp(key, ".hash") == 0) {
+        snprintf(bytes, sizeof bytes, "%s %.7s", r->file, mu_text_show(shown, text));
+        part_add(r, bytes, mu_hash_string(r->file) ^ mu_hash_string(text));
+    }
+}
+
+static void duration_take(struct reading *r, double duration_s)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.12g s", duration_s);
+    part_add(r, text, mu_hash_string(text));
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -85,6 +122,10 @@ static void value_take(void *self, const char *path, const struct mu_json_value 
         run->broke_off = value->kind == MU_JSON_BOOL && value->number > 0;
     } else if (strncmp(path, "overrides.", 10) == 0) {
         override_take(r, value->text);
+    } else if (strncmp(path, "made_of.", 8) == 0) {
+        file_take(r, path, value->text);
+    } else if (strcmp(path, "free") == 0 && value->number > 0) {
+        part_add(r, "free", mu_hash_string("free"));
     } else if (strncmp(path, "expectations.", 13) == 0) {
         bool verdict = ends_with(path, ".met") && value->kind == MU_JSON_BOOL;
         run->expected += verdict;
@@ -93,6 +134,9 @@ static void value_take(void *self, const char *path, const struct mu_json_value 
         robot_take(r, path + 7, value);
     } else if (value->kind == MU_JSON_NUMBER) {
         statistic_take(r, path, value->number);
+        if (strcmp(path, "duration_s") == 0) {
+            duration_take(r, value->number);
+        }
     }
 }
 
@@ -124,7 +168,7 @@ static bool is_there(const struct compare *c, const struct compare_run *run)
         bool same = strcmp(other->folder, run->folder) == 0 ||
                     (other->seed == run->seed && strcmp(run->hash, "none") != 0 &&
                      strcmp(other->hash, run->hash) == 0);
-        if (same && strcmp(other->group, run->group) == 0) {
+        if (same && other->content == run->content) {
             return true;
         }
     }
@@ -141,9 +185,14 @@ static void reading_end(struct reading *r)
     if (r->run->expected > 0) {
         statistic_take(r, "expectations.met", (double)r->run->met / r->run->expected);
     }
-    if (!r->compare->by) {
-        mu_text_copy(r->run->group, sizeof r->run->group, r->run->experiment);
+    struct compare_part *parts = mu_startup_array(r->parts_count, sizeof *parts);
+    r->run->content = mu_hash_string(r->run->experiment) * 31 + mu_hash_string(r->run->value);
+    for (unsigned i = 0; i < r->parts_count; i++) {
+        parts[i] = r->parts[i];
+        r->run->content += parts[i].hash;
     }
+    r->run->parts = parts;
+    r->run->parts_count = r->parts_count;
 }
 
 mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fault)
@@ -158,7 +207,8 @@ mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fa
     snprintf(path, sizeof path, "%.*s/summary.json", PATH_MAX - 32, folder);
     mu_result done = file_read(path, text, fault);
     r = (struct reading){.compare = c, .run = &c->runs[c->runs_count]};
-    *r.run = (struct compare_run){.folder = folder, .group = "-"};
+    *r.run = (struct compare_run){.folder = folder};
+    mu_text_copy(r.run->value, sizeof r.run->value, c->by ? "-" : "");
     for (unsigned i = 0; i < c->statistics_count; i++) {
         r.run->values[i] = NAN;
     }

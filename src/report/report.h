@@ -52,6 +52,12 @@ struct report_chaos {
     const char *reason; /* why not; "": its time, or its condition, has not come */
 };
 
+/* A file that a run is made of. */
+struct report_source {
+    const char *name; /* its part in the run, then where it is: "rules/experiments/red.clp" */
+    uint64_t hash;    /* of its bytes */
+};
+
 struct report_input {
     const struct experiment *experiment;
     const struct world *world; /* its outline is drawn */
@@ -62,7 +68,9 @@ struct report_input {
     const char *command;            /* how to run it again */
     const char *file;               /* the experiment's, as the command names it */
     bool free;                      /* without a lock step */
-    const char *const *overrides;   /* of --set, "key=value" */
+    const struct report_source *files;
+    size_t files_count;
+    const char *const *overrides; /* of --set, "key=value" */
     size_t overrides_count;
     const struct report_robot *robots; /* in the order of run.csv */
     size_t robots_count;

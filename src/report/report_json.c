@@ -3,7 +3,9 @@
 #include "core/json.h"
 #include "report/report_data.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 
 static void json_write_robots(struct mu_json *j, const struct report_data *data)
 {
@@ -25,6 +27,20 @@ static void json_write_robots(struct mu_json *j, const struct report_data *data)
         mu_json_real(j, "y_m", result->final_y_m);
         mu_json_real(j, "heading_rad", result->final_heading_rad);
         mu_json_end(j);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_files(struct mu_json *j, const struct report_input *input)
+{
+    mu_json_list(j, "made_of");
+    for (size_t i = 0; i < input->files_count; i++) {
+        char hash[32];
+        snprintf(hash, sizeof hash, "%016" PRIx64, input->files[i].hash);
+        mu_json_object(j, NULL);
+        mu_json_string(j, "file", input->files[i].name);
+        mu_json_string(j, "hash", hash);
         mu_json_end(j);
     }
     mu_json_end(j);
@@ -161,6 +177,7 @@ void report_write_json(FILE *file, const struct report_data *data)
         mu_json_string(&j, NULL, input->overrides[i]);
     }
     mu_json_end(&j);
+    json_write_files(&j, input);
     if (input->broke_off) {
         mu_json_bool(&j, "broke_off", true);
     }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mail for many processes goes out once: who hears it, whatever becomes of them and of the broker."""
+import os
 import signal
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
@@ -92,6 +93,7 @@ def test_one_that_is_stopped_is_in_nobodys_way():
             had = len(heard(out, name))
             wait_for(lambda: len(heard(out, name)) > had + 200, 20, "mail comes")
             crowd[name].send_signal(signal.SIGSTOP)
+            os.waitid(os.P_PID, crowd[name].pid, os.WSTOPPED)
             had = len(heard(out, name))
             wait_for(lambda: all(len(heard(out, other)) > had + 400 for other in CROWD
                                  if other != name), 20, "the others go on hearing")

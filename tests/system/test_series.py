@@ -2,11 +2,12 @@
 """muster run --seeds and muster compare: many runs, what they amount to, and their end."""
 import json
 import re
+import shutil
 import signal
 import subprocess
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, alive, check, check_equal, children_of,
-                     experiment_run, folder, muster, wait_for)
+                     experiment_run, folder, muster, new_domain, wait_for)
 
 
 def descendants(pid):
@@ -87,7 +88,7 @@ def test_compare_groups_by_a_key():
         page = out / "compare.html"
         done = muster("compare", *runs, "--out", page)
         check_equal(done.returncode, 0, done.stderr)
-        check("left out" in done.stderr, "two colours of one run are one run")
+        check("follow, robots.red.color=#00aa00" in done.stdout, done.stdout)
         done = muster("compare", *runs, "--by", "robots.red.color", "--statistic",
                       "red.distance_m", "--statistic", "red.nothing", "--json")
         check_equal(done.returncode, 0, done.stderr)
@@ -107,3 +108,35 @@ def test_compare_groups_by_a_key():
         check_equal((done.returncode, done.stderr.count("left out")), (0, 2), done.stderr)
         check_equal(muster("compare", page).returncode, 3, "a page alone")
         check_equal(muster("compare").returncode, 2, "no report")
+
+
+def test_compare_groups_by_what_was_run():
+    """Folders and seeds make no group; rules, durations and what --set says do, and are named."""
+    with folder() as out:
+        shutil.copytree(ROOT / "rules", out / "rules")
+        file = out / "team.yaml"
+        file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 2\nrobots:\n"
+                        "  - {name: red, rules: rules/follower.clp}\n")
+        def run(name, *more):
+            done = muster("run", file, "--quiet", "--out", out / name, *more, "--domain", new_domain())
+            check_equal(done.returncode, 0, done.stderr)
+            return out / name
+        runs = [run("team-1", "--seed", 1), run("another", "--seed", 2),
+                run("team-2", "--duration", 1), run("team-3", "--set", "robots.red.color=blue"),
+                run("team-4", "--record", "none", "--free")]
+        with open(out / "rules" / "follower.clp", "a") as rules:
+            rules.write("; changed\n")
+        runs.append(run("team-5"))
+        def groups():
+            done = muster("compare", *runs, "--statistic", "mail.sent", "--json")
+            check_equal((done.returncode, done.stderr), (0, ""), "compared")
+            return {row["group"]: row["runs"] for row in map(json.loads, done.stdout.splitlines())}
+        found = groups()
+        check_equal(list(found.values()), [2, 1, 1, 1, 1], found)
+        for group, (name, part) in zip(found, (("team", " s"), ("team", ", 1 s"),
+                                               ("team", ", robots.red.color=blue"),
+                                               ("team", ", free"), ("team", ", follower.clp "))):
+            check(group.startswith(name) and part in group, (group, part))
+        for again in (runs[0], runs[4]):
+            check_equal(muster("report", again).returncode, 0, "its report once more")
+        check_equal(groups(), found, "after that")
