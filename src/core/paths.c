@@ -116,3 +116,14 @@ bool mu_path_experiment(char *path, size_t size, const char *name)
            path_ours(folder, sizeof folder, "experiments", file) &&
            mu_path_join(path, size, folder, file);
 }
+
+void mu_path_portable(struct mu_text *name, const char *spelled)
+{
+    char here[PATH_MAX], path[PATH_MAX];
+    mu_text_copy(path, sizeof path, spelled);
+    mu_path_plain(path);
+    size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
+    bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
+    mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
+    mu_text_add(name, below ? "" : path);
+}

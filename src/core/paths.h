@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+struct mu_text;
+
 /** Finds a program that stands beside the running one.  @return whether it fitted */
 bool mu_path_program(char *path, size_t size, const char *program);
 
@@ -35,5 +37,12 @@ bool mu_path_join(char *path, size_t size, const char *folder, const char *file)
  * file is looked at.  Other paths stay as they are.
  */
 void mu_path_plain(char *path);
+
+/**
+ * Writes the name that a file has for others: below the current folder as from there, else as from
+ * the root, which is called _.  It begins with "/" and never leads up, out of where somebody
+ * unpacks it.
+ */
+void mu_path_portable(struct mu_text *name, const char *path);
 
 #endif

@@ -67,6 +67,59 @@ static void paths_restore(struct remaking *m)
     }
 }
 
+/* The robots that the simulator drove, which stood in the world. */
+static void driven_take(const struct recording *recording, struct experiment *e)
+{
+    const muster_Scene *scene = recording->scene;
+    e->robots = mu_startup_array(scene->robots._length, sizeof *e->robots);
+    for (uint32_t i = 0; i < scene->robots._length; i++) {
+        if (scene->robots._buffer[i].controlled) {
+            e->robots[e->robots_count++].name = scene->robots._buffer[i].name;
+        }
+    }
+}
+
+/* Those that it put there. */
+static mu_result placed_take(const struct remaking *m, struct mu_fault *fault)
+{
+    char key[32];
+    for (size_t i = 1;; i++) {
+        snprintf(key, sizeof key, "place.%zu", i);
+        const char *place = note(m, key);
+        if (!place[0]) {
+            return MU_OK;
+        }
+        MU_TRY(world_add_placed(m->run->world, place, fault));
+    }
+}
+
+/* `muster sim` ran by hand: the experiment is what its world and its recording say. */
+static mu_result by_hand_take(struct remaking *m, struct mu_fault *fault)
+{
+    struct run *r = m->run;
+    struct experiment *e = mu_startup_alloc(sizeof *e);
+    const char *name = strrchr(m->files.world, '/');
+    if (!name) {
+        return mu_fault_at(fault, m->path, 0, 0, "there is no experiment in it, and no world");
+    }
+    const struct recording_step *last = &m->recording.steps[m->recording.steps_count - 1];
+    r->experiment = e;
+    e->name = mu_startup_string(name + 1);
+    e->name[strcspn(e->name, ".")] = '\0';
+    e->file = m->files.world;
+    e->world = m->files.world;
+    e->seed = strtoull(note(m, "seed"), NULL, 10);
+    e->step_ms = (double)m->recording.step_ns * 1e-6;
+    e->duration = strtod(note(m, "duration_s"), NULL);
+    e->duration = e->duration > 0 ? e->duration : (double)last->step * e->step_ms * 1e-3;
+    r->options.free = strcmp(note(m, "lockstep"), "no") == 0;
+    MU_TRY(run_place(r, fault));
+    MU_TRY(placed_take(m, fault));
+    driven_take(&m->recording, e);
+    paths_restore(m);
+    return MU_OK;
+}
+
 static mu_result recorded_take(struct remaking *m, struct mu_fault *fault)
 {
     static char root[sizeof m->files.folder + sizeof "/files"];
@@ -120,8 +173,7 @@ static mu_result recording_take(struct remaking *m, struct mu_fault *fault)
     }
     if (m->recording.steps_count == 0 || !m->recording.scene || !note(m, "seed")[0]) {
         return mu_fault_at(fault, m->path, 0, 0,
-                           "expected a recording of `muster run`, of a step "
-                           "at least");
+                           "expected a recording of a run, of a step at least");
     }
     return MU_OK;
 }
@@ -155,8 +207,9 @@ static void summary_use(const struct remaking *m, struct report_input *in)
 static void recording_use(const struct remaking *m, struct report_input *in)
 {
     static char versions[256];
-    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", note(m, "muster"),
-             note(m, "cyclonedds"), note(m, "clips"));
+    const char *clips = note(m, "clips");
+    snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s%s%s", note(m, "muster"),
+             note(m, "cyclonedds"), clips[0] ? ", CLIPS " : "", clips);
     in->command = note(m, "command");
     in->versions = versions;
     in->mail_unknown = true;
@@ -274,7 +327,9 @@ static mu_result folder_take(struct remaking *m, const char *folder, struct mu_f
 /* The experiment with its world, and the files that the report is made of. */
 static mu_result run_take(struct remaking *m, struct mu_fault *fault)
 {
-    mu_result done = m->recorded ? recorded_take(m, fault) : named_take(m, fault);
+    mu_result done = !m->recorded             ? named_take(m, fault)
+                     : m->files.experiment[0] ? recorded_take(m, fault)
+                                              : by_hand_take(m, fault);
     return done == MU_OK ? files_make(m, fault) : done;
 }
 

@@ -3,8 +3,8 @@
  * The files that a run is made of, for its recording: the experiment, the world and what it takes
  * in, rule files and what they extend, the shared rules, the policy.
  *
- * Worlds and rules are not parsed for that.  A text in quotes behind the word that takes a file in
- * names one, if there is one: at worst the recording has a file too many.
+ * Rules are not parsed for that.  A text in quotes behind the word that takes a file in names one,
+ * if there is one: at worst the recording has a file too many.
  */
 #include "core/hash.h"
 #include "core/paths.h"
@@ -12,12 +12,12 @@
 #include "core/text.h"
 #include "ctl/run.h"
 #include "muster/memory.h"
+#include "world/worldfile.h"
 
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { TEXT_MAX = 1 << 20 };
 
@@ -26,19 +26,6 @@ struct files {
     size_t count, searched;
     char *text; /* TEXT_MAX, of the one that is searched */
 };
-
-/* Below the folder in which the run was started, a file is called as from there; else as from the
- * root, which is called _.  No name leads up: such a one could lead out of where it is unpacked. */
-static void name_add(struct mu_text *name, const char *spelled)
-{
-    char here[PATH_MAX], path[PATH_MAX];
-    mu_text_copy(path, sizeof path, spelled);
-    mu_path_plain(path);
-    size_t len = getcwd(here, sizeof here) ? strlen(here) : 0;
-    bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
-    mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
-    mu_text_add(name, below ? "" : path);
-}
 
 static const char *name_make(const char *role, const char *path)
 {
@@ -50,7 +37,7 @@ static const char *name_make(const char *role, const char *path)
     if (strcmp(role, "library") == 0 && slash) {
         mu_text_add(&name, slash);
     } else {
-        name_add(&name, path);
+        mu_path_portable(&name, path);
     }
     return mu_startup_string(name.at);
 }
@@ -133,20 +120,13 @@ static void word_search(struct files *f, const struct run_file *of, const char *
 
 static void file_search(struct files *f, const struct run_file *of)
 {
-    static const struct {
-        const char *role, *word;
-    } words[] = {{"world", "include"}, {"world", "bitmap"}, {"rules", "extends"}};
-    FILE *file = fopen(of->path, "r");
+    FILE *file = strcmp(of->role, "rules") == 0 ? fopen(of->path, "r") : NULL;
     if (!file) {
         return;
     }
     f->text[fread(f->text, 1, TEXT_MAX - 1, file)] = '\0';
     fclose(file);
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (strcmp(words[i].role, of->role) == 0) {
-            word_search(f, of, words[i].word);
-        }
-    }
+    word_search(f, of, "extends");
 }
 
 static int path_compare(const void *one, const void *other, const void *context)
@@ -185,7 +165,9 @@ void run_files_find(struct run *r)
     char experiment[PATH_MAX];
     file_add(&f, "experiment",
              realpath(r->options.file, experiment) ? experiment : r->options.file);
-    file_add(&f, "world", e->world);
+    for (size_t i = 0; i < r->world->source->files_count; i++) {
+        file_add(&f, "world", r->world->source->files[i]);
+    }
     for (unsigned i = 0; i < e->robots_count; i++) {
         file_add(&f, "rules", e->robots[i].rules);
     }

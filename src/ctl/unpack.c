@@ -227,6 +227,9 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
     if (strncmp(a->name, "experiment/", 11) == 0) {
         mu_text_copy(u->experiment, sizeof u->experiment, bytes);
     }
+    if (strncmp(a->name, "world/", 6) == 0 && !u->world[0]) { /* what it includes comes after it */
+        mu_text_copy(u->world, sizeof u->world, bytes);
+    }
     mu_result written = file_write(u, bytes, room, (size_t)a->size);
     return written == MU_MALFORMED ? name_fault(file, a->name) : written;
 }
@@ -243,11 +246,6 @@ mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char
     mu_result done = folder_make(u);
     for (uint32_t i = 0; done == MU_OK && i < count; i++) {
         done = file_unpack(u, reader, i, file, room);
-    }
-    if (done == MU_OK && !u->experiment[0]) {
-        fprintf(stderr, "%s: expected the files of a run, and there is no experiment in it\n",
-                file);
-        return MU_FAULT_FILE;
     }
     return done;
 }

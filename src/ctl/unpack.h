@@ -20,7 +20,8 @@ enum { UNPACK_FOLDER_MAX = 1024 };
 struct unpacked {
     char folder[UNPACK_FOLDER_MAX]; /* of all; experiment_root: folder/files; its rules:
                                        folder/library */
-    char experiment[PATH_MAX];      /* the file of it in there */
+    char experiment[PATH_MAX];      /* its file in there; "": the simulator ran by hand */
+    char world[PATH_MAX];           /* its file in there */
     struct report_source *files;    /* of the recording; their names live as long as its reader */
     uint32_t files_count;
     bool keeps; /* it stays when it is closed */
@@ -31,8 +32,8 @@ struct unpacked {
  *
  * @param file   the recording's path, for words
  * @param keeps  the folder is not removed at the end
- * @return MU_OK; MU_FAULT_FILE: it has no experiment, or names that are those of no files;
- *         MU_FAULT_OS: there is no room; both explained.  Close it in any case
+ * @return MU_OK; MU_FAULT_FILE: it has names that are those of no files; MU_FAULT_OS: there is no
+ *         room; both explained.  Close it in any case
  */
 MU_MUST_USE mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char *file,
                                   bool keeps);

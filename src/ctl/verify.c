@@ -302,6 +302,21 @@ static int recording_read(struct verify *v)
     return recording_check(v);
 }
 
+/* Its files, in a folder of their own. */
+static int recording_unpack(struct verify *v)
+{
+    mu_result done = unpack_open(&v->files, v->before.reader, v->file, chosen.keep);
+    if (done == MU_OK && !v->files.experiment[0]) {
+        fprintf(stderr,
+                "%s: `muster sim` was run by hand: the recording has the world, and lacks the "
+                "experiment with the robots' rules that it takes to run it again; record a run "
+                "of `muster run`\n",
+                v->file);
+        return MU_EXIT_FILE;
+    }
+    return mu_exit_for(done);
+}
+
 int verify_verb(int argc, char **argv)
 {
     static struct mu_options o = {.program = "muster verify",
@@ -325,9 +340,7 @@ int verify_verb(int argc, char **argv)
     struct verify *v = mu_startup_alloc(sizeof *v);
     v->file = o.words[0];
     int code = recording_read(v);
-    code = code == MU_EXIT_DONE
-               ? mu_exit_for(unpack_open(&v->files, v->before.reader, v->file, chosen.keep))
-               : code;
+    code = code == MU_EXIT_DONE ? recording_unpack(v) : code;
     code = code == MU_EXIT_DONE ? run_again(v) : code;
     code = code == MU_EXIT_DONE ? compare(v) : code;
     if (v->files.folder[0] && chosen.keep) {

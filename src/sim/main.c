@@ -4,12 +4,15 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
+#include "core/text.h"
 #include "muster/memory.h"
 #include "sim/runfile.h"
 #include "sim/session.h"
 #include "sim/snapshot.h"
 
 #include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -206,39 +209,13 @@ static mu_result settings_parse(int argc, char **argv, const char **world)
     return MU_OK;
 }
 
-/* Puts one robot where --place says. */
-static mu_result place_robot(struct world *world, const char *text, struct mu_fault *fault)
-{
-    char name[64], body[64], color[64];
-    char number[3][32];
-    if (sscanf(text, "%63s %63s %31s %31s %31s %63s", name, body, number[0], number[1], number[2],
-               color) != 6) {
-        return mu_fault_at(fault, "--place", 0, 0, "'%s': expected NAME BODY X Y DEG COLOR", text);
-    }
-    double values[3];
-    bool has_pose = strcmp(number[0], "-") != 0;
-    for (size_t i = 0; has_pose && i < 3; i++) {
-        char *end;
-        values[i] = strtod(number[i], &end);
-        if (*end || !isfinite(values[i])) {
-            return mu_fault_at(fault, "--place", 0, 0, "'%s': expected a number", number[i]);
-        }
-    }
-    struct world_pose pose = {0};
-    if (has_pose) {
-        pose = (struct world_pose){values[0], values[1], values[2] * M_PI / 180.0};
-    }
-    return world_add_robot(world, name, strcmp(body, "-") == 0 ? NULL : body,
-                           has_pose ? &pose : NULL, strcmp(color, "-") == 0 ? NULL : color, fault);
-}
-
 static mu_result world_prepare(struct world *world, const char *path)
 {
     struct mu_fault fault;
     struct world_options options = {.seed = (uint64_t)set.seed};
     mu_result loaded = world_open(world, path, &options, &fault);
     for (size_t i = 0; loaded == MU_OK && i < set.places.count; i++) {
-        loaded = place_robot(world, set.places.items[i], &fault);
+        loaded = world_add_placed(world, set.places.items[i], &fault);
     }
     loaded = loaded == MU_OK ? world_check_places(world, &fault) : loaded;
     if (loaded != MU_OK) {
@@ -294,6 +271,14 @@ static int session_live(struct session *s)
     return s->interrupted ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
 }
 
+/* What `muster run` says itself of its runs. */
+static void hash_print(const struct session *s)
+{
+    if (!set.waits_for_go && !set.free && s->hash_text[0]) {
+        printf("hash   %s\n", s->hash_text);
+    }
+}
+
 /* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
  * the disk */
 static int records_close(struct session *s, struct runfile *runfile, int code)
@@ -323,12 +308,30 @@ static int engine_make(struct simulator *sim, uint64_t step_ns)
     return good ? MU_EXIT_DONE : MU_EXIT_FILE;
 }
 
+/* How somebody began the run by hand. */
+static const char *command_make(const struct simulator *sim)
+{
+    static char bytes[PATH_MAX + 128];
+    struct mu_text t;
+    mu_text_init(&t, bytes, sizeof bytes);
+    mu_text_format(&t, "muster sim %s --seed %" PRId64 " --duration %g", sim->world->file, set.seed,
+                   set.duration_s);
+    mu_text_add(&t, set.free ? " --free" : "");
+    return t.at;
+}
+
 static int records_open(struct simulator *sim)
 {
     struct runfile_options options = {.path = set.record,
+                                      .world = sim->world,
                                       .files = &set.files,
                                       .notes = &set.notes,
-                                      .without_percepts = set.without_percepts};
+                                      .places = &set.places,
+                                      .without_percepts = set.without_percepts,
+                                      .command = set.waits_for_go ? NULL : command_make(sim),
+                                      .free = set.free,
+                                      .seed = (uint64_t)set.seed,
+                                      .duration_s = set.duration_s};
     bool good = (!set.csv || recorder_open(&sim->recorder, set.csv) == MU_OK) &&
                 (!set.record || runfile_open(&sim->runfile, &options) == MU_OK);
     return good ? MU_EXIT_DONE : MU_EXIT_WRITE;
@@ -418,6 +421,9 @@ int main(int argc, char **argv)
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
     code = records_close(sim.session, sim.runfile, session_live(sim.session));
+    if (code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED) {
+        hash_print(sim.session);
+    }
     bus_close(&sim.session->bus);
     return code;
 }

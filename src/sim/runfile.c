@@ -2,17 +2,21 @@
 #include "sim/runfile.h"
 
 #include "core/clock.h"
+#include "core/paths.h"
 #include "core/table.h"
 #include "core/text.h"
 #include "mcap/mcap_write.h"
 #include "muster/memory.h"
 #include "sim/ode_world.h"
+#include "world/worldfile.h"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { PAIRS_MAX = MU_OPTION_LIST_MAX + 16, NAME_SIZE = 1024, SCHEMA_SIZE = 64 * 1024 };
+enum { PAIRS_MAX = 2 * MU_OPTION_LIST_MAX + 24, NAME_SIZE = 1024, SCHEMA_SIZE = 64 * 1024 };
 
 struct runfile {
     struct mcap_writer *file;
@@ -68,19 +72,41 @@ static const char *word_split(const char *word, struct mu_text *name)
     return word + (*word == '=');
 }
 
-static void file_attach(struct runfile *f, const char *word)
+static void file_attach(struct runfile *f, const struct mu_text *said, const char *path)
 {
-    char bytes[NAME_SIZE], said_bytes[NAME_SIZE];
-    struct mu_text name, said;
-    mu_text_init(&said, said_bytes, sizeof said_bytes);
+    char bytes[NAME_SIZE];
+    struct mu_text name;
     mu_text_init(&name, bytes, sizeof bytes);
-    const char *path = word_split(word, &said);
-    name_make(&name, said.at);
+    name_make(&name, said->at);
     mu_result taken =
-        said.cut ? MU_FULL : mcap_writer_attach_file(f->file, name.at, media_type(path), path);
+        said->cut ? MU_FULL : mcap_writer_attach_file(f->file, name.at, media_type(path), path);
     if (taken > 0) {
         fprintf(stderr, "muster sim: %s is not in the recording: %s\n", path,
                 taken == MU_FULL ? "it is too large" : "it cannot be read");
+    }
+}
+
+static void files_attach(struct runfile *f, const struct mu_option_list *files)
+{
+    char bytes[NAME_SIZE];
+    struct mu_text name;
+    for (size_t i = 0; i < files->count; i++) {
+        mu_text_init(&name, bytes, sizeof bytes);
+        const char *path = word_split(files->items[i], &name);
+        file_attach(f, &name, path);
+    }
+}
+
+/* Likewise, of a world. */
+static void world_attach(struct runfile *f, const struct world_file *world)
+{
+    char bytes[NAME_SIZE];
+    struct mu_text name;
+    for (size_t i = 0; i < world->files_count; i++) {
+        mu_text_init(&name, bytes, sizeof bytes);
+        mu_text_add(&name, "world");
+        mu_path_portable(&name, world->files[i]);
+        file_attach(f, &name, world->files[i]);
     }
 }
 
@@ -98,10 +124,23 @@ static size_t notes_fill(struct runfile *f, const struct mu_option_list *notes, 
     return count;
 }
 
-static void table_write(struct runfile *f, const struct mu_option_list *notes)
+/* By hand nobody else says where robots were put. */
+static size_t places_fill(struct runfile *f, const struct mu_option_list *places, size_t count)
 {
-    char began[24];
+    for (size_t i = 0; i < places->count; i++) {
+        snprintf(f->keys[count], sizeof f->keys[0], "place.%zu", i + 1);
+        f->pairs[count] = (struct mcap_pair){f->keys[count], places->items[i]};
+        count++;
+    }
+    return count;
+}
+
+static void table_write(struct runfile *f, const struct runfile_options *options)
+{
+    char began[24], seed[24], duration[32], here[PATH_MAX];
     snprintf(began, sizeof began, "%" PRIu64, mu_clock_wall_ns());
+    snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
+    snprintf(duration, sizeof duration, "%.17g", options->duration_s);
     const struct mcap_pair own[] = {
         {"muster", MU_VERSION},
         {"cyclonedds", bus_version()},
@@ -110,10 +149,19 @@ static void table_write(struct runfile *f, const struct mu_option_list *notes)
         {"began_wall_ns", began},
         {"log_time", "simulated time, nanoseconds from the start of the run"},
         {"publish_time", "wall clock, nanoseconds since 1970"},
+        {"seed", seed},
+        {"duration_s", duration},
+        {"lockstep", options->free ? "no" : "yes"},
+        {"folder", getcwd(here, sizeof here) ? here : ""},
+        {"command", options->command},
     };
-    enum { OWN = sizeof own / sizeof own[0] };
+    enum { OWN = sizeof own / sizeof own[0], BY_HAND = 5 };
+    size_t count = options->command ? OWN : OWN - BY_HAND;
     memcpy(f->pairs, own, sizeof own);
-    (void)mcap_writer_metadata(f->file, "run", f->pairs, notes_fill(f, notes, OWN));
+    if (options->command) {
+        count = places_fill(f, options->places, count);
+    }
+    (void)mcap_writer_metadata(f->file, "run", f->pairs, notes_fill(f, options->notes, count));
 }
 
 /* --- channels --------------------------------------------------------------------------------- */
@@ -148,9 +196,10 @@ mu_result runfile_open(struct runfile **out, const struct runfile_options *optio
     f->file = mcap_writer_create();
     f->without_percepts = options->without_percepts;
     MU_TRY(mcap_writer_open(f->file, options->path, "muster " MU_VERSION));
-    table_write(f, options->notes);
-    for (size_t i = 0; i < options->files->count; i++) {
-        file_attach(f, options->files->items[i]);
+    table_write(f, options);
+    files_attach(f, options->files);
+    if (options->command) {
+        world_attach(f, options->world->source);
     }
     f->scenes = channel_add(f, BUS_SCENE);
     f->frames = channel_add(f, BUS_FRAME);

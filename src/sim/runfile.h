@@ -17,9 +17,15 @@ struct runfile; /* one in a process */
 
 struct runfile_options {
     const char *path;
-    const struct mu_option_list *files; /* "NAME=PATH": attached as NAME */
-    const struct mu_option_list *notes; /* "KEY=VALUE": of the table "run" */
+    const struct world *world;           /* by hand its files are attached as "world/..." */
+    const struct mu_option_list *files;  /* "NAME=PATH": attached as NAME */
+    const struct mu_option_list *notes;  /* "KEY=VALUE": of the table "run" */
+    const struct mu_option_list *places; /* of robots: noted by hand */
     bool without_percepts;
+    const char *command; /* that began it; by hand; NULL: `muster run`, which tells the rest */
+    bool free;
+    uint64_t seed;
+    double duration_s;
 };
 
 /**

@@ -213,6 +213,7 @@ static mu_result solid_read_bitmap(struct builder *b, const struct worldfile_ent
     struct bitmap_rule rule = {.threshold = threshold};
     MU_TRY(builder_flag(b, owner, "bitmap_negate", &rule.negate));
     const char *problem = bitmap_read(bitmap, path, &rule, b->world->source);
+    worldfile_note(b->world->source, path);
     return problem ? builder_fault(b, &at, "cannot read the bitmap '%.200s': %s", path, problem)
                    : MU_OK;
 }

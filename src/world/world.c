@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 struct world_walk {
@@ -473,6 +474,31 @@ mu_result world_add_robot(struct world *world, const char *name, const char *bod
         look_color(color, &robot.look.rgb); /* the report knows names that X11 does not */
     }
     return world_put_robot(world, old, &robot, body, fault);
+}
+
+mu_result world_add_placed(struct world *world, const char *text, struct mu_fault *fault)
+{
+    char name[64], body[64], color[64];
+    char number[3][32];
+    if (sscanf(text, "%63s %63s %31s %31s %31s %63s", name, body, number[0], number[1], number[2],
+               color) != 6) {
+        return mu_fault_at(fault, "--place", 0, 0, "'%s': expected NAME BODY X Y DEG COLOR", text);
+    }
+    double values[3];
+    bool has_pose = strcmp(number[0], "-") != 0;
+    for (size_t i = 0; has_pose && i < 3; i++) {
+        char *end;
+        values[i] = strtod(number[i], &end);
+        if (*end || !isfinite(values[i])) {
+            return mu_fault_at(fault, "--place", 0, 0, "'%s': expected a number", number[i]);
+        }
+    }
+    struct world_pose pose = {0};
+    if (has_pose) {
+        pose = (struct world_pose){values[0], values[1], values[2] * M_PI / 180.0};
+    }
+    return world_add_robot(world, name, strcmp(body, "-") == 0 ? NULL : body,
+                           has_pose ? &pose : NULL, strcmp(color, "-") == 0 ? NULL : color, fault);
 }
 
 bool world_robot_fits(const struct world *world, const char *name, double clear_m)

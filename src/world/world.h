@@ -192,6 +192,10 @@ MU_MUST_USE mu_result world_add_robot(struct world *world, const char *name, con
                                       const struct world_pose *pose, const char *color,
                                       struct mu_fault *fault);
 
+/** Likewise, as `muster sim --place` has it: "NAME BODY X Y DEG COLOR", - for what is not said. */
+MU_MUST_USE mu_result world_add_placed(struct world *world, const char *text,
+                                       struct mu_fault *fault);
+
 /**
  * @param clear_m  that it wants around it
  * @return whether a robot stands inside the world, clear of what stands there and of all other

@@ -425,6 +425,19 @@ static mu_result worldfile_missing(const struct parser *outer, const char *path,
                        missing ? "; muster's own are in " : "", missing ? worlds : "");
 }
 
+void worldfile_note(struct world_file *file, const char *path)
+{
+    for (size_t i = 0; i < file->files_count; i++) {
+        if (strcmp(file->files[i], path) == 0) {
+            return;
+        }
+    }
+    const char *kept = worldfile_keep(file, path, strlen(path));
+    if (kept && file->files_count < WORLDFILE_FILES_MAX) {
+        file->files[file->files_count++] = kept;
+    }
+}
+
 /* Reads and parses one file; outer is who includes it, at a token, or only lends its fault. */
 static mu_result worldfile_read(struct parser *outer, const char *path, const struct token *at)
 {
@@ -448,6 +461,7 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
     if (!text) {
         return worldfile_missing(outer, path, at);
     }
+    worldfile_note(p.file, path);
     return parser_run(&p, text, len);
 }
 

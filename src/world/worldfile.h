@@ -28,6 +28,7 @@ enum {
     WORLDFILE_BYTES_MAX = 64 << 20, /* parsed text and, while it is read, a bitmap */
     WORLDFILE_TEXT_MAX = 8 << 20,   /* bytes of one file */
     WORLDFILE_INCLUDES_MAX = 256,   /* in all */
+    WORLDFILE_FILES_MAX = 512,      /* with bitmaps */
     WORLDFILE_INCLUDE_DEPTH_MAX = 16,
     WORLDFILE_NESTING_MAX = 32,    /* models in models, as written */
     WORLDFILE_DERIVATION_MAX = 32, /* definitions that derive from definitions */
@@ -81,6 +82,8 @@ struct world_file {
     char *bytes;
     size_t bytes_used;
     size_t include_count, definition_count;
+    const char *files[WORLDFILE_FILES_MAX]; /* that were read, as they were opened, each once */
+    size_t files_count;
     struct worldfile_entity root;         /* what stands outside all models */
     struct worldfile_entity *definitions; /* the latest first */
     struct worldfile_origin *origins;     /* of the robots of struct world, in their order */
@@ -115,6 +118,9 @@ const char *worldfile_kind(const struct worldfile_entity *entity);
 /** @return the latest definition of a name; NULL: none */
 const struct worldfile_entity *worldfile_definition(const struct world_file *file,
                                                     const char *name);
+
+/** Notes that a file was read, a bitmap; what is parsed is noted by itself. */
+void worldfile_note(struct world_file *file, const char *path);
 
 /** Makes a path that is relative to a file's folder.  @return whether it fitted */
 MU_MUST_USE bool worldfile_path(const char *beside, const char *name, char *path, size_t size);

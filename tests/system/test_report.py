@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """muster report: the report of a run once more, from what lies in its folder."""
 import json
+import math
 import os
 import signal
 
-from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, child_of,
-                     experiment_run, folder, muster, wait_for)
+from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
+                     child_of, experiment_run, folder, muster, new_domain, wait_for)
 
 PAGES = ("tracks.svg", "bearing.svg", "report.html")
 EVENTS = """
@@ -171,3 +172,49 @@ def test_what_is_no_folder_of_a_run():
         broken = muster("report", out)
         check_equal(broken.returncode, 3, "a broken summary")
         check("summary.json:1:" in broken.stderr, broken.stderr)
+
+
+def by_hand(out, *words):
+    """A simulator with one robot that spins; what it said."""
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        processes.start(BUILD / "examples/spin", "red", domain)
+        for verb in ("wait", "start"):
+            done = muster(verb, "red", "--domain", domain)
+            check_equal((done.returncode, done.stderr), (0, ""), verb)
+        done = muster("sim", ROOT / "worlds/office.world", "--robots", "red", "--seed", 7, "--record",
+                      out / "run.mcap", "--domain", domain, *words, timeout=60)
+        check_equal((done.returncode, done.stderr), (0, ""), "muster sim")
+        return done.stdout
+
+
+def test_a_simulator_by_hand_has_its_hash_and_its_report():
+    with folder() as one, folder() as other, folder() as live:
+        said = by_hand(one, "--duration", 9)
+        check_equal(said, by_hand(other, "--duration", 9), "a second run")
+        again = muster("report", one)
+        check_equal((again.returncode, again.stderr), (0, ""), "muster report")
+        summary = json.loads((one / "summary.json").read_text())
+        check_equal(said, f"hash   {summary['hash']}\n", "the hash")
+        check_equal((summary["experiment"], summary["seed"], summary["duration_s"]),
+                    ("office", 7, 9), "the run")
+        check_equal([robot["name"] for robot in summary["robots"]], ["red"], "who drove")
+        check(summary["robots"][0]["final"]["heading_rad"] != 0, "red has not turned")
+        check_equal([made["file"].split("/")[-1] for made in summary["made_of"]],
+                    ["office.world", "pioneer.inc", "office.pbm"], "its files")
+        check_equal(by_hand(live, "--duration", 0.5, "--free"), "", "a free run has no hash")
+        check_equal(muster("report", live).returncode, 0, "its report")
+        lacks = muster("verify", one / "run.mcap")
+        check_equal(lacks.returncode, 3, lacks.stdout)
+        check("lacks the experiment" in lacks.stderr, lacks.stderr)
+
+
+def test_a_robot_that_was_placed_by_hand_is_in_the_report():
+    with folder() as out:
+        by_hand(out, "--duration", 2, "--place", "red pioneer 1 1 90 green")
+        check_equal(muster("report", out).returncode, 0, "its report")
+        final = json.loads((out / "summary.json").read_text())["robots"][0]["final"]
+        # It turns about a point that is not its middle.
+        off = math.hypot(final["x_m"] - 1, final["y_m"] - 1)
+        check(off < 0.2, f"it stands at {final}")
