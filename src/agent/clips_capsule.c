@@ -223,7 +223,7 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
     char head[CAPSULE_HEAD_MAX + 1];
     const char *why = NULL;
     if (CLIPS_BROKEN(m)) {
-        (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT);
+        (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
         return MU_REFUSED;
     }
     clips_env_enter(m, CLIPS_MODE_QUIET);
@@ -319,7 +319,7 @@ mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct m
 {
     MU_TRY(head_check(capsule, len, fault));
     if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT);
+        return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     struct capsule c = {.mind = m, .at = capsule + CAPSULE_HEAD_MAX, .line = 2, .fault = fault};
     char name[MU_NAME_MAX + 1];

@@ -161,6 +161,7 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
+    clips_watchdog_enter(m);
     m->sheltered = true;
 }
 
@@ -354,7 +355,7 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     clips_heap_make(m);
     env_install(m);
     if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT);
+        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     clips_env_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
@@ -376,7 +377,7 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
 
 bool mind_is_broken(const struct mind *m)
 {
-    return m->broken;
+    return m->broken != NULL;
 }
 
 void mind_close(struct mind *m)

@@ -218,6 +218,9 @@ int EvaluateExpression(void *env, struct expr *e, DATA_OBJECT *out)
     }
     if (m) {
         m->units += units;
+        if (__builtin_expect(m->units > CLIPS_UNITS_LEFT, 0) && m->sheltered) {
+            clips_guard_leave(m, "ticks");
+        }
         if (m->meter && m->meter->call == data->CurrentExpression) {
             clips_meter_take(m, m->meter, out);
         }

@@ -4,6 +4,7 @@
 
 #include "core/hash.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
@@ -143,12 +144,12 @@ void mind_fire(struct mind *m, struct mind_act *act)
 /* Nothing fires any more; the robot stands still. */
 static void fire_nothing(struct mind *m, struct mind_act *act)
 {
-    mu_text_copy(m->reason, sizeof m->reason, "its rules are gone: memory");
+    snprintf(m->reason, sizeof m->reason, "its rules are gone: %s", m->broken);
     *act = (struct mind_act){.drives = true,
                              .errors = 1,
                              .rules = "",
                              .end = MIND_STOPPED,
-                             .why = "memory",
+                             .why = m->broken,
                              .enough = m->reason};
 }
 

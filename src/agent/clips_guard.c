@@ -27,18 +27,63 @@ static void guard_stop(struct mind *m, const char *why)
  * One expression can want any amount of memory, and one fact can complete any number of matches,
  * before CLIPS comes to a tick.  There is no way back out of the middle of that but this one.
  */
-void clips_guard_burst(struct mind *m)
+void clips_guard_break(struct mind *m, const char *guard)
 {
     MU_ASSERT(m->sheltered); /* else the machine has no memory, and nobody can go on without */
     clips_heap_drop(m);
     m->sheltered = false;
-    m->stopped = "memory";
-    m->broken = true;
+    m->stopped = m->broken = guard;
     m->firing = false;
     m->mode = CLIPS_MODE_QUIET;
     m->stack = NULL;
     m->meter = NULL;
     longjmp(m->shelter, 1);
+}
+
+/* The rule whose patterns are being matched; NULL: none are. */
+static const char *guard_matched(void *env)
+{
+    const struct engineData *engine = EngineData(env);
+    const struct joinNode *join = engine->JoinOperationInProgress ? engine->GlobalJoin : NULL;
+    while (join && !join->ruleToActivate) {
+        join = join->nextLinks ? join->nextLinks->join : NULL;
+    }
+    return join ? ValueToString(join->ruleToActivate->header.name) : NULL;
+}
+
+void clips_guard_say(struct mind *m)
+{
+    struct mu_text t;
+    const struct expr *call = EvaluationData(m->env)->CurrentExpression;
+    const char *matched = guard_matched(m->env);
+    mu_text_init(&t, m->lost, sizeof m->lost);
+    if (m->firing && m->rule) {
+        mu_text_format(&t, "rule %.64s", m->rule);
+    } else {
+        mu_text_add(&t, m->mode == CLIPS_MODE_LINE ? "a line" : "what it was told");
+    }
+    mu_text_add(&t, " has not come back");
+    if (matched) {
+        mu_text_format(&t, " from matching the patterns of rule %.64s", matched);
+    } else if (call && call->type == FCALL) {
+        mu_text_format(&t, " from (%.32s)", ValueToString(ExpressionFunctionCallName(call)));
+    }
+}
+
+void clips_guard_leave(struct mind *m, const char *guard)
+{
+    clips_guard_say(m);
+    if (m->mode != CLIPS_MODE_LINE && m->options.ports.print) {
+        m->options.ports.print(m->options.ports.self, m->lost);
+        m->options.ports.print(m->options.ports.self, "\n");
+    }
+    clips_guard_break(m, guard);
+}
+
+void clips_guard_burst(struct mind *m)
+{
+    (void)mu_text_copy(m->lost, sizeof m->lost, "they wanted more memory than there is for them");
+    clips_guard_break(m, "memory");
 }
 
 void clips_guard_allocated(struct mind *m)

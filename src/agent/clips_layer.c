@@ -179,7 +179,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
 {
     if (CLIPS_BROKEN(m)) {
         m->out = NULL;
-        mu_text_add(out, CLIPS_BROKEN_TEXT "\n");
+        mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
         return MU_ABSENT;
     }
     struct deftemplate *t = relation[0] ? EnvFindDeftemplate(m->env, relation) : NULL;

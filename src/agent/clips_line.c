@@ -73,7 +73,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     }
     if (CLIPS_BROKEN(m)) {
         m->out = NULL;
-        mu_text_add(out, CLIPS_BROKEN_TEXT "\n");
+        mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
         return MU_MALFORMED;
     }
     m->out = out;

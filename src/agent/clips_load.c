@@ -321,7 +321,7 @@ static mu_result load_begin(struct mind *m, const char *path, struct mu_fault *f
 mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
 {
     if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT);
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     clips_failure_clear(m);
     MU_TRY(clips_load_file(m, path, fault));
@@ -331,7 +331,7 @@ mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
 mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
 {
     if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT);
+        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     clips_failure_clear(m);
     MU_TRY(load_forms(m, name, text, fault));

@@ -17,12 +17,13 @@
 #include <tmpltutl.h>
 
 enum {
-    CLIPS_TICKS_MAX = 2000000,      /* turns of loops and returns of functions, a step or a line */
-    CLIPS_UNITS_A_TICK = 64,        /* what functions do beside: bytes that they read, ... */
-    CLIPS_UNITS_MAX = CLIPS_TICKS_MAX * CLIPS_UNITS_A_TICK,
-    CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
-    CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
-    CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
+    CLIPS_TICKS_MAX = 2000000, /* turns of loops and returns of functions, a step or a line */
+    CLIPS_UNITS_A_TICK = 64,   /* what functions do beside: bytes that they read, ... */
+    CLIPS_UNITS_MAX = CLIPS_TICKS_MAX * CLIPS_UNITS_A_TICK, /* it is told to come back, */
+    CLIPS_UNITS_LEFT = 2 * CLIPS_UNITS_MAX,                 /* and left where it is */
+    CLIPS_DEPTH_MAX = 1000,                                 /* functions that have not returned */
+    CLIPS_STACK_MAX = 3 << 20,                              /* bytes of stack below the entry */
+    CLIPS_MEMORY_MAX = 64 << 20,                            /* bytes that CLIPS holds */
     CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
     CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
@@ -191,7 +192,8 @@ struct mind {
     jmp_buf shelter;      /* in the function of mind.h that called into CLIPS */
     bool sheltered;       /* it is in CLIPS, and the shelter is good */
     uint32_t allocations; /* of CLIPS, so far */
-    bool broken;          /* it wanted too much memory: its environment is gone */
+    const char *broken;   /* which guard: its environment is gone; NULL: it is not */
+    char lost[224];       /* why, in words */
     struct clips_failing failing[CLIPS_FAILING_MAX];
     size_t failing_count;
     uint64_t stops; /* by guards */
@@ -262,12 +264,22 @@ void clips_atom_install(struct mind *m);
  */
 #define CLIPS_BROKEN(m) (!(m)->env || setjmp((m)->shelter) != 0)
 
-/** The answer of a broken mind. */
-#define CLIPS_BROKEN_TEXT "the rules are gone: they wanted more memory than there is for them"
+/** The answer of a broken mind, with m->lost. */
+#define CLIPS_BROKEN_TEXT "the rules are gone: %s"
 
 void clips_guard_install(struct mind *m);
 
-/** CLIPS is given no more memory: the mind is broken.  Goes back to the shelter. */
+/** CLIPS is left where it is: the mind is broken, and m->lost says why.  Goes back to the shelter.
+ */
+_Noreturn void clips_guard_break(struct mind *m, const char *guard);
+
+/** Says in m->lost which call into CLIPS has not come back; in the middle of it, or of a signal. */
+void clips_guard_say(struct mind *m);
+
+/** It does not come back: both. */
+_Noreturn void clips_guard_leave(struct mind *m, const char *guard);
+
+/** It is given no more memory: the same. */
 _Noreturn void clips_guard_burst(struct mind *m);
 
 /** CLIPS was given memory: it may be long at work without a turn of a loop. */
@@ -277,6 +289,11 @@ void clips_guard_start(struct mind *m, long memory_spare);
 /** Counts what C code does for a rule; CLIPS_UNITS_A_TICK are a turn of a loop.  @return false:
  * there are not so many left, and the rule is stopped */
 bool clips_guard_charge(struct mind *m, uint64_t units);
+
+/* clips_watchdog.c */
+
+/** The mind calls into CLIPS. */
+void clips_watchdog_enter(struct mind *m);
 
 /* clips_meter.c */
 void clips_meter_install(struct mind *m);

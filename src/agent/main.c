@@ -120,6 +120,7 @@ int main(int argc, char **argv)
     trips_listen(c->process, &listener);
     mu_process_each_round(c->process, crew_round, c);
     process_before_up(c->process, crew_save, c);
+    mind_watchdog();
     mu_memory_seal();
     mu_result ran = mu_process_run(c->process);
     mu_process_close(c->process);

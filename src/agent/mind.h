@@ -104,7 +104,14 @@ struct mind_ports {
     bool (*trace)(void *self, const char *text);
     /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
     void (*work)(void *self);
+    /** The engine has been in one call for so long, of the processor's time, and comes to no guard:
+     * called four times a second, in a signal handler.  @return MIND_WAITS, MIND_BREAKS, or the
+     * exit code of the process, which says why and ends.  NULL: it waits */
+    int (*stuck)(void *self, unsigned ms);
 };
+
+/* What becomes of a mind whose engine does not come back. */
+enum { MIND_WAITS = 0, MIND_BREAKS = -1 };
 
 struct mind_options {
     const char *name;         /* the robot's: ?*my-name* */
@@ -167,8 +174,12 @@ MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *opti
 /** Its memory stays. */
 void mind_close(struct mind *m);
 
-/** @return whether it ran out of memory where there is no way back: nothing works any more */
+/** @return whether it ran out of memory or time where there is no way back: nothing works any more
+ */
 bool mind_is_broken(const struct mind *m);
+
+/** Lets a timer look at the minds of this thread, from now on: mind_ports.stuck. */
+void mind_watchdog(void);
 
 /**
  * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides

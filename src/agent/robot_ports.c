@@ -2,10 +2,14 @@
 /* What a mind asks of its robot. */
 #include "agent/pages.h"
 #include "agent/robot.h"
+#include "core/exits.h"
 #include "runtime/process.h"
 
 #include <stdio.h>
 #include <unistd.h>
+
+/* The simulator waits 5 s for a step. */
+enum { STUCK_MS = 3000 };
 
 static mu_result port_send(void *self, const struct mind_letter *letter)
 {
@@ -113,6 +117,19 @@ static void port_work(void *self)
     }
 }
 
+/* In lock step another one would not get stuck at the same time, so that nobody can go on. */
+static int port_stuck(void *self, unsigned ms)
+{
+    const struct robot *r = self;
+    if (process_is_told_to_end()) {
+        return MU_EXIT_INTERRUPTED;
+    }
+    if (ms < STUCK_MS || !r->crew->process) {
+        return MIND_WAITS;
+    }
+    return mu_process_in_lockstep(r->crew->process) ? MU_EXIT_CRASH : MIND_BREAKS;
+}
+
 struct mind_ports robot_ports(struct robot *r)
 {
     return (struct mind_ports){.self = r,
@@ -123,6 +140,7 @@ struct mind_ports robot_ports(struct robot *r)
                                .entry = port_entry,
                                .trace = port_trace,
                                .work = port_work,
+                               .stuck = port_stuck,
                                .print = port_print};
 }
 

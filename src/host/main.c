@@ -101,6 +101,7 @@ int main(int argc, char **argv)
     }
     mu_process_each_round(h->crew.process, host_round, h);
     process_before_up(h->crew.process, host_save, h);
+    mind_watchdog();
     mu_memory_seal();
     mu_result ran = mu_process_run(h->crew.process);
     mu_process_close(h->crew.process);

@@ -540,6 +540,11 @@ static void signal_note(int number)
     signal_came = 1;
 }
 
+bool process_is_told_to_end(void)
+{
+    return signal_came != 0;
+}
+
 mu_result mu_process_run(mu_process *p)
 {
     struct sigaction note = {.sa_handler = signal_note};

@@ -176,6 +176,9 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
  */
 void process_before_up(mu_process *p, void (*before)(void *self), void *self);
 
+/** @return whether a signal has come that mu_process_run ends for; in signal handlers, too */
+bool process_is_told_to_end(void);
+
 /**
  * For handlers that may take long: called now and then, it says in the white pages since when the
  * process has been busy, once that is half a second.  Sends nothing else, and waits for nothing.

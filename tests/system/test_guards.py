@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that would end or hold up their robot, on the real programs."""
+import os
 import pathlib
 import re
+import signal
 import subprocess
 
-from support import (MUSTER, ROOT, Processes, alive, broker_start, check, check_equal, folder,
-                     members, muster, new_domain, wait_for)
+from support import (MUSTER, ROOT, Processes, alive, broker_start, check, check_equal, child_of,
+                     folder, members, muster, new_domain, wait_for)
 
 RULES = """
 (defglobal ?*big* = (create$))
@@ -22,6 +24,15 @@ RULES = """
 (defrule matches (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?)
   (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) (m ?) =>)
 """
+MEMORY = "its rules are gone: memory"
+
+# Facts that are compared with each other, in the engine alone, for hours.
+HANGS = """
+(defrule compares (m 1 ?x) (m ?k ?y) (m ? ?z) (n ?n&~?k ?) =>)
+(defrule fills (position ?t $?) (test (= ?t 1.0))
+  => (loop-for-count (?i 30000) (assert (n 1 ?i))) (loop-for-count (?i 100) (assert (m 1 ?i))))
+"""
+WHY = "rule fills has not come back from matching the patterns of rule compares"
 
 
 class Arena:
@@ -113,7 +124,7 @@ def test_what_cannot_be_undone_ends_the_rules_and_not_the_process():
         check("nested" in arena.do("(+ 1 " * 2000 + ")" * 2000, 8), "a deep expression")
         check("the rules are gone" in arena.do("(assert (m 1) (m 2))", 8), "2^28 matches")
         wait_for(lambda: arena.line()["state"] == "suspended", 20, "suspended")
-        wait_for(lambda: arena.line().get("reason") == "its rules are gone: memory", 10, "why")
+        wait_for(lambda: arena.line().get("reason") == MEMORY, 10, "why")
         check("the rules are gone" in arena.do("(+ 1 1)", 8), "it still answers")
         check(alive(arena.red.pid), "the process lives")
 
@@ -136,7 +147,7 @@ def test_a_broken_mind_is_made_anew():
         arena.says("mind-mended name=red of=rules time=1")
         wait_for(lambda: arena.speed() > 100, 10, "that it drives on")
         arena.do("(assert (m 1) (m 2))", 8)
-        wait_for(lambda: arena.line().get("reason") == "its rules are gone: memory", 10, "the end of it")
+        wait_for(lambda: arena.line().get("reason") == MEMORY, 10, "the end of it")
 
 
 def test_a_file_with_a_deep_expression_is_refused_with_its_line():
@@ -177,3 +188,45 @@ def test_who_is_busy_says_since_when():
         check_equal(members(domain)["red"]["state"], "standby", "its state meanwhile")
         check(f"[red is {busy}]" in console.communicate(timeout=60)[0], "the console says nothing")
         wait_for(lambda: "reason" not in members(domain)["red"], 30, "that it is not busy any more")
+
+
+def hangs(out):
+    """An experiment in which red's engine does not come back from the second second on."""
+    (out / "hangs.clp").write_text(HANGS)
+    file = out / "hangs.yaml"
+    file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 60\nrobots:\n"
+                    f"  - {{name: red, rules: hangs.clp}}\n"
+                    f"  - {{name: blue, rules: {ROOT}/rules/wander.clp}}\n")
+    return file
+
+
+def test_an_engine_that_does_not_come_back_ends_a_lock_step():
+    with folder() as out:
+        done = muster("run", hangs(out), "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 5, done.stderr)
+        check(f"red: {WHY}" in done.stderr, done.stderr)
+
+
+def test_an_engine_that_does_not_come_back_is_left_in_free_running():
+    """And a robot obeys a signal while it does not."""
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        run = processes.start(MUSTER, "run", hangs(out), "--free", "--out", out / "run", "--domain",
+                              domain, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        wait_for(lambda: members(domain).get("red", {}).get("state") == "suspended", 20, "suspended")
+        check_equal(members(domain)["red"]["reason"], "its rules are gone: time", "the reason")
+        check_equal(muster("do", "red", "(+ 1 1)", "--domain", domain).stdout.strip(),
+                    f"red: the rules are gone: {WHY}", "an answer")
+        check_equal(members(domain)["blue"]["state"], "running", "blue")
+        run.send_signal(signal.SIGINT)
+        check_equal(run.wait(20), 130, "the run")
+        check(f"red: {WHY}" in run.stderr.read(), "what it said")
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        run = processes.start(MUSTER, "run", hangs(out), "--free", "--out", out / "run", "--domain",
+                              domain, "--quiet", stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: members(domain).get("red", {}).get("reason", "").startswith("busy"), 20,
+                 "red at work")
+        os.kill(child_of(run, "muster-robot", "red"), signal.SIGTERM)
+        check_equal(run.wait(20), 5, "the run")
+        check("red ended with exit code 130" in run.stderr.read(), "how it ended")

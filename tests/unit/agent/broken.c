@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Minds that want more memory than they may have: they are gone, and what they had is given back.
- */
+/* Minds that want more memory or time than they may have: they are gone, and what they had is given
+ * back. */
 #include "suite.h"
 #include "agent/mind.h"
 #include "muster/limits.h"
@@ -144,6 +144,57 @@ static void test_a_broken_mind_answers_that_it_is(void)
     mind_close(mind);
 }
 
+/* A fact completes 10^10 matches, and the engine looks at nothing else before it has tried them. */
+static const char tries[] =
+    "(defrule tries (go) (m ?a) (m ?b) (m ?c) (m ?d) (m ?e)"
+    " (test (> (+ ?a ?b ?c ?d ?e) 1000000)) =>)"
+    "(loop-for-count (?i 100) (assert (m ?i))) (assert (go))";
+
+static void test_what_goes_on_when_it_is_stopped_is_left(void)
+{
+    char bytes[4096];
+    struct mu_text out;
+    mu_text_init(&out, bytes, sizeof bytes);
+    begin();
+    CU_ASSERT_EQUAL(mind_line(mind, tries, &out), MU_MALFORMED);
+    CU_ASSERT_PTR_NOT_NULL(strstr(bytes, "the rules are gone: a line has not come back from "
+                                         "matching the patterns of rule tries\n"));
+    mind_close(mind);
+}
+
+/* The same, of patterns in which there is nothing to count. */
+static const char compares[] =
+    "(defrule compares (m 1 ?x) (m ?k ?y) (m ? ?z) (n ?n&~?k ?) =>)"
+    "(loop-for-count (?i 30000) (assert (n 1 ?i)))"
+    "(loop-for-count (?i 100) (assert (m 1 ?i)))";
+
+static unsigned stuck_ms;
+
+static int stuck(void *self, unsigned ms)
+{
+    (void)self;
+    stuck_ms = ms;
+    return ms < 500 ? MIND_WAITS : MIND_BREAKS;
+}
+
+static void test_what_does_not_come_back_is_left(void)
+{
+    char bytes[4096];
+    struct mu_text out;
+    struct mu_fault fault;
+    const struct mind_options watched = {.name = "red", .seed = 1, .ports.stuck = stuck};
+    mu_text_init(&out, bytes, sizeof bytes);
+    CU_ASSERT_EQUAL_FATAL(mind_open(&mind, &watched, &fault), MU_OK);
+    mind_watchdog();
+    CU_ASSERT_EQUAL(say("(loop-for-count 300000 (+ 1 1))"), MU_OK);
+    CU_ASSERT_EQUAL(stuck_ms, 0);
+    CU_ASSERT_EQUAL(mind_line(mind, compares, &out), MU_MALFORMED);
+    CU_ASSERT_EQUAL(stuck_ms, 500);
+    CU_ASSERT_PTR_NOT_NULL(strstr(bytes, "the rules are gone: a line has not come back from "
+                                         "matching the patterns of rule compares\n"));
+    mind_close(mind);
+}
+
 /* What is not needed any more makes room for what is of another size: each time it is more than
  * half of what there may be. */
 static void test_memory_of_one_size_becomes_memory_of_another(void)
@@ -172,6 +223,8 @@ int main(void)
         {"what a broken mind had is given back", test_what_a_broken_mind_had_is_given_back},
         {"what a mind had is given back", test_what_a_mind_had_is_given_back},
         {"a broken mind answers that it is", test_a_broken_mind_answers_that_it_is},
+        {"what goes on when it is stopped is left", test_what_goes_on_when_it_is_stopped_is_left},
+        {"what does not come back is left", test_what_does_not_come_back_is_left},
         {"memory of one size becomes memory of another",
          test_memory_of_one_size_becomes_memory_of_another},
         CU_TEST_INFO_NULL,
