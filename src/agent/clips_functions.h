@@ -207,6 +207,13 @@
       "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
       "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
       "count anew") \
+    X("set-aside", 'm', clips_aside_list, "00", \
+      "(set-aside)", \
+      "the lines that are set aside, as they begin: the agent has died of each of them twice, " \
+      "and does not carry it out again ([crashes.md](../crashes.md))") \
+    X("drop-aside", 'u', clips_aside_drop, "11i", \
+      "(drop-aside n)", \
+      "takes the n-th of them, from 1 on, off it; FALSE when there is none") \
     X("run", 'u', clips_control_run, "01i", \
       "(run [n])", \
       "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \

@@ -93,14 +93,16 @@ void clips_guard_allocated(struct mind *m)
     }
 }
 
-/* @return false: there were not so many left */
+/* @return false: there were not so many left; none of them is counted, as nothing is done for them
+ */
 static bool guard_count(struct mind *m, uint64_t units)
 {
-    m->units = units > CLIPS_UNITS_MAX ? CLIPS_UNITS_MAX + 1 : m->units + units;
-    if (m->units > CLIPS_UNITS_MAX) {
+    if (m->units > CLIPS_UNITS_MAX || units > CLIPS_UNITS_MAX - m->units) {
+        m->units = m->units > CLIPS_UNITS_MAX ? m->units : CLIPS_UNITS_MAX + 1;
         guard_stop(m, "ticks");
         return false;
     }
+    m->units += units;
     if (m->units - m->worked >= GUARD_WORK_UNITS) {
         m->worked = m->units;
         guard_work(m);

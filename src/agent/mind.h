@@ -97,6 +97,10 @@ struct mind_ports {
                         const char *attributes);
     /** The index-th name of a list; of: the group, or the query.  NULL past the last. */
     const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
+    /** The index-th line that is set aside, as it begins.  NULL past the last; may be NULL. */
+    const char *(*aside)(void *self, size_t index);
+    /** Takes it from their list.  @return whether there is one */
+    bool (*drop_aside)(void *self, size_t index);
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
     /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether

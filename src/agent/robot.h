@@ -10,6 +10,7 @@
 #ifndef MUSTER_AGENT_ROBOT_H
 #define MUSTER_AGENT_ROBOT_H
 
+#include "agent/aside.h"
 #include "agent/checkpoint.h"
 #include "agent/mind.h"
 #include "agent/settings.h"
@@ -93,6 +94,7 @@ struct robot {
     bool numbered;       /* the mail at hand is among them */
     char print[ROBOT_PRINT_MAX]; /* a line that rules have begun */
     size_t print_len;
+    struct asides asides;
     struct console consoles[ROBOT_CONSOLES_MAX];
     uint32_t console_count;
 };

@@ -114,13 +114,27 @@ enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mai
     return MU_TAKEN;
 }
 
+/* In the place of mind_line. */
+static mu_result line_set_aside(struct mind *m, const char *line, struct mu_text *out)
+{
+    (void)m;
+    (void)line;
+    mu_text_format(out,
+                   "set aside: the agent has died of it %d times; (set-aside) lists such lines\n",
+                   ASIDE_LIVES);
+    return MU_MALFORMED;
+}
+
 static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     bool is_console = strcmp(mail->ontology, "console") == 0;
     struct mu_text answer;
     mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
-    bool done = is_console ? robot_console_answer(r, mail, mind_line)
-                           : mind_line(r->mind, mail->content, &answer) == MU_OK;
+    mu_result (*carry_out)(struct mind *, const char *, struct mu_text *) =
+        aside_begin(r, mail) ? mind_line : line_set_aside;
+    bool done = is_console ? robot_console_answer(r, mail, carry_out)
+                           : carry_out(r->mind, mail->content, &answer) == MU_OK;
+    aside_end(r);
     if (!done && !is_console) {
         mu_log(MU_LOG_WARNING, "line-refused", "from=%s line=%s answer=%s", mail->src,
                mail->content, r->crew->answer);

@@ -114,6 +114,7 @@ mu_result robot_think(struct robot *r)
     bool restore = r->crew->set->checkpoints.restore;
     r->mind = mind_reserve();
     r->native = true;
+    aside_open(r, restore);
     if (restore && mind_return(r)) {
         return MU_OK;
     }

@@ -74,6 +74,16 @@ static const char *port_entry(void *self, enum mind_list list, const char *of, s
     return pages_entry(r->crew->process, list, of, index);
 }
 
+static const char *port_aside(void *self, size_t index)
+{
+    return aside_entry(self, index);
+}
+
+static bool port_drop_aside(void *self, size_t index)
+{
+    return aside_drop(self, index);
+}
+
 /* One write, so that the lines of robots that share a terminal do not mix. */
 static void print_flush(struct robot *r)
 {
@@ -138,6 +148,8 @@ struct mind_ports robot_ports(struct robot *r)
                                .listing = port_listing,
                                .change = port_change,
                                .entry = port_entry,
+                               .aside = port_aside,
+                               .drop_aside = port_drop_aside,
                                .trace = port_trace,
                                .work = port_work,
                                .stuck = port_stuck,

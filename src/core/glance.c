@@ -44,6 +44,7 @@ static const char *const words[] = {
     "ppdeftemplate",
     "ppfact",
     "rules",
+    "set-aside",
     "show-breaks",
     "show-defglobals",
 };

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import signal
+import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, experiment_run,
@@ -267,3 +268,30 @@ def test_what_was_acknowledged_is_on_disk():
             r.muster("suspend", "red")
             wait_for(lambda: r.page()["state"] == "suspended", 10, "its suspension")
             r.muster("resume", "red")
+
+
+# Facts that are compared with each other, in the engine alone, for hours.
+KILLS = ("(defrule compares (m 1 ?x) (m ?k ?y) (m ? ?z) (n ?n&~?k ?) =>) "
+         "(loop-for-count (?i 30000) (assert (n 1 ?i))) (loop-for-count (?i 100) (assert (m 1 ?i)))")
+
+
+def test_a_line_of_which_a_robot_has_died_twice_is_set_aside():
+    with robot() as r, Processes() as processes:
+        lines = r.out / "red.lines"
+        sent = processes.start(MUSTER, "do", "red", KILLS, "--wait", 60, "--domain", r.domain,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        for lives in (0, 1):
+            wait_for(lambda: lines.exists() and f" {lives} 1 (def" in lines.read_text(), 20,
+                     "that it is at hand")
+            r.die()
+            r.start("--restore")
+        out, _ = sent.communicate(timeout=60)
+        check_equal((sent.returncode, "set aside" in out), (8, True), out)
+        check("line-set-aside" in (r.out / "said").read_text(), "what the log says")
+        check(KILLS[:40] in r.ask("(set-aside)"), r.ask("(set-aside)"))
+        check_equal(r.ask("(+ 1 1)"), "2", "another line")
+        r.die()
+        r.start("--restore")
+        check(KILLS[:40] in r.ask("(set-aside)"), "the next life knows it, too")
+        check_equal([r.ask(f"(drop-aside {n})") for n in (2, 1, 1)], ["FALSE", "TRUE", "FALSE"], "drops")
+        check_equal((r.ask("(set-aside)"), lines.exists()), ("()", False), "what is left")

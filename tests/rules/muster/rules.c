@@ -662,7 +662,13 @@ static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
                              .failures_max = option_of(options, "failures="),
                              .forward_max_m_s = 0.5,
                              .turn_max_rad_s = 90 / deg,
-                             .ports = {b, post, lookup, listing, change, entry, out_print}};
+                             .ports = {.self = b,
+                                       .send = post,
+                                       .lookup = lookup,
+                                       .listing = listing,
+                                       .change = change,
+                                       .entry = entry,
+                                       .print = out_print}};
     mu_result r = mind_open(&b->mind, &o, fault);
     minds[mind_count++] = b->mind;
     return r == MU_OK ? mind_load(b->mind, b->file, fault) : r;

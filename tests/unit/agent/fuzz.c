@@ -4,10 +4,10 @@
  * damaged rules: whatever they do, the mind answers the next line, or says that its rules are gone.
  * MUSTER_SEED and MUSTER_ROUNDS choose others and more: make soak-minds.
  */
-#include "garble.h"
-#include "suite.h"
 #include "agent/mind.h"
+#include "garble.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -367,7 +367,13 @@ static void fuzz_open(struct fuzz *f)
                                    .seed = 1,
                                    .rules_folder = "rules",
                                    .failures_max = 10,
-                                   .ports = {f, post, lookup, listing, change, entry, swallow}};
+                                   .ports = {.self = f,
+                                             .send = post,
+                                             .lookup = lookup,
+                                             .listing = listing,
+                                             .change = change,
+                                             .entry = entry,
+                                             .print = swallow}};
     CU_ASSERT_EQUAL_FATAL(mind_open(&f->mind, &options, &fault), MU_OK);
     minds[f->minds++] = f->mind;
     f->lines_of_mind = 0;
