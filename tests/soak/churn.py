@@ -12,7 +12,8 @@ import signal
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "support" / "system"), str(TESTS / "system")]
 from support import Processes, broker_start, check, check_equal, folder  # noqa: E402
 from support import new_domain, program, wait_for  # noqa: E402
 from test_garbage import resident_kb  # noqa: E402

@@ -11,7 +11,8 @@ import statistics
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support" / "system"))
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "support" / "system"), str(TESTS / "system")]
 from support import (COUNTS, ROOT, SENDS, Processes, check, check_equal, experiment_run,  # noqa: E402
                      folder, members, muster, wait_for)
 from test_crash import EACH_STEP, RESTART, Run, crew_file  # noqa: E402

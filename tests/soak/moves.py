@@ -112,7 +112,8 @@ def clones(count, dice):
             hashes = []
             for name, words in (("fast", ()), ("paced", ("--rate", dice.choice(("10", "20", "50"))))):
                 done, summary = experiment_run(out / f"{name}{i}", "--domain", new_domain(), *words, file=file)
-                check_equal(done.returncode, 0, f"{deeds}: {done.stderr}")
+                # Chance wants things that cannot be: a name twice, a robot where it is.
+                check(done.returncode in (0, 12), f"{deeds}: {done.returncode} {done.stderr}")
                 hashes.append(summary["hash"])
             equal += hashes[0] == hashes[1]
             if hashes[0] != hashes[1]:
