@@ -216,7 +216,7 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
         if (!is_in_experiment(r, robot->name)) {
             continue;
         }
-        robots[count] = (struct report_robot){.name = robot->name, .color = robot->color};
+        robots[count] = (struct report_robot){.name = robot->name, .rgb = robot->look.rgb};
         const muster_RobotTotals *totals = totals_find(r, robot->name);
         if (totals) {
             robots[count].mail_sent = totals->mails_sent;

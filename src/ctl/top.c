@@ -35,7 +35,8 @@ static struct top {
     bool screen, news; /* news: something has not been shown yet */
     int column;
     size_t order[MU_ROBOTS_MAX];
-    size_t first; /* robot that is shown at the top */
+    struct palette_color colors[MU_ROBOTS_MAX]; /* in the scene's order */
+    size_t first;                               /* robot that is shown at the top */
     uint64_t shown_ns;
     bool ended;
     enum mu_run_end end;
@@ -81,8 +82,15 @@ static void goals_set(void)
 
 static void on_scene(void *self, const struct mu_scene *scene)
 {
+    static struct palette_robot wishes[MU_ROBOTS_MAX];
     (void)self;
     mu_stats_begin(top.stats, scene);
+    size_t count = scene->robot_count < MU_ROBOTS_MAX ? scene->robot_count : MU_ROBOTS_MAX;
+    for (size_t i = 0; i < count; i++) {
+        const struct mu_figure *f = &scene->robots[i];
+        wishes[i] = (struct palette_robot){f->name, f->shape.rgb, !f->controlled};
+    }
+    palette_choose(top.colors, wishes, count);
     top.ended = false;
     goals_set();
 }
@@ -174,7 +182,7 @@ static void screen_draw(void)
     top_screen_line(top.line.bytes, true);
     for (size_t i = top.first; i < count && i - top.first < rows; i++) {
         top_table_row(&top.line, top.stats, top.order[i], columns);
-        top_screen_line(top.line.bytes, false);
+        top_screen_robot(top.line.bytes, &top.colors[top.order[i]]);
     }
     top_screen_show();
     top.news = false;

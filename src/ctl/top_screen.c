@@ -4,6 +4,7 @@
 #include "core/text.h"
 
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -79,6 +80,33 @@ void top_screen_begin(void)
     mu_text_init(&screen.text, screen.bytes, sizeof screen.bytes);
     mu_text_add(&screen.text, "\x1b[H");
     screen.lines = 0;
+}
+
+/* "15;0", of many terminals: colours of letters and of the ground. */
+static bool is_light(void)
+{
+    const char *says = getenv("COLORFGBG"), *ground = says ? strrchr(says, ';') : NULL;
+    return ground && (strcmp(ground, ";7") == 0 || strcmp(ground, ";15") == 0);
+}
+
+void top_screen_robot(const char *text, const struct palette_color *color)
+{
+    unsigned rgb[3];
+    size_t len = strnlen(text, screen.wide), name = strcspn(text, " ");
+    const char *hex = is_light() ? color->light : color->dark;
+    if (!screen.colors || name > len || sscanf(hex, "#%2x%2x%2x", &rgb[0], &rgb[1], &rgb[2]) != 3) {
+        top_screen_line(text, false);
+        return;
+    }
+    if (screen.lines >= screen.high) {
+        return;
+    }
+    mu_text_add(&screen.text, screen.lines++ ? "\r\n" : "");
+    mu_text_format(&screen.text, "\x1b[38;2;%u;%u;%um", rgb[0], rgb[1], rgb[2]);
+    mu_text_add_bytes(&screen.text, text, name);
+    mu_text_add(&screen.text, "\x1b[0m");
+    mu_text_add_bytes(&screen.text, text + name, len - name);
+    mu_text_add(&screen.text, "\x1b[K");
 }
 
 /* Each line clears what stood behind it: nothing flickers. */

@@ -6,6 +6,8 @@
 #ifndef MUSTER_CTL_TOP_SCREEN_H
 #define MUSTER_CTL_TOP_SCREEN_H
 
+#include "core/palette.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -34,6 +36,9 @@ void top_screen_begin(void);
 
 /** Adds a line, cut to the terminal's width.  @param lit  as a heading, unless NO_COLOR is set */
 void top_screen_line(const char *text, bool lit);
+
+/** Adds the line of a robot, its name, up to the first blank, in its colour. */
+void top_screen_robot(const char *text, const struct palette_color *color);
 
 void top_screen_show(void);
 

@@ -16,7 +16,7 @@ enum { PLOT_LEFT = 76, PLOT_TOP = 44, PLOT_BOTTOM = 46, PLOT_RIGHT = 24, PLOT_NA
 #define PLOT_WIDTH_PX  620.0
 #define PLOT_HEIGHT_PX 240.0
 
-static const char plot_color[] = "#0b5fa5";
+static const struct palette_color plot_color = {"#0b5fa5", "#6cb8f0", 0};
 
 struct plot {
     FILE *file;
@@ -152,7 +152,7 @@ static void mean_draw(const struct plot *p, unsigned group)
 static void means_join(const struct plot *p)
 {
     struct svg_path path;
-    svg_path_open(&path, p->file, plot_color, 1.2);
+    svg_path_open(&path, p->file, &plot_color, 1.2);
     for (unsigned g = 0; g < p->compare->groups_count; g++) {
         const struct interval *i = &p->compare->groups[g].statistics[p->statistic];
         double at[2] = {group_place(p, g), svg_scale_px(&p->y, i->mean)};

@@ -2,7 +2,6 @@
 #include "report/report.h"
 
 #include "muster/memory.h"
-#include "report/color.h"
 #include "report/report_data.h"
 
 #include <errno.h>
@@ -61,30 +60,16 @@ static mu_result report_write_file(const struct report_file *what, const char *f
     return MU_OK;
 }
 
-static bool color_is_taken(const struct report_data *data, size_t robots, const char *color)
-{
-    for (size_t i = 0; i < robots; i++) {
-        if (strcmp(data->colors[i], color) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Robots of one body bear one colour: then each but the first gets another, to be told apart. */
 static void colors_choose(struct report_data *data)
 {
-    const struct report_input *input = data->input;
-    data->colors = mu_startup_array(input->robots_count, sizeof *data->colors);
-    for (size_t i = 0; i < input->robots_count; i++) {
-        const char *color = color_of_track(input->robots[i].color, input->robots[i].name, i);
-        if (color_is_taken(data, i, color)) {
-            char *other = mu_startup_alloc(COLOR_HEX);
-            color_spread(other, i);
-            color = other;
-        }
-        data->colors[i] = color;
+    size_t count = data->input->robots_count;
+    struct palette_robot *robots = mu_startup_array(count, sizeof *robots);
+    data->colors = mu_startup_array(count, sizeof *data->colors);
+    for (size_t i = 0; i < count; i++) {
+        const struct report_robot *robot = &data->input->robots[i];
+        robots[i] = (struct palette_robot){robot->name, robot->rgb, false};
     }
+    palette_choose(data->colors, robots, count);
 }
 
 mu_result report_write(const char *folder, const struct report_input *input,

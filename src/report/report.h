@@ -18,7 +18,7 @@
 
 struct report_robot {
     const char *name;
-    const char *color; /* CSS */
+    uint32_t rgb; /* its own colour */
     uint64_t mail_sent, mail_received, rule_firings;
 };
 

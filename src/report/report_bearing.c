@@ -123,7 +123,7 @@ static void bearing_draw_line(const struct bearing *b, size_t robot)
 {
     struct svg_path path;
     double before_deg = 0;
-    svg_path_open(&path, b->file, b->data->colors[robot], 1.3);
+    svg_path_open(&path, b->file, &b->data->colors[robot], 1.3);
     for (int32_t i = b->data->tracks[robot].first; i >= 0; i = b->data->samples[i].next) {
         const struct report_sample *s = &b->data->samples[i];
         double degrees = remainder((double)s->heading_rad * 180 / M_PI, 360);
@@ -166,6 +166,7 @@ void report_write_bearing(FILE *file, const struct report_data *data)
     snprintf(title, sizeof title, "%s: bearing, seed %llu", data->input->experiment->name,
              (unsigned long long)data->input->seed);
     svg_open(file, right_px + report_legend_width(data), low_px, title);
+    svg_darken(file, data->colors, data->input->robots_count);
     double at[2] = {b.x.from_px, 24};
     svg_text(file, at, SVG_START, "font-size=\"15\" font-weight=\"600\" fill=\"#111\"", title);
     bearing_draw_axes(&b);

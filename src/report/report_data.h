@@ -6,7 +6,9 @@
 #ifndef MUSTER_REPORT_DATA_H
 #define MUSTER_REPORT_DATA_H
 
+#include "core/palette.h"
 #include "report/report.h"
+#include "report/svg.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -41,9 +43,9 @@ struct report_data {
     double start_s, end_s;         /* of the rows */
     struct report_sample *samples; /* by time, all robots' */
     size_t samples_count;
-    size_t stride;               /* every how many steps there is a sample */
-    struct report_track *tracks; /* of each robot */
-    const char **colors;         /* of each robot, CSS, fit for a white ground */
+    size_t stride;                /* every how many steps there is a sample */
+    struct report_track *tracks;  /* of each robot */
+    struct palette_color *colors; /* of each robot */
     struct report_events *events;
 };
 

@@ -73,9 +73,8 @@ static void html_robots(FILE *file, const struct report_data *data)
     for (size_t i = 0; i < data->input->robots_count; i++) {
         const struct report_robot *robot = &data->input->robots[i];
         const struct report_robot_result *result = &data->result->robots[i];
-        fputs("<tr><td><span class=\"swatch\" style=\"background:", file);
-        svg_escape(file, data->colors[i]);
-        fputs("\"></span>", file);
+        fprintf(file, "<tr><td><span class=\"swatch\" style=\"--light:%s;--dark:%s\"></span>",
+                data->colors[i].light, data->colors[i].dark);
         svg_escape(file, robot->name);
         fprintf(file, "</td><td>%.2f m</td><td>%.3f m/s</td><td>%" PRIu32 "</td><td>%.1f s</td>",
                 result->distance_m, result->mean_speed_m_s, result->stalls, result->stalled_s);

@@ -22,7 +22,7 @@ void report_legend(FILE *file, const struct report_data *data, double x_px, doub
         double from[2] = {x_px, y}, to[2] = {x_px + 22, y};
         double at[2] = {x_px + LEGEND_TEXT_LEFT, y + 4};
         struct svg_path line;
-        svg_path_open(&line, file, data->colors[i], 3);
+        svg_path_open(&line, file, &data->colors[i], 3);
         svg_path_point(&line, from);
         svg_path_point(&line, to);
         svg_path_close(&line);

@@ -119,7 +119,7 @@ static void tracks_draw_line(const struct tracks *t, size_t robot)
 {
     struct svg_path path;
     double at[2];
-    svg_path_open(&path, t->file, t->data->colors[robot], 1.6);
+    svg_path_open(&path, t->file, &t->data->colors[robot], 1.6);
     for (int32_t i = t->data->tracks[robot].first; i >= 0; i = t->data->samples[i].next) {
         const struct report_sample *s = &t->data->samples[i];
         tracks_place(t, (double)s->x_m, (double)s->y_m, at);
@@ -200,6 +200,7 @@ void report_write_tracks(FILE *file, const struct report_data *data)
              (unsigned long long)data->input->seed);
     double low_px = fmax(t.y.from_px + TRACKS_BOTTOM, TRACKS_TOP + report_legend_height(data, 3));
     svg_open(file, right_px + report_legend_width(data), low_px, title);
+    svg_darken(file, data->colors, data->input->robots_count);
     double at[2] = {t.x.from_px, 24};
     svg_text(file, at, SVG_START, "font-size=\"15\" font-weight=\"600\" fill=\"#111\"", title);
     tracks_draw_axis(&t, &t.x, false);
@@ -210,11 +211,8 @@ void report_write_tracks(FILE *file, const struct report_data *data)
     }
     tracks_draw_objects(&t);
     for (size_t i = 0; i < data->input->robots_count; i++) {
-        fputs("<g stroke=\"", file);
-        svg_escape(file, data->colors[i]);
-        fputs("\" fill=\"", file);
-        svg_escape(file, data->colors[i]);
-        fputs("\">\n", file);
+        fprintf(file, "<g stroke=\"%s\" fill=\"%s\">\n", data->colors[i].light,
+                data->colors[i].light);
         tracks_draw_times(&t, i);
         tracks_draw_ends(&t, i);
         fputs("</g>\n", file);

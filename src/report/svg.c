@@ -34,6 +34,18 @@ void svg_escape(FILE *file, const char *text)
     }
 }
 
+/* What pictures are drawn with, beside the colours of robots. */
+static const struct palette_color inks[] = {
+    {"#fff", "#15191d", 0},    {"#111", "#eef1f4", 0},    {"#222", "#e4e8ec", 0},
+    {"#333", "#dde2e7", 0},    {"#444", "#c6cdd4", 0},    {"#555", "#b4bcc5", 0},
+    {"#666", "#a5aeb8", 0},    {"#777", "#9aa5b0", 0},    {"#767f88", "#9aa5b0", 0},
+    {"#7d8792", "#94a0ac", 0}, {"#8b939c", "#86919d", 0}, {"#c3c8ce", "#4a535c", 0},
+    {"#c9ced3", "#4a535c", 0}, {"#e4e7ea", "#2c343b", 0}, {"#eceef0", "#262d34", 0},
+    {"#eceff1", "#262d34", 0}, {"#cdebd4", "#1d4a2b", 0}, {"#f6c9c4", "#5c2522", 0},
+    {"#0b5fa5", "#6cb8f0", 0}, {"#c0271d", "#ff7b72", 0}, {"#27ae60", "#4cc26a", 0},
+    {"#2b7bba", "#6cb8f0", 0}, {"#8e44ad", "#c79bf2", 0}, {"#c0392b", "#ff7b72", 0},
+};
+
 void svg_open(FILE *file, double width, double height, const char *title)
 {
     fprintf(file,
@@ -42,8 +54,19 @@ void svg_open(FILE *file, double width, double height, const char *title)
             "'DejaVu Sans', sans-serif\" font-size=\"12\" fill=\"#333\">\n<title>",
             width, height, width, height);
     svg_escape(file, title);
-    fprintf(file, "</title>\n<rect width=\"%.0f\" height=\"%.0f\" fill=\"#fff\"/>\n", width,
-            height);
+    fputs("</title>\n", file);
+    svg_darken(file, inks, sizeof inks / sizeof inks[0]);
+    fprintf(file, "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#fff\"/>\n", width, height);
+}
+
+void svg_darken(FILE *file, const struct palette_color *colors, size_t count)
+{
+    fputs("<style>@media(prefers-color-scheme:dark){", file);
+    for (size_t i = 0; i < count; i++) {
+        fprintf(file, "[fill=\"%s\"]{fill:%s}[stroke=\"%s\"]{stroke:%s}", colors[i].light,
+                colors[i].dark, colors[i].light, colors[i].dark);
+    }
+    fputs("}</style>\n", file);
 }
 
 void svg_close(FILE *file)
@@ -110,14 +133,16 @@ void svg_text(FILE *file, const double at[2], enum svg_anchor anchor, const char
     fputs("</text>\n", file);
 }
 
-void svg_path_open(struct svg_path *path, FILE *file, const char *color, double width)
+void svg_path_open(struct svg_path *path, FILE *file, const struct palette_color *color,
+                   double width)
 {
+    static const char *const dashes[] = {"", " stroke-dasharray=\"7 4\"",
+                                         " stroke-dasharray=\"1 4\""};
     *path = (struct svg_path){.file = file};
-    fputs("<path fill=\"none\" stroke=\"", file);
-    svg_escape(file, color);
     fprintf(file,
-            "\" stroke-width=\"%.2f\" stroke-linejoin=\"round\" stroke-linecap=\"round\" d=\"",
-            width);
+            "<path fill=\"none\" stroke=\"%s\"%s stroke-width=\"%.2f\" stroke-linejoin=\"round\" "
+            "stroke-linecap=\"round\" d=\"",
+            color->light, dashes[color->pattern], width);
 }
 
 static void svg_path_write(struct svg_path *path, const double at[2])

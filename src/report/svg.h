@@ -9,6 +9,7 @@
 #ifndef MUSTER_REPORT_SVG_H
 #define MUSTER_REPORT_SVG_H
 
+#include "core/palette.h"
 #include "world/world.h"
 
 #include <stdbool.h>
@@ -17,8 +18,12 @@
 /** Writes text for XML or HTML, in a double-quoted attribute or between tags. */
 void svg_escape(FILE *file, const char *text);
 
-/** Starts a picture on a white ground.  title: what a screen reader says. */
+/** Starts a picture; on a dark screen its inks are others.  title: what a screen reader says. */
 void svg_open(FILE *file, double width, double height, const char *title);
+
+/** Says what colours of it are on a dark screen. */
+void svg_darken(FILE *file, const struct palette_color *colors, size_t count);
+
 void svg_close(FILE *file);
 
 void svg_line(FILE *file, const double from[2], const double to[2], const char *style);
@@ -53,8 +58,8 @@ struct svg_path {
     bool drawing, has_pending;
 };
 
-/** color: CSS, escaped */
-void svg_path_open(struct svg_path *path, FILE *file, const char *color, double width);
+void svg_path_open(struct svg_path *path, FILE *file, const struct palette_color *color,
+                   double width);
 void svg_path_point(struct svg_path *path, const double at[2]);
 
 /** Lifts the pen. */

@@ -2,6 +2,9 @@
 #include "web/scene_json.h"
 
 #include "core/json.h"
+#include "core/palette.h"
+#include "muster/limits.h"
+#include "muster/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,11 +63,25 @@ static void mounts_write(struct mu_json *j, const char *key,
     mu_json_end(j);
 }
 
-static void figure_write(struct mu_json *j, const muster_Figure *f)
+/* By which the page tells it apart; NULL: it is a thing. */
+static void identity_write(struct mu_json *j, const struct palette_color *color)
+{
+    if (color) {
+        mu_json_object(j, "identity");
+        mu_json_string(j, "light", color->light);
+        mu_json_string(j, "dark", color->dark);
+        mu_json_uint(j, "pattern", color->pattern);
+        mu_json_end(j);
+    }
+}
+
+static void figure_write(struct mu_json *j, const muster_Figure *f,
+                         const struct palette_color *color)
 {
     mu_json_object(j, NULL);
     mu_json_string(j, "name", f->name);
     mu_json_string(j, "color", f->color);
+    identity_write(j, color);
     outline_write(j, "shape", &f->shape);
     mu_json_list(j, "start");
     number_write(j, NULL, f->x_m);
@@ -78,13 +95,27 @@ static void figure_write(struct mu_json *j, const muster_Figure *f)
 }
 
 static void figures_write(struct mu_json *j, const char *key,
-                          const dds_sequence_muster_Figure *figures)
+                          const dds_sequence_muster_Figure *figures,
+                          const struct palette_color *colors)
 {
     mu_json_list(j, key);
     for (uint32_t i = 0; i < figures->_length; i++) {
-        figure_write(j, &figures->_buffer[i]);
+        figure_write(j, &figures->_buffer[i], colors ? &colors[i] : NULL);
     }
     mu_json_end(j);
+}
+
+static const struct palette_color *colors_choose(const dds_sequence_muster_Figure *robots)
+{
+    static struct palette_color colors[MU_ROBOTS_MAX];
+    static struct palette_robot wishes[MU_ROBOTS_MAX];
+    MU_ASSERT(robots->_length <= MU_ROBOTS_MAX);
+    for (uint32_t i = 0; i < robots->_length; i++) {
+        const muster_Figure *f = &robots->_buffer[i];
+        wishes[i] = (struct palette_robot){f->name, f->shape.rgb, !f->controlled};
+    }
+    palette_choose(colors, wishes, robots->_length);
+    return colors;
 }
 
 void scene_json_write(struct mu_text *text, const muster_Scene *scene)
@@ -107,7 +138,7 @@ void scene_json_write(struct mu_text *text, const muster_Scene *scene)
         outline_write(&j, NULL, &scene->walls._buffer[i]);
     }
     mu_json_end(&j);
-    figures_write(&j, "robots", &scene->robots);
-    figures_write(&j, "objects", &scene->objects);
+    figures_write(&j, "robots", &scene->robots, colors_choose(&scene->robots));
+    figures_write(&j, "objects", &scene->objects, NULL);
     mu_json_end(&j);
 }

@@ -71,6 +71,11 @@ bool look_color(const char *text, uint32_t *rgb)
     if (!look_plain(text, plain)) {
         return false;
     }
+    if (plain[0] == '#' && strlen(plain) == 4) { /* each digit stands for two */
+        bool read = look_hexadecimal(plain + 1, 3, rgb);
+        *rgb = ((*rgb & 0xf00) << 8 | (*rgb & 0xf0) << 4 | (*rgb & 0xf)) * 0x11;
+        return read;
+    }
     if (plain[0] == '#') {
         return look_hexadecimal(plain + 1, 6, rgb);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The colours of X11 by name, in the order of the alphabet.  gray0 to gray100 are reckoned. */
+/* The colours of X11 by name, and those that CSS has beside them, in the order of the alphabet.
+ * gray0 to gray100 are reckoned. */
 #ifndef MUSTER_WORLD_LOOK_COLORS_H
 #define MUSTER_WORLD_LOOK_COLORS_H
 
@@ -11,6 +12,7 @@ static const struct {
 } look_colors[] = {
     {"aliceblue", 0xf0f8ff},
     {"antiquewhite", 0xfaebd7},
+    {"aqua", 0x00ffff},
     {"aquamarine", 0x7fffd4},
     {"azure", 0xf0ffff},
     {"beige", 0xf5f5dc},
@@ -27,6 +29,7 @@ static const struct {
     {"coral", 0xff7f50},
     {"cornflowerblue", 0x6495ed},
     {"cornsilk", 0xfff8dc},
+    {"crimson", 0xdc143c},
     {"cyan", 0x00ffff},
     {"darkblue", 0x00008b},
     {"darkcyan", 0x008b8b},
@@ -52,6 +55,7 @@ static const struct {
     {"firebrick", 0xb22222},
     {"floralwhite", 0xfffaf0},
     {"forestgreen", 0x228b22},
+    {"fuchsia", 0xff00ff},
     {"gainsboro", 0xdcdcdc},
     {"ghostwhite", 0xf8f8ff},
     {"gold", 0xffd700},
@@ -62,6 +66,7 @@ static const struct {
     {"honeydew", 0xf0fff0},
     {"hotpink", 0xff69b4},
     {"indianred", 0xcd5c5c},
+    {"indigo", 0x4b0082},
     {"ivory", 0xfffff0},
     {"khaki", 0xf0e68c},
     {"lavender", 0xe6e6fa},
@@ -83,6 +88,7 @@ static const struct {
     {"lightslategray", 0x778899},
     {"lightsteelblue", 0xb0c4de},
     {"lightyellow", 0xffffe0},
+    {"lime", 0x00ff00},
     {"limegreen", 0x32cd32},
     {"linen", 0xfaf0e6},
     {"magenta", 0xff00ff},
@@ -104,6 +110,7 @@ static const struct {
     {"navy", 0x000080},
     {"navyblue", 0x000080},
     {"oldlace", 0xfdf5e6},
+    {"olive", 0x808000},
     {"olivedrab", 0x6b8e23},
     {"orange", 0xffa500},
     {"orangered", 0xff4500},
@@ -119,6 +126,7 @@ static const struct {
     {"plum", 0xdda0dd},
     {"powderblue", 0xb0e0e6},
     {"purple", 0xa020f0},
+    {"rebeccapurple", 0x663399},
     {"red", 0xff0000},
     {"rosybrown", 0xbc8f8f},
     {"royalblue", 0x4169e1},
@@ -128,6 +136,7 @@ static const struct {
     {"seagreen", 0x2e8b57},
     {"seashell", 0xfff5ee},
     {"sienna", 0xa0522d},
+    {"silver", 0xc0c0c0},
     {"skyblue", 0x87ceeb},
     {"slateblue", 0x6a5acd},
     {"slategray", 0x708090},
@@ -135,6 +144,7 @@ static const struct {
     {"springgreen", 0x00ff7f},
     {"steelblue", 0x4682b4},
     {"tan", 0xd2b48c},
+    {"teal", 0x008080},
     {"thistle", 0xd8bfd8},
     {"tomato", 0xff6347},
     {"turquoise", 0x40e0d0},

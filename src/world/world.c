@@ -471,7 +471,7 @@ mu_result world_add_robot(struct world *world, const char *name, const char *bod
         return mu_fault_at(fault, world->file, 0, 0, "robot '%s': expected a shorter colour", name);
     }
     if (color) {
-        look_color(color, &robot.look.rgb); /* the report knows names that X11 does not */
+        (void)look_color(color, &robot.look.rgb);
     }
     return world_put_robot(world, old, &robot, body, fault);
 }

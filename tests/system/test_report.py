@@ -5,6 +5,7 @@ import math
 import os
 import signal
 
+from browser import Browser
 from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal,
                      child_of, experiment_run, folder, muster, new_domain, wait_for)
 
@@ -218,3 +219,22 @@ def test_a_robot_that_was_placed_by_hand_is_in_the_report():
         # It turns about a point that is not its middle.
         off = math.hypot(final["x_m"] - 1, final["y_m"] - 1)
         check(off < 0.2, f"it stands at {final}")
+
+
+def test_a_report_on_a_dark_screen_and_on_a_phone():
+    """Plots are drawn for it, in each robot's own colour; what is too wide is moved, not shrunk."""
+    stroke = "getComputedStyle(document.querySelector('path[stroke=\"#e70c44\"]')).stroke"
+    ground = "getComputedStyle(document.querySelector('figure rect')).fill"
+    text = ("(() => { const t = document.querySelector('figure text'); const m = t.getScreenCTM();"
+            " return parseFloat(getComputedStyle(t).fontSize) * m.a; })()")
+    with folder() as out:
+        done, _ = experiment_run(out / "run", "--duration", 20)
+        check_equal(done.returncode, 0, done.stderr)
+        page = f"file://{out}/run/report.html"
+        for dark, colors in ((False, ("rgb(231, 12, 68)", "rgb(255, 255, 255)")),
+                             (True, ("rgb(255, 68, 51)", "rgb(21, 25, 29)"))):
+            with Browser(page, dark=dark) as browser:
+                check_equal((browser.value(stroke), browser.value(ground)), colors, f"dark: {dark}")
+        with Browser(page, width=390, height=844) as browser:
+            check_equal(browser.value("document.documentElement.scrollWidth"), 390, "its width")
+            check(browser.value(text) >= 11, f"letters of {browser.value(text)} px")

@@ -1,37 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours that people tell apart who see few: the set of Okabe and Ito, darker on a light ground
-// and lighter on a dark one.  A robot that is called after a colour, or has one, gets its relative.
+// Inks of the drawing on a light ground and on a dark one, and the colours by which robots are told apart.
 
 import {createStore} from './dom.js';
-
-const SETS = {
-  light: {
-    red: '#c8480a', blue: '#0072b2', green: '#00865f', yellow: '#c99400', purple: '#b8558c',
-    sky: '#2f93cf', orange: '#e07b00', grey: '#5b6b78',
-  },
-  dark: {
-    red: '#ff7a3d', blue: '#4ba3ea', green: '#2fc79a', yellow: '#f0dc4e', purple: '#e794c3',
-    sky: '#8fd0f5', orange: '#f5a623', grey: '#aab7c2',
-  },
-};
-
-const ORDER = ['purple', 'sky', 'orange', 'grey', 'blue', 'red', 'green', 'yellow'];
-
-const RELATIVES = {
-  red: 'red', crimson: 'red', tomato: 'red', '#ff0000': 'red',
-  blue: 'blue', navy: 'blue', royalblue: 'blue', '#0000ff': 'blue',
-  green: 'green', lime: 'green', darkgreen: 'green', '#00ff00': 'green', '#008000': 'green',
-  yellow: 'yellow', gold: 'yellow', '#ffff00': 'yellow',
-  orange: 'orange', '#ffa500': 'orange',
-  purple: 'purple', magenta: 'purple', pink: 'purple', violet: 'purple', '#ff00ff': 'purple',
-  cyan: 'sky', aqua: 'sky', skyblue: 'sky', lightblue: 'sky', '#00ffff': 'sky',
-  gray: 'grey', grey: 'grey', silver: 'grey', black: 'grey', white: 'grey',
-};
-
-const normal = (color) => {
-  const word = String(color ?? '').trim().toLowerCase();
-  return /^0x[0-9a-f]{6}$/.test(word) ? '#' + word.slice(2) : word;
-};
 
 /** What the drawing is made of, by theme. */
 export const INKS = {
@@ -47,15 +17,8 @@ export const INKS = {
   },
 };
 
-/** The colour of each robot of a scene, for a theme.  One that all have tells nobody apart. */
-export function robotColors(robots, theme) {
-  const alike = robots.length > 1 && robots.every(({color}) => color === robots[0].color);
-  let others = 0;
-  return robots.map((robot) => {
-    const name = RELATIVES[normal(robot.name)] ?? (alike ? null : RELATIVES[normal(robot.color)]);
-    return SETS[theme][name ?? ORDER[others++ % ORDER.length]];
-  });
-}
+/** The colour of each robot of a scene, for a theme: those of the report, too. */
+export const robotColors = (robots, theme) => robots.map(({identity}) => identity[theme]);
 
 /** The theme: what the person chose, else what the system says. */
 export function createTheme(onChange) {

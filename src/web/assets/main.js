@@ -348,7 +348,7 @@ function draw(now) {
   requestAnimationFrame(draw); /* first: one picture that fails is not to be the last */
   view.resize();
   past?.draw(now);
-  view.draw(tween.at(now), minds, now);
+  view.draw(tween.at(now), minds, now, model.agents);
   if (now - wordsAt >= WORDS_MS) {
     wordsAt = now;
     if (past) header.set({rate: past.speed});

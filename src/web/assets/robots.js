@@ -7,6 +7,7 @@ const SMALLEST_PX = 7;
 const LABEL_PX = 17;
 const EDGE_PX = 10; /* of the picture: no name comes nearer */
 const NAME_WEIGHT = 3; /* it hides rather that many bodies than another name */
+const FILLS = [1, 0.15, 0.5]; /* by pattern: full, hollow, between */
 const LABELS_MAX = 24; /* of so many robots all names are shown; of more, those near */
 
 /** What of a figure does not change from frame to frame. */
@@ -21,12 +22,16 @@ function drawBody(context, camera, robot, body, look) {
   context.translate(robot.x, robot.y);
   context.rotate(robot.heading);
   context.scale(factor, factor);
-  context.fillStyle = look.color;
-  context.globalAlpha = robot.state === 'absent' ? 0.25 : robot.state === 'standby' ? 0.55 : 1;
+  context.fillStyle = look.gone ? look.ink.wall : look.color;
+  context.globalAlpha = FILLS[look.pattern] * (robot.state === 'absent' ? 0.25 : robot.state === 'standby' ? 0.55 : 1);
   context.fill(body.path);
   context.globalAlpha = 1;
-  context.strokeStyle = look.picked ? look.ink.ink : look.ink.halo;
-  context.lineWidth = (look.picked ? 3 : 1.5) * px;
+  if (look.gone) {
+    context.restore();
+    return;
+  }
+  context.strokeStyle = look.picked ? look.ink.ink : look.pattern ? look.color : look.ink.halo;
+  context.lineWidth = (look.picked || look.pattern ? 3 : 1.5) * px;
   if (robot.state === 'absent') context.setLineDash([4 * px, 4 * px]);
   context.stroke(body.path);
   context.setLineDash([]);
@@ -158,6 +163,10 @@ export function createRobots() {
     drawDot(context, ax - label.width / 2 - 9, ay - 8, look);
   }
 
+  /* Nobody drives it, and nobody will: its body stands there like a wall. */
+  const isGone = (robot, i, agents) => robot.state === 'absent' &&
+    (!scene.robots[i].controlled || (agents.size > 0 && !agents.has(scene.robots[i].name)));
+
   return {
     load,
     /** @return index of the robot at a place in pixels, or -1 */
@@ -170,17 +179,18 @@ export function createRobots() {
       });
       return best;
     },
-    draw(context, camera, frame, minds, {colors, ink, picked, names, ratio}) {
+    draw(context, camera, frame, minds, {colors, ink, picked, names, ratio, agents}) {
       camera.enter(context, ratio);
       drawThings(context, camera, frame, ink);
-      const look = (i) => ({color: colors[i], ink, picked: i === picked});
+      const look = (i) => ({color: colors[i], pattern: scene.robots[i].identity.pattern, ink, picked: i === picked,
+        gone: isGone(frame.robots[i], i, agents)});
       frame.robots.forEach((robot, i) => bodies[i] && drawBody(context, camera, robot, bodies[i], look(i)));
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       taken = [];
       frame.robots.forEach((robot, i) => bodies[i] && takeBody(camera, robot, i));
       const all = names && (frame.robots.length <= LABELS_MAX || camera.scale > 90);
       frame.robots.forEach((robot, i) => {
-        if (!bodies[i]) return;
+        if (!bodies[i] || (i !== picked && isGone(robot, i, agents))) return;
         const named = all || i === picked;
         drawGoal(context, camera, frame, minds, i, look(i));
         drawName(context, camera, robot, i, minds, {...look(i), named, ratio});

@@ -5,6 +5,7 @@
 const POINTS_ALL = 60000;
 const POINTS_MAX = 6000;
 const LEAST = 0.01; /* metres between two points */
+const DASHES = [0, 8, 3]; /* points, by pattern */
 const JUMP = 1.0; /* metres in a step that nobody drives: it was put there */
 
 function createTrail(capacity) {
@@ -23,13 +24,16 @@ export function createTrails() {
     trail.count++;
   }
 
-  function stroke(context, trail, from, color) {
+  /* The pieces of a line that is dashed or dotted are points, so that it can be drawn piece by piece. */
+  const isGap = (at, pattern) => pattern > 0 && Math.floor(at / DASHES[pattern]) % 2 === 1;
+
+  function stroke(context, trail, from, color, pattern) {
     const first = Math.max(from, trail.count - capacity + 1, 0);
     context.beginPath();
     for (let i = first; i < trail.count; i++) {
       const at = i % capacity, before = (i + capacity - 1) % capacity;
       const jumps = i > first && Math.hypot(trail.xs[at] - trail.xs[before], trail.ys[at] - trail.ys[before]) > JUMP;
-      if (i === first || jumps) context.moveTo(trail.xs[at], trail.ys[at]);
+      if (i === first || jumps || isGap(i, pattern)) context.moveTo(trail.xs[at], trail.ys[at]);
       else context.lineTo(trail.xs[at], trail.ys[at]);
     }
     context.strokeStyle = color;
@@ -61,14 +65,14 @@ export function createTrails() {
       frame.robots.forEach((robot, i) => trails[i] && add(trails[i], robot.x, robot.y));
     },
     /** again: the picture was begun anew, and has no trails yet. */
-    draw(context, camera, colors, again, ratio) {
+    draw(context, camera, robots, colors, again, ratio) {
       camera.enter(context, ratio);
       context.lineWidth = 2.2 / camera.scale;
       context.lineJoin = context.lineCap = 'round';
       context.globalAlpha = 0.75;
       trails.forEach((trail, i) => {
         const from = again ? 0 : drawn[i] - 1;
-        if (again || trail.count > drawn[i]) stroke(context, trail, from, colors[i]);
+        if (again || trail.count > drawn[i]) stroke(context, trail, from, colors[i], robots[i].identity.pattern);
         drawn[i] = trail.count;
       });
       context.globalAlpha = 1;

@@ -70,8 +70,8 @@ export function createView(groundCanvas, liveCanvas) {
       stale = true;
     },
 
-    /** Draws a frame; now: ms, for what flies. */
-    draw(frame, minds, now) {
+    /** Draws a frame; now: ms, for what flies; agents: by name, those that are there. */
+    draw(frame, minds, now, agents = new Map()) {
       const ink = INKS[theme], ratio = devicePixelRatio || 1;
       const {picked, follow} = view.look;
       if (follow && frame?.robots[picked]) camera.moveTo(frame.robots[picked].x, frame.robots[picked].y);
@@ -81,7 +81,7 @@ export function createView(groundCanvas, liveCanvas) {
       if (!scene || !frame) return;
       drawSensing(frame, ink, ratio);
       const {names} = view.look;
-      robots.draw(above, camera, frame, minds, {colors, ink, picked, names, ratio});
+      robots.draw(above, camera, frame, minds, {colors, ink, picked, names, ratio, agents});
       if (view.look.mail) mails.draw(above, camera, frame, now, {colors, ink, ratio});
       view.onTop?.(above, ink, ratio);
     },
@@ -92,7 +92,7 @@ export function createView(groundCanvas, liveCanvas) {
     const shown = view.look.trails;
     const again = stale || camera.version !== drawnVersion || shown !== drawnTrails;
     if (again) ground.draw(below, scene, camera, ink, ratio);
-    if (shown && (again || trails.grew)) trails.draw(below, camera, colors, again, ratio);
+    if (shown && (again || trails.grew)) trails.draw(below, camera, scene?.robots ?? [], colors, again, ratio);
     drawnVersion = camera.version;
     drawnTrails = shown;
     stale = false;

@@ -19,6 +19,8 @@ FLAGS = ("--headless=new", "--disable-gpu", "--no-first-run", "--disable-backgro
          "--disable-component-update", "--disable-sync", "--disable-quic", "--mute-audio",
          "--hide-scrollbars", "--remote-debugging-port=0")
 
+SAID_MAX = 8  # a page that errs does so in each picture
+
 
 def chromium():
     found = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -144,6 +146,8 @@ class Browser:
     def note(self, message):
         """Keeps what goes wrong in the page: exceptions, and what its security policy stops."""
         params = message.get("params", {})
+        if len(self.said) == SAID_MAX:
+            return
         if message.get("method") == "Runtime.exceptionThrown":
             self.said.append(params["exceptionDetails"].get("exception", {}).get("description")
                              or params["exceptionDetails"]["text"])

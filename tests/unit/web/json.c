@@ -257,6 +257,7 @@ static void test_a_scene(void)
           "\"bounds\": [-1, 0, 1, 2], "
           "\"walls\": [{\"rgb\": \"#ff8000\", \"corners\": [0, 0, 1, 0, 1, 1]}], "
           "\"robots\": [{\"name\": \"</title>\", \"color\": \"red;}\", "
+          "\"identity\": {\"light\": \"#0c0415\", \"dark\": \"#ffd2d7\", \"pattern\": 0}, "
           "\"shape\": {\"rgb\": \"#000000\", \"radius\": 0.25, \"corners\": [0, 0]}, "
           "\"start\": [0, 0, 0], \"controlled\": true, "
           "\"sonars\": [[0.1, 0, 3.1416, 0.5, 5, 1]], \"lasers\": []}], \"objects\": []}\n");
