@@ -133,7 +133,7 @@ static void html_facts(FILE *file, const struct report_data *data)
     svg_escape(file, input->command);
     fprintf(file, "</pre>\n<p class=\"soft\">%s</p>\n",
             strcmp(input->hash, "none") != 0
-                ? "The same seed gives the same hash."
+                ? "The same seed gives the same hash, on processors of one kind."
                 : "This run has no hash: it ran free, or did not come to its end.");
 }
 

@@ -104,13 +104,18 @@ static mu_result secrets_make(struct web *w, bool read_only)
     return MU_OK;
 }
 
+/* The run's, if somebody has not said which.  @return whether there is one that it can be */
+static bool domain_choose(struct settings *set)
+{
+    int domain = (int)set->network.domain;
+    bool chosen = set->recording || domain >= 0 || runs_find(&domain) == MU_OK;
+    set->network.domain = domain;
+    return chosen;
+}
+
 static mu_result network_join(struct web *w, struct settings *set)
 {
     int domain = (int)set->network.domain;
-    if (domain < 0 && runs_find(&domain) != MU_OK) {
-        return MU_FAULT_USAGE;
-    }
-    set->network.domain = domain;
     struct mu_process_options options = {.domain = domain,
                                          .interface = set->network.interface,
                                          .peer = mu_network_peers(&set->network),
@@ -207,6 +212,9 @@ int main(int argc, char **argv)
         return mu_exit_for(ready);
     }
     mu_log_open("web", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    if (!domain_choose(&set)) {
+        return MU_EXIT_SEVERAL;
+    }
     board_init(&w.board);
     ready = secrets_make(&w, set.read_only || set.recording);
     if (ready == MU_OK) {

@@ -87,6 +87,23 @@ def test_runs_that_live_and_have_ended():
         check("the run follow ended " in done.stderr and str(out / "r") in done.stderr, done.stderr)
 
 
+def test_who_asks_for_one_of_several_runs_says_which():
+    with Processes() as processes, folder() as out:
+        (out / "runs").mkdir(mode=0o700)
+        env = {**os.environ, "XDG_RUNTIME_DIR": str(out / "runs"), "MUSTER_STORE": "none"}
+        env.pop("MUSTER_DOMAIN", None)
+        domains = [new_domain(), new_domain()]
+        for domain in domains:
+            processes.start(MUSTER, "run", FOLLOW, "--rate", 1, "--quiet", "--out", out / str(domain),
+                            "--domain", domain, env=env)
+            check_equal(muster("wait", "--run", "--domain", domain, env=env).returncode, 0, "a run")
+        for words in (("ps",), ("web", "--port", 0), ("top", "--once"), ("do", "red", "(now)"),
+                      ("world", "reset"), ("wait", "red"), ("send", "red", "hello")):
+            done = muster(*words, env=env, timeout=20)
+            check_equal(done.returncode, 10, f"{words}: {done.stderr}")
+            check(all(f"--domain {domain}  follow" in done.stderr for domain in domains), done.stderr)
+
+
 def test_a_folder_that_is_not_there_is_passed_over():
     with folder() as out:
         env = {**os.environ, "XDG_RUNTIME_DIR": str(out / "none"), "MUSTER_STORE": "none"}
