@@ -3,7 +3,7 @@
 import csv
 import json
 
-from support import MUSTER, ROOT, Processes, check, check_equal, folder, members, muster, new_domain, wait_for
+from support import FOLLOW, MUSTER, ROOT, Processes, check, check_equal, folder, members, muster, new_domain, wait_for
 
 CREW, DURATION_S, LAST_TICK_S = 100, 30, 29
 DIRECTIVES = 3  # start, suspend, resume
@@ -112,3 +112,17 @@ def test_a_team_of_a_hundred_is_suspended_within_one_step():
             check_equal(robots[name]["mail_received"], ticks + DIRECTIVES, f"what {name} has heard")
             check(robots[name]["rule_firings"] > ticks + 200, f"{name} has looked at each tick")
         check_equal((summary["mail"]["lost"], summary["mail"]["refused"]), (0, 0), "mail lost")
+
+
+def test_who_cannot_sleep_is_not_said_to():
+    """The observer of a run goes on: it refuses, and all is those who can."""
+    with folder() as out, Processes() as processes:
+        domain = new_domain()
+        processes.start(MUSTER, "run", FOLLOW, "--quiet", "--rate", 1, "--out", out / "r", "--domain", domain)
+        check_equal(muster("wait", "--run", "yellow", "--domain", domain).returncode, 0, "the run")
+        done = muster("suspend", "observer", "--domain", domain)
+        check_equal((done.returncode, "observer refuses: suspend unsupported" in done.stderr), (6, True), done.stderr)
+        done = muster("suspend", "all", "--domain", domain)
+        check_equal((done.returncode, "observer" in done.stdout + done.stderr), (0, False), done.stdout + done.stderr)
+        check_equal([members(domain)[name]["state"] for name in ("red", "blue", "observer")],
+                    ["suspended", "suspended", "running"], "who sleeps")
