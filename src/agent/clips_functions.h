@@ -213,7 +213,7 @@
       "and does not carry it out again ([crashes.md](../crashes.md))") \
     X("drop-aside", 'u', clips_aside_drop, "11i", \
       "(drop-aside n)", \
-      "takes the n-th of them, from 1 on, off it; FALSE when there is none") \
+      "takes the n-th of them off the list, counted from 1; FALSE when there is none") \
     X("run", 'u', clips_control_run, "01i", \
       "(run [n])", \
       "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \
