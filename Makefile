@@ -334,7 +334,7 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 	@BUILD=$(BUILD) tests/soak/store.py
 
 .PHONY: soak-churn
-soak-churn: all $(HELPERS) ## a minute of processes that are killed, stopped and started under mail
+soak-churn: all $(HELPERS) ## a minute and a half of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
 
 .PHONY: soak-crash

@@ -96,8 +96,8 @@ int main(int argc, char **argv)
     }
     struct mu_random dice;
     mu_random_seed(&dice, (uint64_t)getpid(), argv[2]);
+    signal(SIGUSR1, on_signal); /* whoever finds the record may send one */
     record = record_open(argv[5]);
-    signal(SIGUSR1, on_signal);
     mu_process *p;
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
                                          .agents = (uint32_t)agents};
