@@ -6,6 +6,7 @@ import random
 import resource
 import sqlite3
 import subprocess
+import time
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
@@ -283,6 +284,20 @@ def test_files_that_are_no_store_are_refused_and_left_as_they_are():
             code, text = refused_start(domain, path)
             check_equal(code, 9, f"{path}: {text}")
             check(str(path) in text and "--store" in text, text)
+
+
+def test_the_next_broker_waits_for_the_store_of_one_that_is_dying():
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        store = out / "store.db"
+        first = broker_start(processes, domain, "--store", store)
+        second = broker_again(processes, domain, store)
+        time.sleep(0.5)  # it has found the store in use
+        check(second.poll() is None, "it waits")
+        kill(first)
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
+        second.terminate()
+        check_equal(second.wait(30), 0, "its end")
 
 
 def test_stores_of_another_version_and_damaged_ones_are_refused():
