@@ -158,10 +158,6 @@ static mu_result pages_check(struct disk *d)
     return whole ? MU_OK : complain_damaged(d, "the store is damaged");
 }
 
-/* A broker that was killed holds its store until the kernel has taken it down, which a busy machine
- * takes its time for. */
-enum { HANDOVER_MS = 2000 };
-
 /* Exclusive locking keeps a second broker out, and the log's index in our own memory. */
 static bool mode_set(struct disk *d)
 {
@@ -253,6 +249,9 @@ static bool schema_set(struct disk *d, int64_t version)
                         : scripts_run(d, upgrade, sizeof upgrade / sizeof upgrade[0]);
 }
 
+/* A broker that was killed holds its store until the kernel has freed its files. */
+enum { HANDOVER_MS = 2000 };
+
 static mu_result store_begin(struct disk *d, uint64_t wall_ns)
 {
     int64_t version;
@@ -277,7 +276,6 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
                "file=%s durable mail is refused until it can: the disk is full", d->path);
         d->troubled = true;
     }
-    sqlite3_busy_timeout(d->db, 0);        /* from now on the store is its own */
     sqlite3_wal_hook(d->db, on_commit, d); /* in place of checkpoints at SQLite's own times */
     return begun && stat(d->path, &d->file) == 0 ? MU_OK : complain_of(d);
 }

@@ -2,11 +2,11 @@
 """The broker's store: mail that survives kill -9 of the broker, and files that it refuses."""
 import contextlib
 import os
+import pathlib
 import random
 import resource
 import sqlite3
 import subprocess
-import time
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, program, wait_for)
@@ -49,6 +49,14 @@ def storer_start(processes, domain, out, count, level="logged", name="sender"):
 def broker_again(processes, domain, store):
     """Starts a broker, without waiting for anything: whoever is there must find it."""
     return processes.start(MUSTER, "broker", "main", "--domain", domain, "--store", store)
+
+
+def has_open(process, path):
+    """Whether a process lives and has a file open."""
+    files = pathlib.Path(f"/proc/{process.pid}/fd")
+    with contextlib.suppress(FileNotFoundError):  # one that was closed meanwhile
+        return any(file.readlink() == path for file in files.iterdir())
+    return False
 
 
 def kill(process):
@@ -292,8 +300,7 @@ def test_the_next_broker_waits_for_the_store_of_one_that_is_dying():
         store = out / "store.db"
         first = broker_start(processes, domain, "--store", store)
         second = broker_again(processes, domain, store)
-        time.sleep(0.5)  # it has found the store in use
-        check(second.poll() is None, "it waits")
+        wait_for(lambda: has_open(second, store), 10, "it has opened the store")
         kill(first)
         wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
         second.terminate()
