@@ -59,7 +59,9 @@ static void on_end(void *unused, const struct mu_run_result *result)
 int main(int argc, char **argv)
 {
     const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
-    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
+    /* The run waits for it, so that what it asks belongs to a step. */
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
+                                         .watches = true};
     struct mu_handlers handlers = {.on_mail = on_mail};
     struct mu_watch_options watch = {.handlers = {.on_step = on_step, .on_end = on_end}};
     mu_process *process;

@@ -212,7 +212,8 @@ struct mu_process_options {
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
-                              step wait for them, too */
+                              step wait for them, too.  Those of MU_KIND_SPECIAL are outside all
+                              the same: what they say comes in behind the mail of its members */
     bool brief;            /* every handler returns within some milliseconds: mu_process_run has
                               them called in the thread of DDS that has received the mail, one at
                               a time as ever, with all signals blocked, instead of waking its own.

@@ -5,7 +5,9 @@
  *
  * A watch only reads.  Nobody waits for it: with it and without it a run has the same hash.  A
  * program that is slower than the run misses steps, and is told how many.  An agent that asks
- * robots by mail may live in the same process (mu_agent_join); its mails are in the hash.
+ * robots by mail may live in the same process (mu_agent_join); its mails are in the hash.  If that
+ * process watches (mu_process_options), and the agent is of MU_KIND_SPECIAL, a lock step waits for
+ * it: what it sends in on_step goes out with the step after that.
  *
  * Units: metres, radians (counter-clockwise, 0 along +x), seconds, or nanoseconds where the name
  * says so.

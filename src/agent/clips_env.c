@@ -293,7 +293,9 @@ static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
     }
     char path[MU_FAULT_FILE_MAX + 1];
     snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
-    return clips_load_file(m, path, fault);
+    mu_result loaded = clips_load_file(m, path, fault);
+    m->rules_speak = false;
+    return loaded;
 }
 
 struct mind *mind_reserve(void)

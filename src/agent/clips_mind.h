@@ -157,6 +157,7 @@ struct mind {
     size_t mail_count;
     struct clips_parked *parked;
     bool rules_getmsg; /* a construct calls (getmsg) */
+    bool rules_speak;  /* one that is not of the library sends mail, or may */
 
     struct clips_handler handlers[CLIPS_HANDLERS_MAX]; /* the youngest last */
     size_t handler_count;
@@ -454,6 +455,13 @@ MU_MUST_USE mu_result clips_layer_add(struct mind *m, uint32_t layer, const char
 
 /* clips_functions.c */
 void clips_functions_install(struct mind *m);
+
+/* Parses a call as CLIPS does that of a function without a parser. */
+struct expr *clips_functions_parse(void *env, struct expr *top, const char *source);
+
+/* Has a parser of ours note who calls a function; all else of it stays. */
+void clips_functions_note(struct mind *m, const char *name,
+                          struct expr *(*parse)(void *env, struct expr *top, const char *source));
 
 /* clips_findall.c */
 struct expr *clips_findall_parse(void *env, struct expr *top, const char *source);

@@ -36,20 +36,13 @@ void clips_sense_note(struct mind *m, const char *word)
     }
 }
 
-/* As CLIPS parses any call, but notes whose it is. */
 static struct expr *sense_parse(void *env, struct expr *top, const char *source)
 {
     const struct FunctionDefinition *f = top->value;
-    const char *name = ValueToString(f->callFunctionName);
-    top = CollectArguments(env, top, source);
-    if (!top) {
-        return NULL;
+    top = clips_functions_parse(env, top, source);
+    if (top) {
+        clips_sense_note(clips_env_mind(env), ValueToString(f->callFunctionName));
     }
-    if (CheckExpressionAgainstRestrictions(env, top, f->restrictions, name)) {
-        ReturnExpression(env, top);
-        return NULL;
-    }
-    clips_sense_note(clips_env_mind(env), name);
     return top;
 }
 
@@ -57,12 +50,7 @@ void clips_sense_install(struct mind *m)
 {
     static const char *const functions[] = {"sonar", "clear-way", "laser", "camera", "fiducials"};
     for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
-        struct FunctionDefinition *f = FindFunction(m->env, functions[i]);
-        const struct FunctionDefinition before = *f;
-        int known = AddFunctionParser(m->env, functions[i], sense_parse);
-        MU_ASSERT(known);
-        f->restrictions = before.restrictions; /* CLIPS leaves them to the parser, */
-        f->overloadable = before.overloadable; /* and wants no methods of its function */
+        clips_functions_note(m, functions[i], sense_parse);
     }
 }
 

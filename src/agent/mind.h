@@ -216,6 +216,10 @@ MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_faul
 MU_MUST_USE mu_result mind_load_text(struct mind *m, const char *name, const char *text,
                                      struct mu_fault *fault);
 
+/** @return whether rules or functions that were loaded send mail, or change groups or services, or
+ * call what they name only as they go on */
+bool mind_speaks(const struct mind *m);
+
 /** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
 MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
 

@@ -230,6 +230,9 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
     }
+    if (effect == EFFECT_STEP && !presence_in_lockstep(b, agent)) {
+        effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
+    }
     if (act->mails._length > 0) {
         floods_note_speaker(b, place);
     }

@@ -33,6 +33,7 @@ struct place {
     bool used;
     bool matched;
     bool rostered;         /* a lock step waits for it */
+    bool watches;          /* its agents have no bodies: the special ones look on */
     bool simulator;        /* of the lock step */
     bool answered;         /* its Up of the current step is in */
     bool step_due;         /* the Delivery of the last step has not gone out to it */

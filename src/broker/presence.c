@@ -14,10 +14,18 @@ uint64_t presence_wall_ns(const struct broker *b)
     return b->wall_ns + b->clock.now_ns;
 }
 
-bool presence_in_lockstep(const struct broker *b, uint32_t agent)
+bool presence_is_paced(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
     return place != MU_NONE && b->places.at[place].rostered;
+}
+
+bool presence_in_lockstep(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    bool looks_on = a->process != MU_NONE && b->places.at[a->process].watches &&
+                    a->is.kind == muster_KIND_SPECIAL;
+    return presence_is_paced(b, agent) && !looks_on;
 }
 
 void presence_seated(struct broker *b, uint32_t agent, uint64_t number)
@@ -360,7 +368,7 @@ void presence_set_state(struct broker *b, uint32_t agent, muster_State state)
 /* A lock step does not let go of an agent before it ends. */
 static void presence_leave(struct broker *b, uint32_t agent)
 {
-    if (presence_in_lockstep(b, agent)) {
+    if (presence_is_paced(b, agent)) {
         b->registry.agents[agent].gone = true;
     } else {
         presence_depart(b, agent);
@@ -581,6 +589,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
         pages_forget_told(at);
     }
     at->incarnation = r->incarnation;
+    at->watches = r->watches;
     if (at->lost) {
         at->lost = false;
         at->roll_call_due = r->part > 0 || at->parts_top > 1;

@@ -22,6 +22,10 @@ void presence_seated(struct broker *b, uint32_t agent, uint64_t number);
 /** @return whether the agent's process is in a lock step that is on */
 bool presence_in_lockstep(const struct broker *b, uint32_t agent);
 
+/** @return whether the lock step waits for its process: it is a member, or looks on and speaks from
+ * outside, in its turn */
+bool presence_is_paced(const struct broker *b, uint32_t agent);
+
 /** @return whether the agent lives beyond another broker */
 bool presence_is_beyond(const struct broker *b, uint32_t agent);
 

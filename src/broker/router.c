@@ -187,7 +187,7 @@ void router_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
         outcome_settle(b, m);
     }
-    if (!presence_in_lockstep(b, agent)) {
+    if (!presence_is_paced(b, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
     tenants_wake(&b->registry, &b->places, agent);

@@ -170,7 +170,9 @@ static mu_result monitor_open(void)
                                          .interface = network->interface,
                                          .peer = mu_network_peers(network),
                                          .name = monitor.set.name,
-                                         .broker = network->broker};
+                                         .broker = network->broker,
+                                         .watches =
+                                             mind_speaks(monitor.self->mind) && !monitor.latest};
     struct mu_watch_options watch = {
         .latest = monitor.latest,
         .handlers = {.on_scene = on_scene, .on_step = on_step, .on_end = on_end}};

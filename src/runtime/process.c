@@ -223,10 +223,15 @@ void process_register(mu_process *p)
     roll_mark_all(p);
 }
 
+static bool has_seen(const mu_process *p, int64_t step)
+{
+    return !p->sees || p->sees(p->sees_self, step);
+}
+
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return process_takes_steps(p) && p->greeted && p->broker_incarnation != 0 &&
+    return process_takes_steps(p) && p->greeted && p->broker_incarnation != 0 && has_seen(p, -1) &&
            bus_writer_reaches(&p->up, p->link.partition) &&
            bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
            bus_reader_matches(&p->sense) > 0;
@@ -361,6 +366,9 @@ static bool handle_one(mu_process *p)
         return true;
     }
     if (p->step && p->mail && p->mail->step == p->step->step - 1) {
+        if (!has_seen(p, p->step->step - 1)) {
+            return false;
+        }
         step_live(p, p->step, p->mail);
         p->step = NULL;
         inbox_drop(p);
@@ -477,6 +485,18 @@ static void samples_await(mu_process *p, int64_t most_ns)
     (p->in_lockstep ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
 }
 
+void process_turn(mu_process *p)
+{
+    handle_all(p);
+    if (p->in_lockstep) {
+        step_say_trips(p);
+    } else {
+        step_flush(p);
+    }
+    agents_leave(p, false);
+    roll_write(p);
+}
+
 static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
     MU_TRY(link_look(p));
@@ -487,14 +507,7 @@ static mu_result spin(mu_process *p, int64_t timeout_ns)
     }
     int64_t most_ns = rest_ns(p);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
-    handle_all(p);
-    if (p->in_lockstep) {
-        step_say_trips(p);
-    } else {
-        step_flush(p);
-    }
-    agents_leave(p, false);
-    roll_write(p);
+    process_turn(p);
     return p->done ? MU_DONE : MU_OK;
 }
 
@@ -567,6 +580,13 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 {
     p->round = round;
     p->round_self = self;
+}
+
+void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t step),
+                       const void *self)
+{
+    p->sees = sees;
+    p->sees_self = self;
 }
 
 void process_before_up(mu_process *p, void (*before)(void *self), void *self)

@@ -145,6 +145,8 @@ struct mu_process {
     void *round_self;
     void (*before_up)(void *self); /* what the agents did is about to go out; NULL: nobody */
     void *before_up_self;
+    bool (*sees)(const void *self, int64_t step); /* process_see_first; NULL: nothing is awaited */
+    const void *sees_self;
     bool answering; /* it is the answer to a step, which is put together already */
     /* The Up that is being put together; pending: refused by the network, to be tried again. */
     muster_Up out;
@@ -175,6 +177,14 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
  * go out: what is on disk by then is never behind what others have heard.
  */
 void process_before_up(mu_process *p, void (*before)(void *self), void *self);
+
+/** Holds each step of a lock step until its agents have seen how the one before it went: until
+ * sees(self, that step).  Before the first one, -1, the process is not ready.  NULL: no more. */
+void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t step),
+                       const void *self);
+
+/** Handles what is there, and says what is to be said. */
+void process_turn(mu_process *p);
 
 /** @return whether a signal has come that mu_process_run ends for; in signal handlers, too */
 bool process_is_told_to_end(void);

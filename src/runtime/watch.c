@@ -56,13 +56,28 @@ struct mu_watch {
     bool spins; /* in mu_watch_spin, and so in handlers */
 };
 
+/* A simulator hears of them in this order: who has its Scene is sent its Frames. */
 static mu_result readers_open(mu_watch *w, bool latest)
 {
-    MU_TRY(bus_reader_open(w->bus, BUS_SCENE, NULL, &w->scenes));
-    MU_TRY(bus_reader_open(w->bus, BUS_RUN_STATUS, NULL, &w->statuses));
-    return latest
+    MU_TRY(latest
                ? bus_reader_open(w->bus, BUS_FRAME, "latest", &w->frames)
-               : bus_reader_open_deep(w->bus, BUS_FRAME, "every", MU_WATCH_BEHIND_MAX, &w->frames);
+               : bus_reader_open_deep(w->bus, BUS_FRAME, "every", MU_WATCH_BEHIND_MAX, &w->frames));
+    MU_TRY(bus_reader_open(w->bus, BUS_SCENE, NULL, &w->scenes));
+    return bus_reader_open(w->bus, BUS_RUN_STATUS, NULL, &w->statuses);
+}
+
+static bool has_seen(const void *self, int64_t step)
+{
+    const mu_watch *w = self;
+    return step == STEPS_NONE ? w->has_scene : w->step >= step;
+}
+
+/* Agents that take part in steps act on what they have seen of the run. */
+static void steps_hold(mu_watch *w, bool latest)
+{
+    if (w->process && w->process->watches && !w->process->ready && !latest) {
+        process_see_first(w->process, has_seen, w);
+    }
 }
 
 static void run_forget(mu_watch *w)
@@ -79,6 +94,7 @@ static void bus_leave(mu_watch *w)
         bus_close(&w->own);
         return;
     }
+    process_see_first(w->process, NULL, NULL);
     bus_reader_close(&w->scenes);
     bus_reader_close(&w->frames);
     bus_reader_close(&w->statuses);
@@ -106,6 +122,7 @@ mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_opt
         bus_leave(w);
         return opened;
     }
+    steps_hold(w, options->latest);
     *out = w;
     return MU_OK;
 }
@@ -257,6 +274,12 @@ static void end_look(mu_watch *w)
     w->met = w->met && here;
 }
 
+/* @return whether the simulator knows of this process, if its steps are to wait for it */
+static bool is_awaited(const mu_watch *w)
+{
+    return !w->process || !w->process->sees || w->process->greeted;
+}
+
 static mu_result spin(mu_watch *w, int64_t timeout_ns)
 {
     int64_t most_ns = timeout_ns < ROUND_NS ? timeout_ns : ROUND_NS;
@@ -271,11 +294,16 @@ static mu_result spin(mu_watch *w, int64_t timeout_ns)
         simulator_met(w);
     }
     scenes_look(w); /* before how its run goes */
-    if (w->has_scene && !w->announced) {
+    if (w->has_scene && !w->announced && is_awaited(w)) {
         ready_tell(w);
     }
     statuses_look(w);
     frames_look(w, FRAMES_NS);
+    if (w->process && w->process->sees) {
+        w->process->spins = true;
+        process_turn(w->process); /* a step may have waited for what was seen just now */
+        w->process->spins = false;
+    }
     end_look(w);
     return w->ended ? MU_DONE : MU_OK;
 }

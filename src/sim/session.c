@@ -175,12 +175,26 @@ static bool process_leave(struct session *s, const muster_Registration *r, bool 
     return changed;
 }
 
-/* @return whether a process has begun or ceased to watch */
+bool session_onlooks(const muster_Registration *r)
+{
+    bool all = r->watches && r->agents._length > 0;
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        all = all && r->agents._buffer[i].kind == muster_KIND_SPECIAL;
+    }
+    return all;
+}
+
+/* Who only looks on is there from the start, or comes too late.
+ * @return whether a process has begun or ceased to watch */
 static bool watcher_take(struct session *s, const muster_Registration *r, bool watches)
 {
     int32_t process = r->part == 0 ? process_find(s, r->process) : -1;
-    if (process < 0 && watches && r->part == 0) {
+    bool onlooks = session_onlooks(r);
+    if (process < 0 && watches && r->part == 0 && !(onlooks && s->step >= 0)) {
         process = process_add(s, r->process);
+    }
+    if (process >= 0 && watches) {
+        s->processes[process].onlooks = onlooks;
     }
     if (process < 0 || s->processes[process].watches == watches) {
         return false;
@@ -336,7 +350,7 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
         if (!process_attends(s, p)) {
             continue;
         }
-        watchers += p->watches;
+        watchers += p->watches && !p->onlooks;
         hosts += p->hosts;
         if (!process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
@@ -517,7 +531,8 @@ void session_leave_out(struct session *s)
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
         bool answers = !p->lost || p->answered >= s->step;
-        if (answers || p->left_out || p->watches || process_is_needed(s, i)) {
+        bool is_needed = (p->watches && !p->onlooks) || process_is_needed(s, i);
+        if (answers || p->left_out || is_needed) {
             continue;
         }
         session_rest(s, i);

@@ -51,6 +51,7 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     bool watches; /* it sees all bodies, and has none */
+    bool onlooks; /* watches, and all its agents are special: it may die, as nobody needs it */
     bool hosts;   /* it takes in robots: it belongs to the run, whether it has any or not, */
     char host[MU_NAME_MAX + 1]; /* under this name */
     bool left_out;              /* nobody waits for it */
@@ -85,18 +86,18 @@ struct session_listener {
 struct session_options {
     uint64_t seed;
     uint64_t step_ns;
-    uint64_t duration_ns; /* 0: no end */
-    double rate;          /* times real time; 0: as fast as it goes */
-    bool free;            /* no lock step */
-    const char *broker;   /* of the robots of a lock step; NULL: the first robot's */
-    bool waits_for_go;    /* the first step waits for a RunCommand, */
-    uint32_t watchers;    /* and for so many processes that watch, */
-    uint32_t hosts;       /* and for so many that take in robots */
+    uint64_t duration_ns;             /* 0: no end */
+    double rate;                      /* times real time; 0: as fast as it goes */
+    bool free;                        /* no lock step */
+    const char *broker;               /* of the robots of a lock step; NULL: the first robot's */
+    bool waits_for_go;                /* the first step waits for a RunCommand, */
+    uint32_t watchers;                /* and for so many processes that watch, */
+    uint32_t hosts;                   /* and for so many that take in robots */
     const struct mu_network *network; /* how long to wait for the broker */
-    int saves;            /* the open folder that states are saved in */
-    uint64_t silence_ns;  /* wall time after which a silent controller is a fault */
-    uint64_t return_ns;   /* wall time that a lock step waits for one that died to be started again;
-                             0: that is a fault at once */
+    int saves;                        /* the open folder that states are saved in */
+    uint64_t silence_ns;              /* wall time after which a silent controller is a fault */
+    uint64_t return_ns; /* wall time that a lock step waits for one that died to be started again;
+                           0: that is a fault at once */
 };
 
 struct session {
@@ -234,6 +235,10 @@ void session_orders_apply(struct session *s);
 
 /** Tells the broker which processes make the lock step, or that there is none any more. */
 MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
+
+/** @return whether a process watches, and all its agents are special: what they say is mail from
+ * outside, in its turn */
+bool session_onlooks(const muster_Registration *r);
 
 /** Takes who controls or watches what, and who has gone. */
 void session_register(struct session *s, const muster_Registration *r, enum bus_life life);

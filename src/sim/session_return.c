@@ -35,7 +35,7 @@ static void followed_note(struct session *s, uint32_t process, const char *by)
 static void follow_watchers(struct session *s, const char *by)
 {
     for (uint32_t i = 0; i < s->process_count; i++) {
-        if (s->processes[i].watches) {
+        if (s->processes[i].watches && !s->processes[i].onlooks) {
             followed_note(s, i, by);
         }
     }
@@ -64,7 +64,7 @@ static void follow(struct session *s, const muster_Registration *r)
             followed_note(s, (uint32_t)process, r->process);
         }
     }
-    if (r->watches) {
+    if (r->watches && !session_onlooks(r)) {
         follow_watchers(s, r->process);
     }
 }

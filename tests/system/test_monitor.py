@@ -337,6 +337,14 @@ monitors:
         check_equal(again.returncode, 0, f"the recording, done again: {again.stdout}")
 
 
+def eye_of(run):
+    """The process of the run's monitor of that name."""
+    pids = [pid for pid in children_of(run.pid)
+            if b"--name=eye" in (pathlib.Path("/proc") / str(pid) / "cmdline").read_bytes()]
+    check_equal(len(pids), 1, "the monitor's process")
+    return pids[0]
+
+
 def test_the_death_of_a_monitor_ends_nothing():
     with folder() as out, Processes() as processes:
         (out / "dies.clp").write_text(
@@ -348,10 +356,7 @@ def test_the_death_of_a_monitor_ends_nothing():
             run = processes.start(MUSTER, "run", file, "--quiet", "--out", out / "killed", "--rate",
                                   "10", stderr=said)
         wait_for(lambda: "seen" in text_of(out / "killed/eye.log"), 20, "it sees the run")
-        pids = [pid for pid in children_of(run.pid)
-                if b"--name=eye" in (pathlib.Path("/proc") / str(pid) / "cmdline").read_bytes()]
-        check_equal(len(pids), 1, "the monitor's process")
-        os.kill(pids[0], signal.SIGKILL)
+        os.kill(eye_of(run), signal.SIGKILL)
         check_equal(run.wait(60), 12, "something did not happen")
         summary = json.loads((out / "killed/summary.json").read_text())
         check_equal(summary["undone"], ["the monitor eye was killed by signal 9 (Killed)"], "what")
@@ -407,13 +412,57 @@ def test_what_a_monitor_asked_is_asked_again_by_verify():
     with folder() as out:
         (out / "asks.clp").write_text(INTRUSIVE)
         _, plain = watched(out, "plain", "")
-        _, summary = watched(out, "asked", "monitors: [{name: eye, rules: asks.clp}]\n",
-                             "--rate", "20")
+        _, summary = watched(out, "asked", "monitors: [{name: eye, rules: asks.clp}]\n")
         check(summary["hash"] != plain["hash"], "its mails are in the hash")
         check_equal(text_of(out / "asked/eye.log"), "red says (goal safe-wander)\n", "its log")
         again = muster("verify", out / "asked/run.mcap")
         check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
         check(summary["hash"] in again.stdout, again.stdout)
+
+
+# Asks in every step, and after forty answers for more.
+ASKS = """
+(defglobal ?*answers* = 0)
+(defrule ask (step (number ?n&:(< ?n 290))) => (ask-one red status)
+  (if (= (mod ?n 7) 0) then (ask-one blue goal)))
+(defrule answer ?m <- (mail (from ?who) (content $?content)) (step (number ?n)) =>
+  (retract ?m) (bind ?*answers* (+ ?*answers* 1)) (if (= ?*answers* 40) then (send blue hello red))
+  (printout t ?n " " ?who " says " ?content crlf))
+"""
+
+
+def test_what_an_intrusive_monitor_says_belongs_to_steps():
+    """At any speed one hash, and one log: the run waits for it."""
+    with folder() as out:
+        (out / "asks.clp").write_text(ASKS)
+        monitors = "monitors: [{name: eye, rules: asks.clp}]\n"
+        runs = []
+        for number, words in enumerate(((), (), ("--rate", "30"))):
+            done, summary = watched(out, f"run{number}", monitors, *words)
+            check_equal(done.returncode, 0, f"{done.stdout} {done.stderr}")
+            runs.append((summary["hash"], text_of(out / f"run{number}/eye.log")))
+        check_equal(runs, runs[:1] * 3, "three runs of one seed")
+        lines = runs[0][1].splitlines()
+        check(lines[0].startswith("3 "), f"what it saw of step 0 is asked in 1: {lines[0]}")
+        check_equal(len(lines), 290 + 42, "all is answered")
+        again = muster("verify", out / "run0/run.mcap")
+        check_equal(again.returncode, 0, f"{again.stdout} {again.stderr}")
+
+
+def test_an_intrusive_monitor_that_dies_or_stops_ends_no_run():
+    with folder() as out, Processes() as processes:
+        (out / "asks.clp").write_text(ASKS)
+        for name, number in (("killed", signal.SIGKILL), ("stopped", signal.SIGSTOP)):
+            domain, file, log = new_domain(), out / f"{name}.yaml", out / name / "eye.log"
+            file.write_text(PAIR % 30 + "monitors: [{name: eye, rules: asks.clp}]\n")
+            run = processes.start(MUSTER, "run", file, "--domain", domain, "--out", out / name,
+                                  "--quiet", "--rate", "2")
+            wait_for(lambda: "red says" in text_of(log), 30, "an answer")
+            os.kill(eye_of(run), number)
+            check_equal(muster("world", "pace", "0", "--domain", domain).returncode, 0, "faster")
+            check_equal(run.wait(60), 12, "something that the file names did not happen")
+            summary = json.loads((out / name / "summary.json").read_text())
+            check_equal(summary["sim_time_s"], 30, "to the end")
 
 
 def test_an_intrusive_monitor_asks_robots():

@@ -552,6 +552,39 @@ static void test_same_seed_same_numbers(void)
     mind_close(other);
 }
 
+static void test_which_rules_speak(void)
+{
+    static const struct {
+        const char *rules;
+        bool speaks;
+    } cases[] = {
+        {"(defrule a (step) => (printout t tell crlf))", false},
+        {"(defrule a (step) (not (send red)) => (assert (send blue)))", false},
+        {"(deffunction f () (new-goal stay)) (defrule a (step) => (f) (suspend))", false},
+        {"(defrule a (step) => (if (> 1 0) then (send red hello)))", true},
+        {"(deffunction f (?who) (ask-one ?who status))", true},
+        {"(defrule a (step ?x&:(broadcast ?x)) =>)", true},
+        {"(defrule a (step) => (eval \"(send red hello)\"))", true},
+        {"(defrule a (step) => (funcall send red hello))", true},
+        {"(defrule a (step) => (group-join scouts))", true},
+        {"(defglobal ?*x* = (tell red hello))", true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct mu_fault fault;
+        struct mind *m = open_mind("rules");
+        CU_ASSERT_FALSE(mind_speaks(m)); /* the library does */
+        mu_result loaded = mind_load_text(m, "a.clp", cases[i].rules, &fault);
+        if (loaded != MU_OK) {
+            mu_fault_print(&fault);
+        }
+        CU_ASSERT_EQUAL(loaded, MU_OK);
+        CU_ASSERT_EQUAL(mind_speaks(m), cases[i].speaks);
+        (void)say(m, "(send red hello)", (char[256]){0}, 256);
+        CU_ASSERT_EQUAL(mind_speaks(m), cases[i].speaks); /* a person has said that */
+        mind_close(m);
+    }
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -577,6 +610,7 @@ int main(void)
         {"percepts that are no numbers", test_percepts_that_are_no_numbers},
         {"limit: readings", test_limit_readings},
         {"a mind without a body", test_a_mind_without_a_body},
+        {"which rules speak", test_which_rules_speak},
         {"the same seed gives the same numbers", test_same_seed_same_numbers},
         CU_TEST_INFO_NULL,
     };

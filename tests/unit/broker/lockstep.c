@@ -237,6 +237,71 @@ static void test_white_pages_of_a_step_do_not_show_onlookers(void)
     CU_ASSERT_EQUAL(story.members, 3 * 4);
 }
 
+/* The eye's process has its place in the roster, and waits for its part of each step. */
+static void eye_begin(void)
+{
+    story_begin();
+    story_join("green");
+    story_join("red");
+    muster_Registration r = registration("eye", "p-eye");
+    r.watches = true;
+    entry_of(&r)->kind = muster_KIND_SPECIAL;
+    entry_of(&r)->no_broadcasts = true;
+    broker_registration(story.b, &r, story.now_ns);
+    story_match("p-eye");
+    story_match("sim");
+    (void)story_collect();
+    roster_say(true, 0, "p-eye p-green p-red");
+    EXPECT("p-eye@-1; p-green@-1; p-red@-1; sim@-1");
+}
+
+static void test_who_looks_on_speaks_from_outside_in_its_turn(void)
+{
+    eye_begin();
+    answer("red", 0);
+    answer_with(letter("green", 1, "red", "hello"), 0);
+    EXPECT(""); /* it may have something to say */
+    answer_with(letter("eye", 1, "red", "status"), 0);
+    EXPECT("p-red@0; red #1 green/1 hello; red #2 eye/1 status; p-eye@0; p-green@0; sim@0; "
+           "outside eye/1");
+    /* What it is told is of a step, too; that it has it is told to nobody inside. */
+    story_up("red", 1, muster_STATE_RUNNING, (muster_Mail[]){letter("red", 1, "eye", "well")}, 1,
+             2);
+    answer("green", 1);
+    EXPECT("");
+    answer("eye", 1);
+    EXPECT("p-green@1; green 1-1 delivered; p-eye@1; eye #1 red/1 well; eye 1-1 delivered; "
+           "p-red@1; red 1-1 stored; sim@1");
+    story_up("eye", 2, muster_STATE_RUNNING, NULL, 0, 1);
+    answer("green", 2);
+    answer("red", 2);
+    EXPECT("p-eye@2; p-green@2; p-red@2; sim@2");
+}
+
+/* Nobody else waits for what it says to its like, and the hash has none of it. */
+static void test_who_looks_on_speaks_to_its_like_at_once(void)
+{
+    eye_begin();
+    story_join("operator");
+    (void)story_collect();
+    answer_with(letter("eye", 1, "operator", "look"), 0);
+    EXPECT("operator #1 eye/1 look");
+    answer("green", 0);
+    answer("red", 0);
+    EXPECT("p-eye@0; p-green@0; p-red@0; sim@0");
+}
+
+static void test_a_step_goes_on_without_who_looked_on(void)
+{
+    eye_begin();
+    answer("green", 0);
+    answer("red", 0);
+    story_gone("p-eye");
+    EXPECT("");
+    roster_say(true, 0, "p-green p-red");
+    EXPECT("p-green@0; p-red@0; sim@0");
+}
+
 static void test_deaths_are_the_simulators_business(void)
 {
     run_begin();
@@ -658,6 +723,10 @@ int main(void)
         {"a reason hides no state", test_a_reason_hides_no_state},
         {"white pages change between steps", test_white_pages_of_a_step_do_not_show_outsiders},
         {"onlookers are not shown", test_white_pages_of_a_step_do_not_show_onlookers},
+        {"who looks on speaks from outside, in its turn",
+         test_who_looks_on_speaks_from_outside_in_its_turn},
+        {"who looks on speaks to its like at once", test_who_looks_on_speaks_to_its_like_at_once},
+        {"a step goes on without who looked on", test_a_step_goes_on_without_who_looked_on},
         {"deaths are the simulator's business", test_deaths_are_the_simulators_business},
         {"the missing one is dropped", test_the_missing_one_is_dropped},
         {"a step is held until who died is back", test_a_step_is_held_until_who_died_is_back},

@@ -250,6 +250,28 @@ static void test_the_last_mail_of_an_earlier_lock_step(void)
     mu_process_close(process);
 }
 
+static bool has_seen(const void *self, int64_t step)
+{
+    return *(const int64_t *)self >= step;
+}
+
+/* Such as the Frame of the step before. */
+static void test_a_step_waits_for_what_is_to_be_seen(void)
+{
+    int64_t last = 28;
+    begin();
+    process_see_first(process, has_seen, &last);
+    sense(30);
+    deliver_in_step(29, 1);
+    spin(50);
+    CU_ASSERT_EQUAL(taken, 0);
+    last = 29;
+    process_turn(process);
+    CU_ASSERT_EQUAL(taken, 1);
+    CU_ASSERT_TRUE(spin_until_it_lived(30));
+    mu_process_close(process);
+}
+
 /* Who serves several runs hears mail between two of them, too. */
 static void test_between_two_lock_steps(void)
 {
@@ -337,6 +359,7 @@ int main(void)
         {"a step without mail", test_a_step_whose_mail_never_comes},
         {"a step that waits", test_a_step_that_waits_stays_as_it_is},
         {"the last mail", test_the_last_mail_of_an_earlier_lock_step},
+        {"a step waits for what is to be seen", test_a_step_waits_for_what_is_to_be_seen},
         {"between two lock steps", test_between_two_lock_steps},
         {"the next broker", test_who_has_left_is_nothing_to_the_next_broker},
         {"who moved", test_who_moved_in_lock_step_keeps_no_place},
