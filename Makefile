@@ -31,8 +31,9 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
          -Wno-sign-conversion -Wswitch-enum -Wundef -Wvla -Wpointer-arith -Wcast-qual \
          -Wwrite-strings -Wformat=2 -Wdouble-promotion -Wimplicit-fallthrough
 WERROR ?= -Werror
+CLIPS := build/clips
 # Foreign headers are system headers: their warnings are not ours.
-override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem /usr/include/clips -DMU_VERSION='"$(VERSION)"'
+override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem $(CLIPS)/core -DMU_VERSION='"$(VERSION)"'
 
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 # Tables for unwinding are with the debug information alone: nothing of ours throws.
@@ -142,7 +143,16 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(MAIN_$*))
 
-# The engine, with functions of ours in the place of its own: src/agent/clips_engine.h.
+# The engine from its source, once for all builds; its result does not depend on ours.
+CLIPS_CFLAGS := -std=gnu89 -w -O2 -g -ffp-contract=off -fno-strict-aliasing -fPIC -ffunction-sections \
+                -fdata-sections
+$(CLIPS)/core/whole: tools/clips-source | deps
+	$(Q)tools/clips-source $(CLIPS) && touch $@
+$(CLIPS)/libclips.a: $(CLIPS)/core/whole
+	@echo "  CC    $(CLIPS)/core/*.c"
+	$(Q)cd $(CLIPS)/core && ls *.c | grep -v '^main.c$$' | \
+	  xargs -P $(shell nproc) -I{} $(CC) $(CLIPS_CFLAGS) -c {} && rm -f ../libclips.a && ar rcs ../libclips.a *.o
+# In it stand functions of ours in the place of its own: src/agent/clips_engine.h.
 ENGINE_OWN := \
   HashSymbol HashFloat EnvAddDouble EnvAddLong DecrementSymbolCount DecrementFloatCount \
   DecrementIntegerCount RemoveEphemeralAtoms MultifieldInstall MultifieldDeinstall AtomInstall \
@@ -157,9 +167,9 @@ ENGINE_OWN := \
   EnvCreateMultifield FlushMultifields \
   PushProcParameters PopProcParameters \
   EnvRtnUnknown gensprintf PPCRAndIndent ExpandStringWithChar
-$(O)/libclips.a: Makefile | deps
+$(O)/libclips.a: $(CLIPS)/libclips.a Makefile
 	@mkdir -p $(@D); echo "  COPY  $@"
-	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $$($(CC) -print-file-name=libclips.a) $@
+	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $< $@
 $(patsubst %.c,$(O)/%.o,$(wildcard src/agent/clips_*.c)): CFLAGS += -fno-strict-aliasing # as it
 
 # Both libraries have the same in them: what is exported, and what that needs.
@@ -225,13 +235,13 @@ $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
 
-$(O)/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps
+$(O)/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps $(CLIPS)/core/whole
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # Known when the packages are there.
 $(O)/src/ctl/run_start.o $(O)/src/ctl/run_report.o: override CPPFLAGS += -DMU_CLIPS_VERSION='"$(shell \
-  sed -n 's/^.define VERSION_STRING "\(.*\)"/\1/p' /usr/include/clips/constant.h)"'
+  sed -n 's/^.define VERSION_STRING "\(.*\)"/\1/p' $(CLIPS)/core/constant.h)"'
 
 # In the library, and not where time is spent: small, not fast.
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
