@@ -153,20 +153,8 @@ $(CLIPS)/libclips.a: $(CLIPS)/core/whole
 	$(Q)cd $(CLIPS)/core && ls *.c | grep -v '^main.c$$' | \
 	  xargs -P $(shell nproc) -I{} $(CC) $(CLIPS_CFLAGS) -c {} && rm -f ../libclips.a && ar rcs ../libclips.a *.o
 # In it stand functions of ours in the place of its own: src/agent/clips_engine.h.
-ENGINE_OWN := \
-  HashSymbol HashFloat EnvAddDouble EnvAddLong DecrementSymbolCount DecrementFloatCount \
-  DecrementIntegerCount RemoveEphemeralAtoms MultifieldInstall MultifieldDeinstall AtomInstall \
-  AtomDeinstall \
-  InitializeFactHashTable HashFact AddHashedFact RemoveHashedFact FactWillBeAsserted \
-  HandleFactDuplication \
-  CreateAlphaMatch GetAlphaMemory RemoveAlphaMemoryMatches DestroyAlphaMemory FlushAlphaMemory \
-  NetworkAssert \
-  EvaluateExpression EnvRtnArgCount \
-  EnvPrintRouter PrintLongInteger PrintFloat FloatToString \
-  genalloc genfree EnvReleaseMem gm2 rm CreateMultifield2 ReturnMultifield AddToMultifieldList \
-  EnvCreateMultifield FlushMultifields \
-  PushProcParameters PopProcParameters \
-  EnvRtnUnknown gensprintf PPCRAndIndent ExpandStringWithChar
+ENGINE_OWN := EvaluateExpression EnvRtnUnknown EnvRtnArgCount EnvPrintRouter genalloc genfree EnvReleaseMem \
+  gensprintf PPCRAndIndent ExpandStringWithChar
 $(O)/libclips.a: $(CLIPS)/libclips.a Makefile
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $< $@

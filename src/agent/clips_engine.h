@@ -3,11 +3,10 @@
  * @file clips_engine.h
  * Functions of the engine that are ours.
  *
- * A robot thinks ten times a second in a few dozen functions of CLIPS.  Those are written anew in
- * the files that include this one, under the names that the engine has for them; ENGINE_OWN in the
- * Makefile lists them, and the linker takes ours in all of the engine.  Each does what the
- * engine's does, to the order of what it keeps, as tests/rules/engine compares.  They are fast
- * because they touch little memory.
+ * They stand in the files that include this one, under the names that CLIPS has for them;
+ * ENGINE_OWN in the Makefile lists them, and the linker takes ours in all of the engine.  Each does
+ * what the engine's does, as tests/rules/engine compares, and counts besides what it costs:
+ * clips_guard.c.
  * Those of clips_heap.c are ours so that a mind can give back all of its memory in any state.
  */
 #ifndef MUSTER_AGENT_CLIPS_ENGINE_H

@@ -248,7 +248,6 @@ static bool env_build(struct mind *m)
 
 static void env_install(struct mind *m)
 {
-    clips_atom_install(m);
     for (size_t i = 0; i < sizeof env_denied / sizeof env_denied[0]; i++) {
         UndefineFunction(m->env, env_denied[i]);
     }

@@ -130,7 +130,6 @@ enum clips_diary_fact {
 struct mind {
     void *env; /* NULL: there is none, or it broke */
     struct clips_heap heap;
-    uint32_t floats, float_places; /* atoms of them, and over how many lists they are spread */
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct mu_random random;
@@ -252,9 +251,6 @@ void clips_heap_make(struct mind *m);
 
 /** Gives back all memory of the environment, without a look at what stands in it. */
 void clips_heap_drop(struct mind *m);
-
-/* clips_atom.c */
-void clips_atom_install(struct mind *m);
 
 /* clips_guard.c */
 

@@ -4,7 +4,6 @@
  * thousand facts is five thousand words, and a robot lists them between two steps.
  */
 #include "agent/clips_engine.h"
-#include "agent/clips_number.h"
 
 #include <router.h>
 #include <stdio.h>
@@ -40,33 +39,4 @@ int EnvPrintRouter(void *env, const char *name, const char *text)
         UnrecognizedRouterMessage(env, name);
     }
     return 0;
-}
-
-void PrintLongInteger(void *env, const char *name, long long number)
-{
-    char digits[24], *at = digits + sizeof digits - 1;
-    unsigned long long rest = (unsigned long long)number;
-    rest = number < 0 ? 0 - rest : rest;
-    *at = '\0';
-    do {
-        *--at = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
-    if (number < 0) {
-        *--at = '-';
-    }
-    EnvPrintRouter(env, name, at);
-}
-
-/* The engine makes a symbol of each number that it prints. */
-void PrintFloat(void *env, const char *name, double number)
-{
-    char bytes[CLIPS_NUMBER_BYTES];
-    EnvPrintRouter(env, name, clips_number_print(number, bytes));
-}
-
-const char *FloatToString(void *env, double number)
-{
-    char bytes[CLIPS_NUMBER_BYTES];
-    return ValueToString(EnvAddSymbol(env, clips_number_print(number, bytes)));
 }
