@@ -1,7 +1,7 @@
 # muster - agents for teams of robots.  `make help` lists the targets.
 #
-# One Makefile, no recursion, no configure step.  A folder below src/ is a module: its files are
-# found, not listed.  Variants live side by side: build/release, build/asan, ...
+# One Makefile, no recursion, no configure step.  A folder below src/ is a module: its files, and those
+# of its own folders, are found, not listed.  Variants live side by side: build/release, build/asan, ...
 MAKEFLAGS += --no-builtin-rules
 # All cores, unless the command line says how many.
 ifeq ($(MAKELEVEL),0)
@@ -57,7 +57,8 @@ $(O)/flags: FORCE
 FORCE:
 
 # --- modules: who may use whom is checked by tools/tidy.py ---------------------------------------
-objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(wildcard src/$(1)/*.c)))
+CODE    := $(sort $(shell find src -name '*.c'))
+objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(filter src/$(1)/%,$(CODE))))
 IDL     := $(wildcard idl/*.idl)
 GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
