@@ -70,10 +70,12 @@ USES_stats   := core
 USES_runtime := stats bus core
 USES_broker  := bus core
 USES_sim     := mcap world bus core
-USES_agent   := world runtime stats bus core
+USES_planner := world core
+USES_mind    := planner world core
+USES_agent   := mind planner world runtime stats bus core
 USES_resolver := runtime stats bus core
-USES_host    := agent world runtime stats bus core
-USES_monitor := agent world runtime stats bus core
+USES_host    := agent mind planner world runtime stats bus core
+USES_monitor := agent mind planner world runtime stats bus core
 USES_story   := mcap bus core
 USES_record  := mcap bus core
 USES_replay  := mcap bus core
@@ -90,7 +92,9 @@ LIBS_stats   := -lm
 LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3 -lm
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
-LIBS_agent   := -Wl,--wrap=EvaluateProcActions,--wrap=ReturnFact -lddsc -lccd -lpng -lm
+LIBS_planner := -lccd -lpng -lm
+LIBS_mind    := -Wl,--wrap=EvaluateProcActions,--wrap=ReturnFact -lccd -lpng -lm
+LIBS_agent   := $(LIBS_mind) -lddsc
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
 LIBS_monitor := $(LIBS_agent)
@@ -105,7 +109,7 @@ LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
-                $(if $(filter agent,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
+                $(if $(filter mind,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
             muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
@@ -153,13 +157,13 @@ $(CLIPS)/libclips.a: $(CLIPS)/core/whole
 	@echo "  CC    $(CLIPS)/core/*.c"
 	$(Q)cd $(CLIPS)/core && ls *.c | grep -v '^main.c$$' | \
 	  xargs -P $(shell nproc) -I{} $(CC) $(CLIPS_CFLAGS) -c {} && rm -f ../libclips.a && ar rcs ../libclips.a *.o
-# In it stand functions of ours in the place of its own: src/agent/clips_engine.h.
+# In it stand functions of ours in the place of its own: src/mind/engine/clips_engine.h.
 ENGINE_OWN := EvaluateExpression EnvRtnUnknown EnvRtnArgCount EnvPrintRouter genalloc genfree EnvReleaseMem \
   gensprintf PPCRAndIndent ExpandStringWithChar
 $(O)/libclips.a: $(CLIPS)/libclips.a Makefile
 	@mkdir -p $(@D); echo "  COPY  $@"
 	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $< $@
-$(patsubst %.c,$(O)/%.o,$(wildcard src/agent/clips_*.c)): CFLAGS += -fno-strict-aliasing # as it
+$(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
 
 # Both libraries have the same in them: what is exported, and what that needs.
 $(O)/libmuster.a: $(O)/libmuster.so.0 $$(call module_objs,runtime)
@@ -241,14 +245,14 @@ $(COLD): CFLAGS += -Os
 endif
 
 # What casts rays is worth more of the compiler's time.  No result may depend on the trap flags.
-RAYS := $(patsubst %,$(O)/src/sim/%.o,grid fan_portable fan_sse2 fan_avx2 fan_avx512)
+RAYS := $(patsubst %,$(O)/src/sim/%.o,geometry/grid sensors/fan_portable sensors/fan_sse2 sensors/fan_avx2 sensors/fan_avx512)
 ifeq ($(BUILD),release)
 $(RAYS): CFLAGS += -O3 -fno-trapping-math
 endif
 # The same source for each vector unit of the processor; which one runs is found out at the start.
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
-$(O)/src/sim/fan_avx2.o: CFLAGS += -mavx2
-$(O)/src/sim/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
+$(O)/src/sim/sensors/fan_avx2.o: CFLAGS += -mavx2
+$(O)/src/sim/sensors/fan_avx512.o: CFLAGS += -mavx512f -mavx512dq -mprefer-vector-width=512
 endif
 
 $(ASSETS): $(O)/%.o: %
@@ -385,9 +389,9 @@ soak-gohome: $(O)/test/gohome ## (gohome) from fifty random places of each world
 
 .PHONY: soak-minds
 soak-minds: ## a million random lines and damaged rule files for minds, under the sanitizers
-	@$(MAKE) --no-print-directory BUILD=asan build/asan/unit/agent
+	@$(MAKE) --no-print-directory BUILD=asan build/asan/unit/mind
 	@set -e; for seed in {1..20}; do MUSTER_SEED=$$seed MUSTER_ROUNDS=50000 \
-	  build/asan/unit/agent fuzz; done
+	  build/asan/unit/mind fuzz; done
 
 .PHONY: soak-engine
 soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
@@ -407,16 +411,16 @@ asan: ## unit and rule tests under the address and undefined-behaviour sanitizer
 coverage: ## unit tests with gcov; needs gcovr
 	@$(MAKE) --no-print-directory BUILD=coverage unit && gcovr -r . --object-directory build/coverage
 
-$(O)/test/clips: $(O)/tests/rules/engine/embedded.o $$(call module_objs,agent)
+$(O)/test/clips: $(O)/tests/rules/engine/embedded.o $$(call module_objs,mind)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 
-$(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,agent)
+$(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,mind)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,agent) $$(call objs,sim) $$(call objs,mcap)
+$(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,mind) $$(call objs,sim) $$(call objs,bus) $(GEN) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
@@ -424,9 +428,9 @@ $(O)/test/sensed: $(O)/tests/soak/sensed.o $$(call module_objs,story)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_story)
 
-$(O)/test/rules: $(O)/tests/rules/muster/rules.o $$(call module_objs,agent)
+$(O)/test/rules: $(O)/tests/rules/muster/rules.o $$(call module_objs,mind)
 	@mkdir -p $(@D); echo "  LINK  $@"
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
@@ -449,7 +453,7 @@ bench-slider: all ## the time slider: how long the page waits for a moment of a 
 	@BUILD=$(BUILD) bench/slider $(ARGS)
 
 .PHONY: bench-minds
-bench-minds: $(O)/test/clips $(O)/bench/bench_agent_cycle ## a robot's control cycle; the engine in a robot against the program clips
+bench-minds: $(O)/test/clips $(O)/bench/bench_mind_cycle ## a robot's control cycle; the engine in a robot against the program clips
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.

@@ -19,10 +19,12 @@ MAY_INCLUDE = {
     "runtime": {"core", "bus"},
     "broker": {"core", "bus"},
     "sim": {"core", "world", "bus", "mcap"},
-    "agent": {"core", "world", "bus", "runtime"},
+    "planner": {"core", "world"},
+    "mind": {"core", "world", "planner"},
+    "agent": {"core", "world", "bus", "runtime", "mind", "planner"},
     "resolver": {"core", "bus", "runtime"},
-    "host": {"core", "bus", "runtime", "agent"},
-    "monitor": {"core", "bus", "runtime", "agent", "stats"},
+    "host": {"core", "bus", "runtime", "agent", "mind"},
+    "monitor": {"core", "bus", "runtime", "agent", "mind", "stats"},
     "story": {"core", "bus", "mcap"},
     "record": {"core", "bus", "mcap"},
     "replay": {"core", "bus", "mcap"},
@@ -35,13 +37,13 @@ MAY_INCLUDE = {
 # Foreign headers, and the only files that may include them.
 ONLY_IN = {
     r"dds/": r"src/bus/",
-    r"clips": r"src/agent/clips_",
-    r"ode/": r"src/sim/ode_",
-    r"ccd/": r"src/world/place",
-    r"png\.h": r"src/world/bitmap",
+    r"clips": r"src/mind/",
+    r"ode/": r"src/sim/engine/ode_",
+    r"ccd/": r"src/world/model/place",
+    r"png\.h": r"src/world/parse/bitmap",
     r"histedit|editline": r"src/ctl/console_edit",
     r"cyaml/|yaml\.h": r"src/experiment/",
-    r"openssl/": r"src/sim/runhash",
+    r"openssl/": r"src/sim/record/runhash",
     r"zlib\.h": r"src/mcap/",
     r"sqlite3\.h": r"src/broker/disk",
     r"microhttpd\.h": r"src/web/server",
@@ -51,7 +53,7 @@ PRESCRIBED = {"on_request"}
 BANNED = r"\b(strcpy|strcat|sprintf|vsprintf|gets|atoi|atof|strtok|alloca)\s*\("
 ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free|qsort|qsort_r)\s*\("
 # What takes memory at start-up, and what gives the engine of a mind its own.
-ALLOCATE = {"src/core/memory.c", "src/agent/clips_heap.c"}
+ALLOCATE = {"src/core/memory.c", "src/mind/engine/heap.c"}
 # Functions of ours that bear the names of those of CLIPS in whose place they are.
 ENGINE_OWN = set(re.search(r"^ENGINE_OWN :=((?:.*\\\n)*.*)$", (ROOT / "Makefile").read_text(),
                            re.M)[1].replace("\\", "").split())
@@ -110,7 +112,7 @@ def check_functions(path, text, lines, module):
             bad(path, at, f"{m[1]}: more than {PARAMETERS_MAX} parameters")
         shared = module and path.name != "main.c" and not m[0].startswith("static")
         stem = path.stem.split("_")[0]
-        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1]) + (("mind_",) if stem == "clips" else ())
+        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1]) + (("clips_",) if module == "mind" else ("route_", "map_") if module == "planner" else ())
         if shared and not m[1].startswith(prefixes) and m[1] not in ENGINE_OWN and not (path.parent.name == "faults" and m[1] in {"bind", "sendmsg"}):
             bad(path, at, f"{m[1]}: a shared name starts with mu_, {stem}_ or its folder")
 

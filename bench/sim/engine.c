@@ -5,7 +5,7 @@
  * prints CPU and wall seconds a simulated second, metres a second driven, hashes of the bodies and
  * of what was read last, and the most memory that it had in kB.
  */
-#include "sim/engine.h"
+#include "sim/engine/engine.h"
 #include "muster/memory.h"
 #include "wander.h"
 

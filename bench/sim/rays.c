@@ -7,9 +7,9 @@
  * processor lacks.
  */
 #include "muster/memory.h"
-#include "sim/engine.h"
-#include "sim/fan.h"
-#include "sim/grid.h"
+#include "sim/engine/engine.h"
+#include "sim/sensors/fan.h"
+#include "sim/geometry/grid.h"
 #include "wander.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #ifndef MUSTER_AGENT_BODY_H
 #define MUSTER_AGENT_BODY_H
 
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "muster/agent.h"
 
 /** @return the percept for the mind; it points to where p points */

@@ -6,7 +6,7 @@
 #ifndef MUSTER_AGENT_PAGES_H
 #define MUSTER_AGENT_PAGES_H
 
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "muster/muster.h"
 
 /** Begins a change; see mind_ports.change. */

@@ -12,7 +12,7 @@
 
 #include "agent/aside.h"
 #include "agent/checkpoint.h"
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "agent/settings.h"
 #include "agent/trip.h"
 #include "muster/muster.h"

@@ -9,7 +9,7 @@
 #ifndef MUSTER_AGENT_TRIP_H
 #define MUSTER_AGENT_TRIP_H
 
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "core/text.h"
 #include "muster/muster.h"
 #include "wire.h"

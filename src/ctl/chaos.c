@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
-#include "world/condition.h"
+#include "world/model/condition.h"
 
 #include <limits.h>
 #include <math.h>

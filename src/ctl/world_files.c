@@ -7,7 +7,7 @@
 #include "core/options.h"
 #include "ctl/verbs.h"
 #include "muster/memory.h"
-#include "world/properties.h"
+#include "world/parse/properties.h"
 
 #include <errno.h>
 #include <limits.h>

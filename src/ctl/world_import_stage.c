@@ -7,7 +7,7 @@
 #include "core/json.h"
 #include "ctl/world_files.h"
 #include "muster/memory.h"
-#include "world/properties.h"
+#include "world/parse/properties.h"
 
 #include <limits.h>
 #include <string.h>

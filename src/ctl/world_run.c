@@ -10,7 +10,7 @@
 #include "desk/world_words.h"
 #include "muster/limits.h"
 #include "wire.h"
-#include "world/condition.h"
+#include "world/model/condition.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/facts.h"
 
-#include "agent/clips_text.h"
+#include "mind/engine/syntax.h"
 #include "core/log.h"
 
 #include <inttypes.h>

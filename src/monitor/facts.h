@@ -6,7 +6,7 @@
 #ifndef MUSTER_MONITOR_FACTS_H
 #define MUSTER_MONITOR_FACTS_H
 
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "core/text.h"
 #include "muster/stats.h"
 

@@ -6,9 +6,9 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "sim/runfile.h"
-#include "sim/session.h"
-#include "sim/snapshot.h"
+#include "sim/record/runfile.h"
+#include "sim/session/session.h"
+#include "sim/record/snapshot.h"
 
 #include <fcntl.h>
 #include <inttypes.h>

@@ -4,7 +4,7 @@
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "world/builder.h"
+#include "world/read/builder.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
  *   capsules FILE...
  * Names the files of which that is not so, and counts as tests do.
  */
-#include "agent/mind.h"
+#include "mind/mind.h"
 
 #include <stdio.h>
 #include <string.h>

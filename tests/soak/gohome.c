@@ -8,10 +8,10 @@
  * end, when a robot without a way does not say so and stand, when a rule errs, or when the body was
  * ever in something that stands.
  */
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "core/random.h"
 #include "muster/memory.h"
-#include "sim/engine.h"
+#include "sim/engine/engine.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
  *   embedded FILE...
  * Prints what the rules print, and behind each file a line "--- FILE".
  */
-#include "agent/mind.h"
+#include "mind/mind.h"
 
 #include <stdio.h>
 

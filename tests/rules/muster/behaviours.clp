@@ -1,5 +1,5 @@
 ; SPDX-License-Identifier: Apache-2.0
-; The library's commands; how well they drive is the matter of tests/unit/agent/behaviour.c.
+; The library's commands; how well they drive is the matter of tests/unit/mind/behaviour.c.
 (deffunction goals ()
   (progn$ (?g (findall (goal $?))) (printout t (fact-fields ?g) crlf)))
 

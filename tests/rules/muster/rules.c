@@ -28,7 +28,7 @@
  * as a robot's rule file, then its comments are done in order. Output that no expect: names is a
  * failure.
  */
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "core/attributes.h"
 #include "muster/limits.h"
 

@@ -7,7 +7,7 @@
 #define MUSTER_TESTS_PHYSICS_H
 
 #include "core/hash.h"
-#include "sim/engine.h"
+#include "sim/engine/engine.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -5,7 +5,7 @@
  */
 #include "samples.h"
 #include "suite.h"
-#include "agent/clips_mind.h"
+#include "mind/clips_mind.h"
 #include "core/log.h"
 #include "host/host.h"
 #include "runtime/process.h"

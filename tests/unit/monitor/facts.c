@@ -2,7 +2,7 @@
 /* What a monitor's mind is told: units, words that are no symbols, and a real mind that reads it.
  */
 #include "suite.h"
-#include "agent/mind.h"
+#include "mind/mind.h"
 #include "core/paths.h"
 #include "monitor/facts.h"
 #include "muster/memory.h"

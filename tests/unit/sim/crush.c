@@ -5,7 +5,7 @@
  */
 #include "physics.h"
 #include "suite.h"
-#include "sim/narrow.h"
+#include "sim/geometry/narrow.h"
 
 #define OVERLAP_MAX_M 0.010
 #define ROOM_M2       1.6 /* for each robot, so that it takes a while until they meet */

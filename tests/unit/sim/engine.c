@@ -2,7 +2,7 @@
 /* Driving, pushing, stalling and seeing, in worlds small enough to compute by hand. */
 #include "physics.h"
 #include "suite.h"
-#include "sim/engine.h"
+#include "sim/engine/engine.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -4,8 +4,8 @@
 #include "suite.h"
 #include "core/hash.h"
 #include "core/random.h"
-#include "sim/fan.h"
-#include "sim/grid.h"
+#include "sim/sensors/fan.h"
+#include "sim/geometry/grid.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

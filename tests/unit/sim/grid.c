@@ -2,7 +2,7 @@
 /* Rays and neighbours through the grid, against looking at everything. */
 #include "suite.h"
 #include "core/random.h"
-#include "sim/grid.h"
+#include "sim/geometry/grid.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "samples.h"
 #include "suite.h"
 #include "core/clock.h"
-#include "sim/session.h"
+#include "sim/session/session.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* Contacts: hand-computed ones, and thousands of any pairs against libccd. */
 #include "suite.h"
 #include "core/random.h"
-#include "sim/narrow.h"
+#include "sim/geometry/narrow.h"
 
 #include <ccd/ccd.h>
 #include <ccd/vec3.h>

@@ -2,7 +2,7 @@
 /* Who is listed as near whom, against a look at everybody. */
 #include "physics.h"
 #include "suite.h"
-#include "sim/engine_core.h"
+#include "sim/engine/engine_core.h"
 
 enum { HEAP = 100 };
 

@@ -2,7 +2,7 @@
 /* A million rays through the grid, against ODE's own, which know nothing of grids. */
 #include "suite.h"
 #include "core/random.h"
-#include "sim/grid.h"
+#include "sim/geometry/grid.h"
 
 #include <math.h>
 #include <ode/ode.h>

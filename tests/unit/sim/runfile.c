@@ -3,7 +3,7 @@
 #include "capture.h"
 #include "suite.h"
 #include "mcap/mcap_read.h"
-#include "sim/runfile.h"
+#include "sim/record/runfile.h"
 
 #include <stdlib.h>
 #include <unistd.h>

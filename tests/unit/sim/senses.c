@@ -2,11 +2,11 @@
 /* Sonar cones, laser, camera and fiducial finder in scenes small enough to compute by hand; what is
  * read when; noise; threads. */
 #include "suite.h"
-#include "sim/senses.h"
+#include "sim/sensors/senses.h"
 
 #include "core/hash.h"
 #include "core/random.h"
-#include "sim/fan.h"
+#include "sim/sensors/fan.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

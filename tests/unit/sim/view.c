@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a small world: totals, the Scene, a Frame. */
-#include "sim/view.h"
+#include "sim/record/view.h"
 #include "bus/bus.h"
 #include "core/rounded.h"
 #include "muster/memory.h"
 #include "physics.h"
 #include "samples.h"
-#include "sim/runhash.h"
-#include "sim/scene.h"
-#include "sim/tally.h"
+#include "sim/record/runhash.h"
+#include "sim/record/scene.h"
+#include "sim/record/tally.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

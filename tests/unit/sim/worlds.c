@@ -2,7 +2,7 @@
 /* Robots drive in worlds that were not made for this test: muster's own, and Stage's. */
 #include "garble.h"
 #include "suite.h"
-#include "sim/engine.h"
+#include "sim/engine/engine.h"
 
 #include <CUnit/Basic.h>
 #include <glob.h>

@@ -2,7 +2,7 @@
 /* Damaged pictures, and the rectangles that a picture is taken apart into. */
 #include "garble.h"
 #include "suite.h"
-#include "world/bitmap.h"
+#include "world/parse/bitmap.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* What stands on robots and how things look: sensors, grippers, batteries, colours, units. */
 #include "suite.h"
 #include "world_text.h"
-#include "world/builder.h"
+#include "world/read/builder.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "hush.h"
 #include "suite.h"
 #include "core/random.h"
-#include "world/worldfile.h"
+#include "world/parse/worldfile.h"
 
 #include <CUnit/Basic.h>
 #include <fcntl.h>

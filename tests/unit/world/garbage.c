@@ -9,7 +9,7 @@
 #include "suite.h"
 #include "world_text.h"
 #include "core/hash.h"
-#include "world/builder.h"
+#include "world/read/builder.h"
 
 #include <glob.h>
 #include <math.h>

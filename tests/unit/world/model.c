@@ -3,7 +3,7 @@
 #include "suite.h"
 #include "world_text.h"
 #include "world/world.h"
-#include "world/worldfile.h"
+#include "world/parse/worldfile.h"
 
 #include <CUnit/Basic.h>
 #include <fcntl.h>

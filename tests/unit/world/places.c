@@ -2,7 +2,7 @@
 /* Where robots and things may stand, and random places. */
 #include "suite.h"
 #include "world_text.h"
-#include "world/builder.h"
+#include "world/read/builder.h"
 
 #include <glob.h>
 #include <math.h>

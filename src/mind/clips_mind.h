@@ -1,0 +1,465 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file clips_mind.h
+ * What the CLIPS files of the agent share.  No other file includes this one or clips.h.
+ */
+#ifndef MUSTER_AGENT_CLIPS_MIND_H
+#define MUSTER_AGENT_CLIPS_MIND_H
+
+#include "mind/engine/syntax.h"
+#include "mind/mind.h"
+#include "core/random.h"
+#include "muster/limits.h"
+
+#include <clips.h>
+#include <limits.h>
+#include <setjmp.h>
+#include <tmpltutl.h>
+
+enum {
+    CLIPS_TICKS_MAX = 2000000, /* turns of loops and returns of functions, a step or a line */
+    CLIPS_UNITS_A_TICK = 64,   /* what functions do beside: bytes that they read, ... */
+    CLIPS_UNITS_MAX = CLIPS_TICKS_MAX * CLIPS_UNITS_A_TICK, /* it is told to come back, */
+    CLIPS_UNITS_LEFT = 2 * CLIPS_UNITS_MAX,                 /* and left where it is */
+    CLIPS_DEPTH_MAX = 1000,                                 /* functions that have not returned */
+    CLIPS_STACK_MAX = 3 << 20,                              /* bytes of stack below the entry */
+    CLIPS_MEMORY_MAX = 64 << 20,                            /* bytes that CLIPS holds */
+    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
+    CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
+    CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
+    CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
+    CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
+    CLIPS_FILE_MAX = 1 << 20,       /* bytes of a rule file */
+    CLIPS_FILES_DEEP_MAX = 16,      /* files that extend each other */
+    CLIPS_SAID_MAX = 2048,          /* bytes kept of an error */
+    CLIPS_FIRED_MAX = 8192,         /* bytes of names of the rules fired in a step */
+    CLIPS_MESSAGE_STEPS = 50,       /* a message fact that is so old goes */
+    CLIPS_MESSAGES_MAX = 1024,      /* message facts; beyond, the oldest goes */
+    CLIPS_MAILS_MAX = 1024,         /* mail facts; beyond, mail is refused */
+    CLIPS_PARKED_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
+    CLIPS_PARKED_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
+    CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
+    CLIPS_HANDLERS_MAX = 32,        /* handlers of layers, in all of them together */
+    CLIPS_DIARY_MAX = 16384,        /* bytes of what went on in a step, for recordings */
+    CLIPS_DIARY_AGENDA = 32,        /* activations in it */
+    CLIPS_DIARY_LINE = 1024,        /* bytes of a person's line in it */
+    CLIPS_REFUSED_MAX = 64          /* facts of refused changes; beyond, the oldest goes */
+};
+
+/* Where what CLIPS prints goes. */
+enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
+
+/* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
+struct clips_message {
+    struct fact *fact;
+    SYMBOL_HN *from;
+    unsigned short first_type; /* the first field, for "a later mail of the same first word" */
+    void *first;
+    uint64_t id, step;
+    uint16_t older, newer, chain;
+};
+
+enum { CLIPS_CHAINS = 256 };
+
+struct clips_messages {
+    struct clips_message at[CLIPS_MESSAGES_MAX + 1];
+    uint16_t chains[CLIPS_CHAINS];
+    uint16_t oldest, newest, free;
+};
+
+/* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
+struct clips_parked_mail {
+    uint64_t id;
+    SYMBOL_HN *from;
+    uint32_t at, bytes; /* of its content */
+    bool clips;         /* the content is a list of fields */
+};
+
+struct clips_parked {
+    struct clips_parked_mail mails[CLIPS_PARKED_MAX];
+    char bytes[CLIPS_PARKED_BYTES];
+    uint32_t first, count;
+};
+
+/* A deffunction that is the handler of a layer. */
+struct clips_handler {
+    uint32_t layer;
+    SYMBOL_HN *function;
+};
+
+/* How often a rule has failed. */
+struct clips_failing {
+    char rule[MU_FIELD_MAX + 1]; /* its name, or how that begins */
+    uint32_t count;
+};
+
+struct clips_places; /* clips_place.c */
+
+/* What a mind's engine has of memory: clips_heap.c. */
+struct clips_heap {
+    struct clips_region *regions;
+    struct clips_piece *pieces;
+    char *at, *end; /* what is left of the chunk that is open */
+    size_t held;    /* bytes of chunks and pieces */
+};
+
+/* A call of a function that pays for what its arguments are: clips_meter.c. */
+struct clips_meter {
+    const struct clips_meter_row *row;
+    const struct expr *call;
+    uint64_t fields; /* of the arguments that it has had */
+    struct clips_meter *outer;
+};
+
+/* Globals that C code reads; clips_env.c says what they are. */
+enum clips_global {
+    CLIPS_SONAR_MARGIN,
+    CLIPS_SONAR_CLIP,
+    CLIPS_FOLLOW_DISTANCE,
+    CLIPS_CARE,
+    CLIPS_GLOBALS
+};
+
+/* What a fact that is asserted now is to the diary. */
+enum clips_diary_fact {
+    CLIPS_DIARY_CAUSED, /* of the cause above it */
+    CLIPS_DIARY_SENSED, /* of this step's percept */
+    CLIPS_DIARY_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
+};
+
+struct mind {
+    void *env; /* NULL: there is none, or it broke */
+    struct clips_heap heap;
+    struct mind_options options;
+    char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
+    struct mu_random random;
+    uint64_t asked; /* questions so far, for reply-with */
+
+    /* percepts */
+    struct mind_percept percept;
+    float sonar[MU_SONARS_MAX], laser_m[MU_BEAMS_MAX];
+    struct mu_blob blobs[MU_BLOBS_MAX];
+    struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
+    bool sensed;
+    uint32_t senses_named; /* enum mu_sense: by calls of their functions */
+    uint64_t step;
+    struct deftemplate *position, *ring, *laser, *blob, *fiducial, *message, *event, *mail;
+    struct defglobal *globals[CLIPS_GLOBALS];
+    struct fact *position_fact, *ring_fact, *laser_fact;
+    struct fact *blob_facts[MU_BLOBS_MAX], *fiducial_facts[MU_FIDUCIALS_MAX];
+    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
+    long long ring_number; /* that it would bear */
+
+    /* mail */
+    struct clips_messages *messages;
+    struct fact *mails[CLIPS_MAILS_MAX]; /* mail facts; rules may have retracted some */
+    size_t mail_count;
+    struct clips_parked *parked;
+    bool rules_getmsg; /* a construct calls (getmsg) */
+    bool rules_speak;  /* one that is not of the library sends mail, or may */
+
+    struct clips_handler handlers[CLIPS_HANDLERS_MAX]; /* the youngest last */
+    size_t handler_count;
+    const struct mind_mail *handled; /* by a handler that runs, or NULL */
+
+    /* the agent's life */
+    bool pending[MU_EVENTS]; /* become facts in the next step */
+    struct fact *events[MU_EVENTS];
+    struct fact *refused[CLIPS_REFUSED_MAX]; /* a ring */
+    size_t refused_next;
+
+    /* what the rules do in this step */
+    struct mind_act act;
+    char fired_bytes[CLIPS_FIRED_MAX];
+    struct mu_text fired;
+    const char *rule; /* that fired last */
+    bool firing, sense_again;
+    struct mind_travel travel;
+
+    /* its own life */
+    enum mind_wish wish;
+    uint32_t wish_rules;
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
+    bool passes;                   /* that rule may fire once all the same */
+
+    /* guards */
+    uint64_t units;            /* of work, since the call of mind.h began */
+    uint64_t worked;           /* of them, when the port was told last */
+    struct clips_meter *meter; /* of the innermost call that has one, or NULL */
+    long memory_max;
+    const char *stopped;  /* which guard, or NULL */
+    const char *stack;    /* at the entry */
+    jmp_buf shelter;      /* in the function of mind.h that called into CLIPS */
+    bool sheltered;       /* it is in CLIPS, and the shelter is good */
+    uint32_t allocations; /* of CLIPS, so far */
+    const char *broken;   /* which guard: its environment is gone; NULL: it is not */
+    char lost[224];       /* why, in words */
+    struct clips_failing failing[CLIPS_FAILING_MAX];
+    size_t failing_count;
+    uint64_t stops; /* by guards */
+    char reason[MU_ATTRIBUTES_MAX + 1];
+
+    /* output */
+    enum clips_mode mode;
+    struct mu_text *out; /* of a line */
+    size_t printed;
+    char said_bytes[CLIPS_SAID_MAX];
+    struct mu_text said; /* errors and warnings of this call */
+    uint64_t shown[CLIPS_SHOWN_MAX];
+    size_t shown_count;
+
+    /* for recordings */
+    char diary_bytes[CLIPS_DIARY_MAX];
+    struct mu_text diary;
+    uint32_t diary_lost; /* lines for which there was no room */
+    enum clips_diary_fact diary_fact;
+
+    /* values of ?*my-name* and ?*mate* while (reset) runs */
+    DATA_OBJECT kept[2];
+
+    /* loading */
+    char *text; /* a stack of the files being read */
+    size_t text_used;
+    char *form; /* one form, rewritten */
+    const char *files[CLIPS_FILES_DEEP_MAX];
+    size_t files_deep;
+    long error_line;
+    struct clips_places *places; /* of what was loaded */
+
+    char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
+};
+
+/* clips_env.c */
+struct mind *clips_env_mind(void *env);
+
+/** Before every call into CLIPS: its error flags are sticky (6.30), so they are cleared. */
+void clips_env_enter(struct mind *m, enum clips_mode mode);
+
+/** After every call.  @return whether it ended in an error */
+bool clips_env_leave(struct mind *m);
+
+/** Visits each module, which is the current one meanwhile. */
+void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
+
+/** @return the number that a global is set to; its first value when it is set to none */
+double clips_env_global(const struct mind *m, enum clips_global which);
+
+/* clips_heap.c */
+
+/** Makes the environment of a mind; from here on, clips_env_mind knows whose it is. */
+void clips_heap_make(struct mind *m);
+
+/** Gives back all memory of the environment, without a look at what stands in it. */
+void clips_heap_drop(struct mind *m);
+
+/* clips_guard.c */
+
+/**
+ * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
+ * had is gone.
+ */
+#define CLIPS_BROKEN(m) (!(m)->env || setjmp((m)->shelter) != 0)
+
+/** The answer of a broken mind, with m->lost. */
+#define CLIPS_BROKEN_TEXT "the rules are gone: %s"
+
+void clips_guard_install(struct mind *m);
+
+/** CLIPS is left where it is: the mind is broken, and m->lost says why.  Goes back to the shelter.
+ */
+_Noreturn void clips_guard_break(struct mind *m, const char *guard);
+
+/** Says in m->lost which call into CLIPS has not come back; in the middle of it, or of a signal. */
+void clips_guard_say(struct mind *m);
+
+/** It does not come back: both. */
+_Noreturn void clips_guard_leave(struct mind *m, const char *guard);
+
+/** It is given no more memory: the same. */
+_Noreturn void clips_guard_burst(struct mind *m);
+
+/** CLIPS was given memory: it may be long at work without a turn of a loop. */
+void clips_guard_allocated(struct mind *m);
+void clips_guard_start(struct mind *m, long memory_spare);
+
+/** Counts what C code does for a rule; CLIPS_UNITS_A_TICK are a turn of a loop.  @return false:
+ * there are not so many left, and the rule is stopped */
+bool clips_guard_charge(struct mind *m, uint64_t units);
+
+/* clips_watchdog.c */
+
+/** The mind calls into CLIPS. */
+void clips_watchdog_enter(struct mind *m);
+
+/* clips_meter.c */
+void clips_meter_install(struct mind *m);
+
+/** Calls a function that pays.  @return false: it has nothing left to pay with, and was not called
+ */
+bool clips_meter_begin(struct mind *m, struct clips_meter *meter);
+
+/** An argument of the call is known: it is paid for, or becomes empty. */
+void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *value);
+
+/* clips_override.c */
+void clips_override_install(struct mind *m);
+
+/* clips_format.c */
+void *clips_format_call(void *env);
+
+/* clips_load.c */
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+void clips_load_reserve(struct mind *m);
+void clips_load_install(struct mind *m);
+
+/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
+MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                                           struct mu_fault *fault);
+
+/* clips_place.c */
+void clips_place_reserve(struct mind *m);
+void clips_place_install(struct mind *m);
+
+/** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
+void clips_place_note(struct mind *m, const char *form, const char *path, int line);
+
+/** Adds " (FILE:LINE)" where the construct of that name is from a file. */
+void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
+
+/* clips_percept.c */
+
+/** Takes the reference to a fact back, retracting it if it is still there. */
+void clips_percept_retract(struct mind *m, struct fact **fact);
+
+/** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
+struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
+                                  struct multifield *fields);
+
+/* Numbers of a percept that every body has; the order is that of a capsule. */
+enum { CLIPS_PERCEPT_REALS = 12 };
+
+/** Says where they are. */
+void clips_percept_reals(struct mind_percept *p, double *reals[CLIPS_PERCEPT_REALS]);
+
+/** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
+void clips_percept_show(struct mind *m);
+
+/* clips_message.c */
+void clips_message_reserve(struct mind *m);
+void clips_message_install(struct mind *m);
+
+/** Makes a mail's content a message fact; what it tells again goes. */
+void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/**
+ * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ *
+ * @return false: there is no room
+ */
+bool clips_message_enter(struct mind *m, const struct clips_message *entry);
+
+/** The message fact of a mail goes, if it still stands. */
+void clips_message_forget(struct mind *m, uint64_t id);
+
+/** What is too old goes. */
+void clips_message_age(struct mind *m);
+
+/* clips_mail.c */
+void clips_mail_reserve(struct mind *m);
+void clips_mail_install(struct mind *m);
+
+/** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
+struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list);
+
+struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
+
+/* clips_parked.c */
+void clips_parked_reserve(struct mind *m);
+void clips_parked_install(struct mind *m);
+
+/**
+ * Keeps a mail for (getmsg).  Where no construct calls that, the oldest go to make room.
+ *
+ * @return MU_OK, or MU_FULL: refused
+ */
+mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool clips);
+
+/** @return the oldest, or NULL; it and its content stay until it is dropped */
+const struct clips_parked_mail *clips_parked_first(const struct mind *m, const char **content);
+
+void clips_parked_drop(struct mind *m);
+
+/* clips_fire.c */
+void clips_fire_install(struct mind *m);
+
+/** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
+void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+
+/* clips_failure.c */
+
+/** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
+void clips_failure_note(struct mind *m);
+
+void clips_failure_clear(struct mind *m);
+
+/* clips_control.c */
+
+/** @return whether the rule that fires next has a breakpoint */
+bool clips_control_breaks(struct mind *m);
+
+/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
+bool clips_control_stops(struct mind *m);
+
+/* clips_diary.c: each is nothing unless the options want a diary */
+
+void clips_diary_install(struct mind *m);
+
+/** What follows has this cause: kind is the line's letter; what and text may be "". */
+void clips_diary_cause(struct mind *m, char kind, const char *what, const char *text);
+
+/** Somebody's line is carried out: one form of it. */
+void clips_diary_line(struct mind *m, struct clips_form form);
+
+void clips_diary_mail(struct mind *m, const struct mind_mail *mail);
+
+/** m->rule fires, on what CLIPS has bound. */
+void clips_diary_rule(struct mind *m);
+
+/** The speed in m->act was set. */
+void clips_diary_speed(struct mind *m);
+
+/** A mail was handed to the port. */
+void clips_diary_told(struct mind *m, const struct mind_letter *letter);
+
+/** What is left on the agenda when a step's firing has ended. */
+void clips_diary_agenda(struct mind *m);
+
+/* clips_event.c */
+
+/** What has happened since the last step becomes facts. */
+void clips_event_assert(struct mind *m);
+
+/* clips_layer.c */
+
+/**
+ * Makes a deffunction the youngest handler of a layer.
+ *
+ * @return MU_OK; MU_ABSENT: there is none that takes four arguments; MU_FULL
+ */
+MU_MUST_USE mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function);
+
+/* clips_functions.c */
+void clips_functions_install(struct mind *m);
+
+/* Parses a call as CLIPS does that of a function without a parser. */
+struct expr *clips_functions_parse(void *env, struct expr *top, const char *source);
+
+/* Has a parser of ours note who calls a function; all else of it stays. */
+void clips_functions_note(struct mind *m, const char *name,
+                          struct expr *(*parse)(void *env, struct expr *top, const char *source));
+
+/* clips_findall.c */
+struct expr *clips_findall_parse(void *env, struct expr *top, const char *source);
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is counted of rules that fail, and when it is enough. */
+#include "mind/functions/table.h"
+#include "mind/engine/value.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void clips_failure_clear(struct mind *m)
+{
+    m->failing_count = 0;
+}
+
+/* @return the line of a rule; NULL: so many others have failed that it gets none */
+static struct clips_failing *failure_line(struct mind *m, const char *rule)
+{
+    for (size_t i = 0; i < m->failing_count; i++) {
+        if (strcmp(m->failing[i].rule, rule) == 0) {
+            return &m->failing[i];
+        }
+    }
+    if (m->failing_count == CLIPS_FAILING_MAX) {
+        return NULL;
+    }
+    struct clips_failing *line = &m->failing[m->failing_count++];
+    mu_text_copy(line->rule, sizeof line->rule, rule);
+    line->count = 0;
+    return line;
+}
+
+void clips_failure_note(struct mind *m)
+{
+    const char *rule = m->rule ? m->rule : "?";
+    struct clips_failing *line = failure_line(m, rule);
+    uint32_t most = m->options.failures_max;
+    if (m->stopped) {
+        m->stops++;
+    }
+    if (!line || ++line->count != most) {
+        return;
+    }
+    snprintf(m->reason, sizeof m->reason, "rule %.32s failed %u times%s%s", line->rule,
+             (unsigned)line->count, m->stopped ? ": " : "", m->stopped ? m->stopped : "");
+    m->act.enough = m->reason;
+}
+
+void mind_forgive(struct mind *m)
+{
+    clips_failure_clear(m);
+}
+
+void clips_failure_call(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    struct multifield *fields = EnvCreateMultifield(env, (long)(2 * m->failing_count));
+    for (size_t i = 0; i < m->failing_count; i++) {
+        clips_value_set_symbol(env, fields, 2 * i, m->failing[i].rule);
+        fields->theFields[2 * i + 1].type = INTEGER;
+        fields->theFields[2 * i + 1].value = EnvAddLong(env, m->failing[i].count);
+    }
+    clips_value_multifield(out, fields);
+}

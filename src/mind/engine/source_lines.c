@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where rules and functions come from, for who reads that one has failed. */
+#include "mind/clips_mind.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+enum { PLACE_FILES_MAX = 32, PLACES_MAX = 512 };
+
+struct place {
+    char name[MU_FIELD_MAX + 1];
+    int file, line; /* file < 0: of no file */
+};
+
+struct clips_places {
+    struct place at[PLACES_MAX];
+    size_t count;
+    char files[PLACE_FILES_MAX][MU_FAULT_FILE_MAX + 1];
+    int file_count;
+};
+
+void clips_place_reserve(struct mind *m)
+{
+    m->places = mu_startup_alloc(sizeof *m->places);
+}
+
+void clips_place_install(struct mind *m)
+{
+    m->places->count = 0;
+    m->places->file_count = 0;
+}
+
+/* Takes the second word of a form, without its module.  @return false: it has none that fits */
+static bool place_name(const char *form, char name[MU_FIELD_MAX + 1])
+{
+    const char *at = form + 1;
+    struct clips_field kind = clips_text_field(&at);
+    struct clips_field word = clips_text_field(&at);
+    if (kind.kind != CLIPS_FIELD_SYMBOL || kind.len < 4 || strncmp(kind.at, "def", 3) != 0 ||
+        word.kind != CLIPS_FIELD_SYMBOL || word.len > MU_FIELD_MAX) {
+        return false;
+    }
+    memcpy(name, word.at, word.len);
+    name[word.len] = '\0';
+    const char *own = strstr(name, "::");
+    if (own) {
+        memmove(name, own + 2, strlen(own + 2) + 1);
+    }
+    return true;
+}
+
+static struct place *place_find(struct clips_places *p, const char *name)
+{
+    for (size_t i = 0; i < p->count; i++) {
+        if (strcmp(p->at[i].name, name) == 0) {
+            return &p->at[i];
+        }
+    }
+    return NULL;
+}
+
+/* @return the number of a file; -1: there is no room */
+static int place_file(struct clips_places *p, const char *path)
+{
+    for (int i = 0; i < p->file_count; i++) {
+        if (strcmp(p->files[i], path) == 0) {
+            return i;
+        }
+    }
+    if (p->file_count == PLACE_FILES_MAX || strlen(path) > MU_FAULT_FILE_MAX) {
+        return -1;
+    }
+    mu_text_copy(p->files[p->file_count], sizeof p->files[0], path);
+    return p->file_count++;
+}
+
+void clips_place_note(struct mind *m, const char *form, const char *path, int line)
+{
+    struct clips_places *p = m->places;
+    char name[MU_FIELD_MAX + 1];
+    if (!place_name(form, name)) {
+        return;
+    }
+    struct place *place = place_find(p, name);
+    if (!place && path && p->count < PLACES_MAX) {
+        place = &p->at[p->count++];
+        mu_text_copy(place->name, sizeof place->name, name);
+    }
+    if (place) {
+        place->file = path ? place_file(p, path) : -1;
+        place->line = line;
+    }
+}
+
+void clips_place_add(const struct mind *m, const char *name, struct mu_text *out)
+{
+    const struct place *place = place_find(m->places, name);
+    if (place && place->file >= 0) {
+        mu_text_format(out, " (%s:%d)", m->places->files[place->file], place->line);
+    }
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What happens in the agent's life, as facts: (event on-run), (event refused ...). */
+#include "mind/clips_mind.h"
+#include "mind/engine/value.h"
+
+#include <string.h>
+
+enum { EVENT_WORDS_MAX = 4 };
+
+static const char *const event_names[MU_EVENTS] = {
+    [MU_ON_CREATE] = "on-create", [MU_ON_RUN] = "on-run",     [MU_ON_ARRIVE] = "on-arrive",
+    [MU_ON_LEAVE] = "on-leave",   [MU_ON_CLONE] = "on-clone", [MU_ON_DISPOSE] = "on-dispose"};
+
+/* Asserts (event word...) anew; it stays until a rule retracts it. */
+static void event_fact(struct mind *m, const char *const *words, size_t count, struct fact **fact)
+{
+    clips_percept_retract(m, fact);
+    EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
+    struct multifield *fields = CreateMultifield2(m->env, (long)count);
+    for (size_t i = 0; i < count; i++) {
+        clips_value_set_symbol(m->env, fields, i, words[i]);
+    }
+    *fact = clips_percept_assert(m, m->event, fields);
+    EnvDecrementGCLocks(m->env);
+}
+
+/* Whose rules do not look at events is the same wherever it lives, to the number of its facts. */
+static bool is_of_interest(const struct mind *m, size_t event)
+{
+    bool of_moves = event == MU_ON_ARRIVE || event == MU_ON_LEAVE;
+    return !of_moves || m->event->patternNetwork;
+}
+
+void clips_event_assert(struct mind *m)
+{
+    for (size_t i = 0; i < MU_EVENTS; i++) {
+        bool pending = m->pending[i];
+        m->pending[i] = false;
+        if (pending && is_of_interest(m, i)) {
+            clips_diary_cause(m, 'E', event_names[i], "");
+            event_fact(m, &event_names[i], 1, &m->events[i]);
+        }
+    }
+}
+
+void mind_event(struct mind *m, enum mu_event event)
+{
+    m->pending[event] = true;
+}
+
+static bool stands_on(const struct activation *a, const struct fact *fact)
+{
+    for (unsigned i = 0; i < a->basis->bcount; i++) {
+        const struct alphaMatch *match = a->basis->binds[i].gm.theMatch;
+        if (match && (const struct fact *)match->matchingItem == fact) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A fact, and whether a rule is about to fire for it. */
+struct awaited {
+    const struct fact *fact;
+    bool is;
+};
+
+static void agenda_look(struct mind *m, void *self)
+{
+    struct awaited *awaited = self;
+    for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited->is;
+         a = EnvGetNextActivation(m->env, a)) {
+        awaited->is = stands_on(a, awaited->fact);
+    }
+}
+
+static bool is_awaited(struct mind *m, const struct fact *fact)
+{
+    struct awaited awaited = {.fact = fact};
+    clips_env_each_module(m, &awaited, agenda_look);
+    return awaited.is;
+}
+
+void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
+{
+    volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
+    *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
+    m->pending[event] = true;
+    if (!CLIPS_BROKEN(m)) {
+        clips_env_enter(m, CLIPS_MODE_QUIET);
+        clips_guard_start(m, 0);
+        clips_event_assert(m);
+        awaited = m->events[event] && is_awaited(m, m->events[event]);
+        clips_env_leave(m);
+    }
+    if (awaited) {
+        mind_fire(m, act);
+    }
+}
+
+void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome)
+{
+    char what[2 * (MU_FIELD_MAX + 1)];
+    struct mu_text t;
+    if (CLIPS_BROKEN(m) || !m->event->patternNetwork) {
+        return;
+    }
+    mu_text_init(&t, what, sizeof what);
+    mu_text_format(&t, "%s %s", verb, to);
+    mind_refused(m, what, outcome);
+}
+
+void mind_refused(struct mind *m, const char *change, const char *reason)
+{
+    char bytes[2 * (MU_FIELD_MAX + 1)];
+    const char *words[EVENT_WORDS_MAX] = {"refused", bytes, reason};
+    size_t count = 3;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    mu_text_copy(bytes, sizeof bytes, change);
+    char *blank = strchr(bytes, ' ');
+    if (blank) { /* which change, and of what */
+        *blank = '\0';
+        words[2] = blank + 1;
+        words[count++] = reason;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    event_fact(m, words, count, &m->refused[m->refused_next]);
+    m->refused_next = (m->refused_next + 1) % CLIPS_REFUSED_MAX;
+    clips_env_leave(m);
+}

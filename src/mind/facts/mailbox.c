@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
+#include "mind/functions/table.h"
+#include "mind/engine/value.h"
+
+#include <string.h>
+
+enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
+
+void clips_mail_reserve(struct mind *m)
+{
+    clips_message_reserve(m);
+    clips_parked_reserve(m);
+}
+
+void clips_mail_install(struct mind *m)
+{
+    clips_message_install(m);
+    clips_parked_install(m);
+}
+
+static void field_set(struct mind *m, struct field *to, struct clips_field f)
+{
+    memcpy(m->scratch, f.at, f.len);
+    m->scratch[f.len] = '\0';
+    switch (f.kind) {
+    case CLIPS_FIELD_INTEGER:
+        to->type = INTEGER;
+        to->value = EnvAddLong(m->env, f.integer);
+        break;
+    case CLIPS_FIELD_FLOAT:
+        to->type = FLOAT;
+        to->value = EnvAddDouble(m->env, f.real);
+        break;
+    case CLIPS_FIELD_STRING:
+        clips_text_unescape(m->scratch, f.at, f.len);
+        to->type = STRING;
+        to->value = EnvAddSymbol(m->env, m->scratch);
+        break;
+    case CLIPS_FIELD_INSTANCE:
+    case CLIPS_FIELD_SYMBOL:
+        to->type = f.kind == CLIPS_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
+        to->value = EnvAddSymbol(m->env, m->scratch);
+        break;
+    case CLIPS_FIELD_END:
+    case CLIPS_FIELD_BAD: break;
+    }
+}
+
+/* @return the content's fields, typed; NULL: it is no list of fields */
+static struct multifield *mail_fields(struct mind *m, const char *content)
+{
+    struct clips_field few[MAIL_FIELDS_FEW]; /* what most mails have is read once */
+    long count = 0;
+    struct clips_field f;
+    if (strnlen(content, MU_CONTENT_MAX + 1) > MU_CONTENT_MAX) {
+        return NULL;
+    }
+    const char *behind = content;
+    for (const char *at = content; (f = clips_text_field(&at)).kind != CLIPS_FIELD_END; count++) {
+        if (f.kind == CLIPS_FIELD_BAD) {
+            return NULL;
+        }
+        if (count < MAIL_FIELDS_FEW) {
+            few[count] = f;
+            behind = at;
+        }
+    }
+    struct multifield *fields = CreateMultifield2(m->env, count);
+    for (long i = 0; i < count; i++) {
+        field_set(m, &fields->theFields[i],
+                  i < MAIL_FIELDS_FEW ? few[i] : clips_text_field(&behind));
+    }
+    return fields;
+}
+
+static struct multifield *mail_raw(struct mind *m, const char *content)
+{
+    struct multifield *fields = CreateMultifield2(m->env, 1);
+    fields->theFields[0].type = STRING;
+    fields->theFields[0].value = EnvAddSymbol(m->env, content);
+    return fields;
+}
+
+/*
+ * Whether functions, or what rules do, look at mail facts: (findall (mail)), fact queries.  CLIPS
+ * counts such uses together with the facts that there are, and C holds one.
+ */
+static bool mail_is_looked_at(const struct mind *m)
+{
+    long others = m->mail->busyCount - 1;
+    for (const struct fact *f = m->mail->factList; f && others > 0; f = f->nextTemplateFact) {
+        others--;
+    }
+    return others > 0;
+}
+
+/* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
+static bool mail_make_room(struct mind *m)
+{
+    if (m->mail_count < CLIPS_MAILS_MAX) {
+        return true;
+    }
+    m->mail_count = 0;
+    for (size_t i = 0; i < CLIPS_MAILS_MAX; i++) {
+        if (EnvFactExistp(m->env, m->mails[i])) {
+            m->mails[m->mail_count++] = m->mails[i];
+        } else {
+            EnvDecrementFactCount(m->env, m->mails[i]);
+        }
+    }
+    return m->mail_count < CLIPS_MAILS_MAX;
+}
+
+static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
+                                struct multifield *content)
+{
+    const char *const words[MAIL_CONTENT] = {
+        NULL,           mail->src,        m->options.name,   mail->performative, mail->language,
+        mail->ontology, mail->reply_with, mail->in_reply_to, mail->conversation};
+    struct fact *f = EnvCreateFact(m->env, m->mail);
+    struct field *slots = f->theProposition.theFields;
+    slots[MAIL_ID].type = INTEGER;
+    slots[MAIL_ID].value = EnvAddLong(m->env, (long long)mail->id);
+    for (size_t i = MAIL_FROM; i < MAIL_CONTENT; i++) {
+        slots[i].type = SYMBOL;
+        slots[i].value = EnvAddSymbol(m->env, words[i][0] ? words[i] : "nil");
+    }
+    slots[MAIL_CONTENT].type = MULTIFIELD;
+    slots[MAIL_CONTENT].value = content;
+    slots[MAIL_LAYER].type = INTEGER;
+    slots[MAIL_LAYER].value = EnvAddLong(m->env, mail->layer ? mail->layer : MU_LAYER_SPEECH);
+    return EnvAssert(m->env, f);
+}
+
+/*
+ * Queues a mail as a fact.  One that no rule's pattern fits and no function looks at would stay for
+ * ever, and fill the queue.
+ *
+ * @return MU_OK; MU_ABSENT: nobody can take it; MU_FULL: refused
+ */
+static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
+                            struct multifield *content)
+{
+    bool looked_at = mail_is_looked_at(m);
+    if (!looked_at && !m->mail->patternNetwork) {
+        return MU_ABSENT;
+    }
+    struct fact *f = mail_assert(m, mail, CopyMultifield(m->env, content));
+    if (!f) {
+        return MU_ABSENT;
+    }
+    mu_result r = looked_at || f->list ? MU_OK : MU_ABSENT;
+    if (r == MU_OK && !mail_make_room(m)) {
+        r = MU_FULL;
+    }
+    if (r != MU_OK) {
+        EnvRetract(m->env, f);
+        return r;
+    }
+    EnvIncrementFactCount(m->env, f);
+    m->mails[m->mail_count++] = f;
+    return MU_OK;
+}
+
+static bool mail_is_clips(const struct mind_mail *mail)
+{
+    return mail->language[0] == '\0' || strcmp(mail->language, "clips") == 0;
+}
+
+struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list)
+{
+    struct multifield *fields = mail_is_clips(mail) ? mail_fields(m, mail->content) : NULL;
+    *list = fields != NULL;
+    return fields ? fields : mail_raw(m, mail->content);
+}
+
+mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
+{
+    struct mind_mail letter = *mail;
+    bool list;
+    letter.language = mail_is_clips(mail) ? "clips" : mail->language;
+    if (CLIPS_BROKEN(m)) {
+        return MU_FULL;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    clips_diary_mail(m, mail);
+    EnvIncrementGCLocks(m->env);
+    struct multifield *fields = clips_mail_content(m, mail, &list);
+    mu_result r = mail_queue(m, &letter, fields);
+    if (r == MU_ABSENT) {
+        r = clips_parked_put(m, &letter, list);
+    }
+    if (list) {
+        clips_message_add(m, mail->id, EnvAddSymbol(m->env, mail->src), fields);
+    } else {
+        ReturnMultifield(m->env, fields);
+    }
+    EnvDecrementGCLocks(m->env);
+    clips_env_leave(m);
+    return r;
+}
+
+/* Notes that a construct takes mail in this way. */
+struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source)
+{
+    struct mind *m = clips_env_mind(env);
+    m->rules_getmsg = m->rules_getmsg || ConstructData(env)->ParsingConstruct;
+    top = CollectArguments(env, top, source);
+    if (top && top->argList) {
+        ExpectedCountError(env, "getmsg", EXACTLY, 0);
+        ReturnExpression(env, top);
+        return NULL;
+    }
+    return top;
+}
+
+static void getmsg_answer(void *env, const struct field *from, const struct multifield *content,
+                          DATA_OBJECT *out)
+{
+    long count = content->multifieldLength;
+    struct multifield *fields = EnvCreateMultifield(env, count + 1);
+    fields->theFields[0] = *from;
+    memcpy(&fields->theFields[1], content->theFields, (size_t)count * sizeof content->theFields[0]);
+    clips_value_multifield(out, fields);
+}
+
+/* @return the number of a mail fact; rules may have put anything in its slot */
+static uint64_t mail_number(const struct fact *f)
+{
+    const struct field *id = &f->theProposition.theFields[MAIL_ID];
+    return id->type == INTEGER ? (uint64_t)((const struct integerHashNode *)id->value)->contents
+                               : 0;
+}
+
+static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)
+{
+    const struct field *slots = f->theProposition.theFields;
+    getmsg_answer(m->env, &slots[MAIL_FROM], slots[MAIL_CONTENT].value, out);
+    clips_message_forget(m, mail_number(f));
+    EnvRetract(m->env, f);
+}
+
+static void getmsg_parked(struct mind *m, const struct clips_parked_mail *mail, const char *content,
+                          DATA_OBJECT *out)
+{
+    struct field from = {.type = SYMBOL, .value = mail->from};
+    struct multifield *fields = mail->clips ? mail_fields(m, content) : mail_raw(m, content);
+    getmsg_answer(m->env, &from, fields, out);
+    ReturnMultifield(m->env, fields);
+    clips_message_forget(m, mail->id);
+    clips_parked_drop(m);
+}
+
+void clips_mail_getmsg(void *env, DATA_OBJECT *out)
+{
+    struct mind *m = clips_env_mind(env);
+    const char *content;
+    struct fact *f = EnvGetNextFactInTemplate(env, m->mail, NULL);
+    const struct clips_parked_mail *parked = clips_parked_first(m, &content);
+    bool fact_first = f && (!parked || mail_number(f) < parked->id);
+    EnvSetMultifieldErrorValue(env, out);
+    if (fact_first) {
+        getmsg_fact(m, f, out);
+    } else if (parked) {
+        getmsg_parked(m, parked, content, out);
+    }
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Message facts: mail as states that are told again and again, and how long they stay. */
+#include "mind/clips_mind.h"
+#include "muster/memory.h"
+
+void clips_message_reserve(struct mind *m)
+{
+    m->messages = mu_startup_alloc(sizeof *m->messages);
+}
+
+void clips_message_install(struct mind *m)
+{
+    struct clips_messages *all = m->messages;
+    *all = (struct clips_messages){.free = 0};
+    for (uint16_t i = 1; i < CLIPS_MESSAGES_MAX; i++) {
+        all->at[i].newer = i + 1; /* the free ones are chained through newer */
+    }
+    all->free = 1;
+}
+
+static size_t message_chain(const SYMBOL_HN *from, const void *first)
+{
+    return (((uintptr_t)from >> 4) * 31 + ((uintptr_t)first >> 4)) % CLIPS_CHAINS;
+}
+
+static void message_unchain(struct clips_messages *all, uint16_t index)
+{
+    struct clips_message *e = &all->at[index];
+    uint16_t *link = &all->chains[message_chain(e->from, e->first)];
+    while (*link != index) {
+        link = &all->at[*link].chain;
+    }
+    *link = e->chain;
+    *(e->older ? &all->at[e->older].newer : &all->oldest) = e->newer;
+    *(e->newer ? &all->at[e->newer].older : &all->newest) = e->older;
+}
+
+static void message_remove(struct mind *m, uint16_t index)
+{
+    struct clips_messages *all = m->messages;
+    struct clips_message *e = &all->at[index];
+    message_unchain(all, index);
+    clips_percept_retract(m, &e->fact);
+    DecrementSymbolCount(m->env, e->from);
+    if (e->first) {
+        AtomDeinstall(m->env, e->first_type, e->first);
+    }
+    *e = (struct clips_message){.newer = all->free};
+    all->free = index;
+}
+
+void clips_message_age(struct mind *m)
+{
+    struct clips_messages *all = m->messages;
+    while (all->oldest && m->step - all->at[all->oldest].step >= CLIPS_MESSAGE_STEPS) {
+        clips_diary_cause(m, 'E', "age", "");
+        message_remove(m, all->oldest);
+    }
+}
+
+/* A state told again: what this sender said in an earlier step with the same first word goes. */
+static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void *first)
+{
+    uint16_t next;
+    for (uint16_t i = m->messages->chains[message_chain(from, first)]; i; i = next) {
+        const struct clips_message *e = &m->messages->at[i];
+        next = e->chain;
+        if (e->from == from && e->first == first && e->step < m->step) {
+            message_remove(m, i);
+        }
+    }
+}
+
+bool clips_message_enter(struct mind *m, const struct clips_message *entry)
+{
+    struct clips_messages *all = m->messages;
+    uint16_t index = all->free;
+    if (index == 0) {
+        return false;
+    }
+    struct clips_message *e = &all->at[index];
+    all->free = e->newer;
+    IncrementSymbolCount(entry->from);
+    if (entry->first) {
+        AtomInstall(m->env, entry->first_type, entry->first);
+    }
+    uint16_t *chain = &all->chains[message_chain(entry->from, entry->first)];
+    *e = *entry;
+    e->older = all->newest;
+    e->newer = 0;
+    e->chain = *chain;
+    *chain = index;
+    *(all->newest ? &all->at[all->newest].newer : &all->oldest) = index;
+    all->newest = index;
+    return true;
+}
+
+void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
+{
+    struct clips_messages *all = m->messages;
+    bool some = fields->multifieldLength > 0;
+    struct clips_message e = {.from = from, .first_type = SYMBOL, .id = id, .step = m->step};
+    if (some) {
+        e.first = fields->theFields[0].value;
+        e.first_type = fields->theFields[0].type;
+    }
+    message_supersede(m, from, e.first);
+    if (!all->free) {
+        message_remove(m, all->oldest);
+    }
+    /* one fact for each mail, even when two senders say the same */
+    EnvSetFactDuplication(m->env, TRUE);
+    e.fact = clips_percept_assert(m, m->message, fields);
+    EnvSetFactDuplication(m->env, FALSE);
+    if (e.fact) {
+        (void)clips_message_enter(m, &e);
+    }
+}
+
+void clips_message_forget(struct mind *m, uint64_t id)
+{
+    for (uint16_t i = m->messages->oldest; i; i = m->messages->at[i].newer) {
+        if (m->messages->at[i].id == id) {
+            message_remove(m, i);
+            return;
+        }
+    }
+}

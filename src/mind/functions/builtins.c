@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * CLIPS functions that muster wraps: send takes names besides instances, and those that parse a
+ * text check it first, because a deep nesting would end the stack in their parser.
+ */
+#include "mind/functions/table.h"
+#include "mind/functions/send.h"
+#include "mind/engine/value.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Where the engine keeps the number of (gensym), which stands in miscfun.c. */
+enum { OVERRIDE_GENSYM_DATA = 9 };
+
+enum override { OVERRIDE_EVAL, OVERRIDE_BUILD, OVERRIDE_ASSERT, OVERRIDE_CHECK, OVERRIDE_COUNT };
+
+static const char *const override_names[OVERRIDE_COUNT] = {"eval", "build", "assert-string",
+                                                           "check-syntax"};
+
+/* CLIPS's own functions, the same in every environment. */
+static void (*override_send)(void *env, DATA_OBJECT *out);
+static int (*override_calls[OVERRIDE_COUNT])(void *env);
+static char override_returns[OVERRIDE_COUNT];
+static void (*override_print_facts)(void *env);
+static void (*override_list_facts)(void *env, DATA_OBJECT *out);
+
+/* Calls CLIPS's function as if its first argument had been this value. */
+static struct expr override_enter(void *env, struct expr *first, const DATA_OBJECT *value)
+{
+    struct expr call = *EvaluationData(env)->CurrentExpression;
+    *first =
+        (struct expr){.type = value->type, .value = value->value, .nextArg = call.argList->nextArg};
+    call.argList = first;
+    return call;
+}
+
+void clips_override_send(void *env, DATA_OBJECT *out)
+{
+    DATA_OBJECT first;
+    clips_value_bool(env, out, false);
+    if (!clips_value_any(env, 1, &first)) {
+        return;
+    }
+    if (first.type == RVOID) { /* what a function gives that gives nothing */
+        clips_value_refuse(env, "send", "somebody to send to");
+        return;
+    }
+    bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;
+    if (instance && EnvRtnArgCount(env) < 2) {
+        clips_value_refuse(env, "send", "a message for the instance");
+        return;
+    }
+    struct expr value;
+    struct expr *before = EvaluationData(env)->CurrentExpression;
+    struct expr call = override_enter(env, &value, &first);
+    if (first.type == MULTIFIELD) { /* a constant of that type is such an object */
+        value.value = &first;
+    }
+    EvaluationData(env)->CurrentExpression = &call;
+    (instance ? override_send : clips_post_send)(env, out);
+    EvaluationData(env)->CurrentExpression = before;
+}
+
+/* CLIPS's functions return in the way of their return code. */
+static void override_result(void *env, enum override which, DATA_OBJECT *out)
+{
+    int (*call)(void *) = override_calls[which];
+    if (override_returns[which] == 'b') {
+        clips_value_bool(env, out, call(env));
+    } else {
+        void (*fill)(void *, DATA_OBJECT *) = (void (*)(void *, DATA_OBJECT *))(void (*)(void))call;
+        fill(env, out);
+    }
+}
+
+static void override_parse(void *env, enum override which, DATA_OBJECT *out)
+{
+    clips_percept_show(clips_env_mind(env)); /* what is built now may have a pattern of it */
+    static char bytes[2 * CLIPS_LINE_MAX];   /* CLIPS copies the text into a symbol at once */
+    const char *text;
+    struct mu_text rewritten;
+    clips_value_bool(env, out, false);
+    if (!clips_value_word(env, override_names[which], 1, &text)) {
+        return;
+    }
+    const char *wrong =
+        strlen(text) > CLIPS_LINE_MAX ? "at most 16384 bytes" : clips_text_check(text);
+    if (wrong) {
+        char wanted[128];
+        struct mu_text t;
+        mu_text_init(&t, wanted, sizeof wanted);
+        mu_text_format(&t, "a text that can be parsed, not one with %s", wrong);
+        clips_value_refuse(env, override_names[which], wanted);
+        return;
+    }
+    clips_place_note(clips_env_mind(env), text, NULL, 0);
+    mu_text_init(&rewritten, bytes, sizeof bytes);
+    clips_text_rewrite(&rewritten, text, strlen(text));
+    DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};
+    struct expr value;
+    struct expr *before = EvaluationData(env)->CurrentExpression;
+    struct expr call = override_enter(env, &value, &given);
+    EvaluationData(env)->CurrentExpression = &call;
+    override_result(env, which, out);
+    EvaluationData(env)->CurrentExpression = before;
+}
+
+static void override_eval(void *env, DATA_OBJECT *out)
+{
+    override_parse(env, OVERRIDE_EVAL, out);
+}
+
+static void override_build(void *env, DATA_OBJECT *out)
+{
+    override_parse(env, OVERRIDE_BUILD, out);
+}
+
+static void override_assert(void *env, DATA_OBJECT *out)
+{
+    override_parse(env, OVERRIDE_ASSERT, out);
+}
+
+static void override_check(void *env, DATA_OBJECT *out)
+{
+    override_parse(env, OVERRIDE_CHECK, out);
+}
+
+/* (set-strategy random) would draw from numbers that all environments of a process share. */
+static void override_strategy(void *env, DATA_OBJECT *out)
+{
+    static const struct {
+        const char *name;
+        int value;
+    } strategies[] = {{"depth", DEPTH_STRATEGY},
+                      {"breadth", BREADTH_STRATEGY},
+                      {"lex", LEX_STRATEGY},
+                      {"mea", MEA_STRATEGY},
+                      {"complexity", COMPLEXITY_STRATEGY},
+                      {"simplicity", SIMPLICITY_STRATEGY}};
+    enum { COUNT = sizeof strategies / sizeof strategies[0] };
+    const char *name;
+    clips_value_bool(env, out, false);
+    if (!clips_value_word(env, "set-strategy", 1, &name)) {
+        return;
+    }
+    const char *old = "depth";
+    for (size_t i = 0; i < COUNT; i++) {
+        old = strategies[i].value == EnvGetStrategy(env) ? strategies[i].name : old;
+    }
+    for (size_t i = 0; i < COUNT; i++) {
+        if (strcmp(strategies[i].name, name) == 0) {
+            EnvSetStrategy(env, strategies[i].value);
+            clips_value_symbol(env, out, old);
+            return;
+        }
+    }
+    clips_value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
+}
+
+/* The engine compares at each place anew: 4 MB in 8 MB took it hours. */
+static void override_index(void *env, DATA_OBJECT *out)
+{
+    DATA_OBJECT word, text;
+    clips_value_bool(env, out, false);
+    if (!EnvArgTypeCheck(env, "str-index", 1, SYMBOL_OR_STRING, &word) ||
+        !EnvArgTypeCheck(env, "str-index", 2, SYMBOL_OR_STRING, &text)) {
+        return;
+    }
+    const char *in = ValueToString(text.value), *what = ValueToString(word.value);
+    const char *at = strstr(in, what);
+    if (what[0] == '\0') {
+        clips_value_integer(env, out, (long long)UTF8Length(in) + 1);
+    } else if (at) {
+        clips_value_integer(env, out, (long long)UTF8CharNum(in, (size_t)(at - in) + 1));
+    }
+}
+
+/* The next word that is not there yet; rules may have made a hundred thousand of them. */
+static void *override_gensym(void *env)
+{
+    char word[32];
+    long long *number = GetEnvironmentData(env, OVERRIDE_GENSYM_DATA);
+    do {
+        snprintf(word, sizeof word, "gen%lld", (*number)++);
+    } while (clips_guard_charge(clips_env_mind(env), CLIPS_UNITS_A_TICK) &&
+             FindSymbolHN(env, word));
+    return EnvAddSymbol(env, word);
+}
+
+/* Those look at all facts that there are. */
+static void override_facts(void *env)
+{
+    clips_percept_show(clips_env_mind(env));
+    override_print_facts(env);
+}
+
+static void override_list(void *env, DATA_OBJECT *out)
+{
+    clips_percept_show(clips_env_mind(env));
+    override_list_facts(env, out);
+}
+
+/* Puts another function in the place of CLIPS's.  @return that */
+static void (*override_replace(void *env, const char *name, void (*call)(void)))(void)
+{
+    struct FunctionDefinition *f = FindFunction(env, name);
+    MU_ASSERT(f);
+    void (*old)(void) = (void (*)(void))f->functionPointer;
+    f->functionPointer = (int (*)(void))call;
+    return old;
+}
+
+static void override_define(void *env, const char *name, void (*call)(void *, DATA_OBJECT *),
+                            const char *arguments)
+{
+    EnvDefineFunction2(env, name, 'u', (int (*)(void *))(void (*)(void))call, name, arguments);
+}
+
+void clips_override_install(struct mind *m)
+{
+    static void (*const calls[OVERRIDE_COUNT])(void *, DATA_OBJECT *) = {
+        override_eval, override_build, override_assert, override_check};
+    const struct FunctionDefinition *f = FindFunction(m->env, "send");
+    MU_ASSERT(f);
+    override_send = (void (*)(void *, DATA_OBJECT *))(void (*)(void))f->functionPointer;
+    for (size_t i = 0; i < OVERRIDE_COUNT; i++) {
+        f = FindFunction(m->env, override_names[i]);
+        MU_ASSERT(f);
+        override_calls[i] = (int (*)(void *))(void (*)(void))f->functionPointer;
+        override_returns[i] = f->returnValueType;
+        override_define(m->env, override_names[i], calls[i], "11k");
+    }
+    override_print_facts =
+        (void (*)(void *))override_replace(m->env, "facts", (void (*)(void))override_facts);
+    override_list_facts = (void (*)(void *, DATA_OBJECT *))override_replace(
+        m->env, "get-fact-list", (void (*)(void))override_list);
+    override_define(m->env, "str-assert", override_assert, "11k");
+    override_define(m->env, "str-index", override_index, "22j");
+    (void)override_replace(m->env, "gensym*", (void (*)(void))override_gensym);
+    (void)override_replace(m->env, "format", (void (*)(void))clips_format_call);
+    override_define(m->env, "set-strategy", override_strategy, "11w");
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Groups and the yellow pages, as rules see them. */
+#include "mind/functions/table.h"
+#include "mind/functions/send.h"
+#include "mind/engine/value.h"
+#include "core/attributes.h"
+#include "core/name.h"
+
+#include <string.h>
+
+/* --- changes ---------------------------------------------------------------------------------- */
+
+static bool group_name(void *env, const char *function, const char *wanted, const char **name)
+{
+    if (!clips_value_word(env, function, 1, name)) {
+        return false;
+    }
+    if (!mu_name_valid(*name)) {
+        clips_value_refuse(env, function, wanted);
+        return false;
+    }
+    return true;
+}
+
+static void group_begin(void *env, enum mind_change change, const char *name,
+                        const char *attributes, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
+    clips_value_bool(
+        env, out, ports->change && ports->change(ports->self, change, name, attributes) == MU_OK);
+}
+
+/* (FUNCTION NAME) */
+static void group_change(void *env, const char *function, enum mind_change change,
+                         const char *wanted, DATA_OBJECT *out)
+{
+    const char *name;
+    clips_value_bool(env, out, false);
+    if (group_name(env, function, wanted, &name)) {
+        group_begin(env, change, name, "", out);
+    }
+}
+
+void clips_group_create(void *env, DATA_OBJECT *out)
+{
+    group_change(env, "group-create", MIND_GROUP_CREATE, "a name for a group", out);
+}
+
+void clips_group_join(void *env, DATA_OBJECT *out)
+{
+    group_change(env, "group-join", MIND_GROUP_JOIN, "the name of a group", out);
+}
+
+void clips_group_leave(void *env, DATA_OBJECT *out)
+{
+    group_change(env, "group-leave", MIND_GROUP_LEAVE, "the name of a group", out);
+}
+
+void clips_group_withdraw(void *env, DATA_OBJECT *out)
+{
+    group_change(env, "withdraw", MIND_WITHDRAW, "the name of a service", out);
+}
+
+/* Adds a word or number as it is: attributes and queries have no quotes. */
+static bool word_add(struct mu_text *to, unsigned short type, const void *value)
+{
+    switch (type) {
+    case SYMBOL:
+    case STRING: mu_text_add(to, ((const struct symbolHashNode *)value)->contents); return true;
+    case INTEGER:
+        mu_text_format(to, "%lld", ((const struct integerHashNode *)value)->contents);
+        return true;
+    case FLOAT: mu_text_format(to, "%.15g", clips_value_of(type, value)); return true;
+    default: return false;
+    }
+}
+
+/* The arguments from the second on as key=value.  @return false: they are none, or an error */
+static bool attributes_read(void *env, struct mu_text *to)
+{
+    int count = EnvRtnArgCount(env);
+    bool good = count % 2 == 1;
+    for (int i = 2; good && i <= count; i++) {
+        DATA_OBJECT value;
+        if (!clips_value_any(env, i, &value)) {
+            return false;
+        }
+        bool is_key = i % 2 == 0;
+        mu_text_add(to, is_key && to->len > 0 ? " " : "");
+        size_t start = to->len;
+        good = word_add(to, value.type, value.value) && !strpbrk(to->at + start, " ") &&
+               (!is_key || mu_name_valid(to->at + start));
+        mu_text_add(to, is_key ? "=" : "");
+    }
+    return good && !to->cut && mu_attributes_valid(to->at);
+}
+
+void clips_group_advertise(void *env, DATA_OBJECT *out)
+{
+    char bytes[MU_ATTRIBUTES_MAX + 1];
+    struct mu_text attributes;
+    const char *service;
+    clips_value_bool(env, out, false);
+    if (!group_name(env, "advertise", "a name for a service", &service)) {
+        return;
+    }
+    mu_text_init(&attributes, bytes, sizeof bytes);
+    if (attributes_read(env, &attributes)) {
+        group_begin(env, MIND_ADVERTISE, service, bytes, out);
+    } else if (!GetEvaluationError(env)) {
+        clips_value_refuse(env, "advertise",
+                           "pairs of key and value: each key a name, and once; values without "
+                           "blanks; 255 bytes in all");
+    }
+}
+
+/* --- questions -------------------------------------------------------------------------------- */
+
+static void list_answer(void *env, enum mind_list list, const char *of, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
+    size_t count = 0;
+    while (ports->entry && ports->entry(ports->self, list, of, count)) {
+        count++;
+    }
+    struct multifield *fields = EnvCreateMultifield(env, (long)count);
+    for (size_t i = 0; i < count; i++) {
+        const char *name = ports->entry(ports->self, list, of, i);
+        clips_value_set_symbol(env, fields, i, name ? name : "nil");
+    }
+    clips_value_multifield(out, fields);
+}
+
+void clips_group_groups(void *env, DATA_OBJECT *out)
+{
+    list_answer(env, MIND_GROUPS, "", out);
+}
+
+void clips_group_members(void *env, DATA_OBJECT *out)
+{
+    const char *group;
+    EnvSetMultifieldErrorValue(env, out);
+    if (group_name(env, "members", "the name of a group", &group)) {
+        list_answer(env, MIND_MEMBERS, group, out);
+    }
+}
+
+/*
+ * Adds a word of a query behind a blank, unless a relation joins it to the word before: what rules
+ * write as battery<=0.5 CLIPS reads as two words, and a number may stand in a variable.
+ */
+static bool query_add(struct mu_text *to, unsigned short type, const void *value)
+{
+    bool word = type == SYMBOL || type == STRING;
+    const char *text = word ? ((const struct symbolHashNode *)value)->contents : "";
+    bool joins = to->len == 0 || text[0] == '<' || strchr("=<>", to->at[to->len - 1]);
+    mu_text_add(to, joins ? "" : " ");
+    return word_add(to, type, value);
+}
+
+static bool query_read(void *env, struct mu_text *to)
+{
+    int count = EnvRtnArgCount(env);
+    for (int i = 1; i <= count; i++) {
+        DATA_OBJECT value;
+        bool good = true;
+        if (!clips_value_any(env, i, &value)) {
+            return false;
+        }
+        if (value.type != MULTIFIELD) {
+            good = query_add(to, value.type, value.value);
+        }
+        for (long k = value.begin; value.type == MULTIFIELD && good && k <= value.end; k++) {
+            const struct field *f = &((struct multifield *)value.value)->theFields[k];
+            good = query_add(to, f->type, f->value);
+        }
+        if (!good) {
+            return false;
+        }
+    }
+    return !to->cut;
+}
+
+/* An agent that offers several services is named once. */
+static void names_once(DATA_OBJECT *names)
+{
+    struct field *fields = ((struct multifield *)names->value)->theFields;
+    long kept = 0;
+    for (long i = 0; i <= names->end; i++) {
+        long same = 0;
+        while (same < kept && fields[same].value != fields[i].value) {
+            same++;
+        }
+        if (same == kept) {
+            fields[kept++] = fields[i];
+        }
+    }
+    names->end = kept - 1;
+}
+
+void clips_group_find_service(void *env, DATA_OBJECT *out)
+{
+    char query[MU_QUERY_MAX + 1];
+    struct mu_text text;
+    struct mu_query read;
+    EnvSetMultifieldErrorValue(env, out);
+    mu_text_init(&text, query, sizeof query);
+    if (!query_read(env, &text) || mu_attributes_query(&read, query) != MU_OK) {
+        if (!GetEvaluationError(env)) {
+            clips_value_refuse(env, "find-service",
+                               "a service, or *, and constraints such as role=scout battery>=0.5 "
+                               "near=X,Y,METRES");
+        }
+        return;
+    }
+    list_answer(env, MIND_PROVIDERS, query, out);
+    if (query[0] == '*') {
+        names_once(out);
+    }
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Arithmetic of rules: degrees, geometry, random numbers, division that cannot end the process. */
+#include "mind/functions/table.h"
+#include "mind/functions/motion.h"
+#include "mind/engine/value.h"
+
+#include <limits.h>
+#include <math.h>
+
+static const double math_deg = 180 / 3.14159265358979323846;
+
+static double math_sin(double a)
+{
+    return sin(a / math_deg);
+}
+
+static double math_cos(double a)
+{
+    return cos(a / math_deg);
+}
+
+static double math_tan(double a)
+{
+    return tan(a / math_deg);
+}
+
+static double math_asin(double x)
+{
+    return asin(x) * math_deg;
+}
+
+static double math_acos(double x)
+{
+    return acos(x) * math_deg;
+}
+
+static double math_atan(double x)
+{
+    return atan(x) * math_deg;
+}
+
+/* A function of one number; what it has no value for is a CLIPS error. */
+static void math_call(void *env, const char *name, double (*function)(double), DATA_OBJECT *out)
+{
+    double x;
+    clips_value_float(env, out, 0);
+    if (!clips_value_number(env, name, 1, &x)) {
+        return;
+    }
+    double y = function(x);
+    if (!isfinite(y)) {
+        clips_value_refuse(env, name, "a number that it has a value for");
+        return;
+    }
+    clips_value_float(env, out, y);
+}
+
+void clips_math_sind(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "sind", math_sin, out);
+}
+
+void clips_math_cosd(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "cosd", math_cos, out);
+}
+
+void clips_math_tand(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "tand", math_tan, out);
+}
+
+void clips_math_asind(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "asind", math_asin, out);
+}
+
+void clips_math_acosd(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "acosd", math_acos, out);
+}
+
+void clips_math_atand(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "atand", math_atan, out);
+}
+
+void clips_math_norm_angle(void *env, DATA_OBJECT *out)
+{
+    math_call(env, "norm-angle", clips_physical_norm, out);
+}
+
+void clips_math_atan2d(void *env, DATA_OBJECT *out)
+{
+    double a[2];
+    clips_value_float(env, out, 0);
+    if (clips_value_numbers(env, "atan2d", 2, a)) {
+        clips_value_float(env, out, clips_physical_norm(atan2(a[0], a[1]) * math_deg));
+    }
+}
+
+void clips_math_distance(void *env, DATA_OBJECT *out)
+{
+    double a[4];
+    clips_value_float(env, out, 0);
+    if (clips_value_numbers(env, "distance", 4, a)) {
+        clips_value_float(env, out, hypot(a[2] - a[0], a[3] - a[1]));
+    }
+}
+
+void clips_math_bearing(void *env, DATA_OBJECT *out)
+{
+    double a[4];
+    clips_value_float(env, out, 0);
+    if (clips_value_numbers(env, "bearing", 4, a)) {
+        double angle = atan2(a[3] - a[1], a[2] - a[0]) * math_deg;
+        clips_value_float(env, out, clips_physical_norm(angle));
+    }
+}
+
+void clips_math_clamp(void *env, DATA_OBJECT *out)
+{
+    DATA_OBJECT arg[3];
+    double x[3];
+    bool whole = true;
+    clips_value_float(env, out, 0);
+    for (int i = 0; i < 3; i++) {
+        if (!EnvArgTypeCheck(env, "clamp", i + 1, INTEGER_OR_FLOAT, &arg[i])) {
+            return;
+        }
+        x[i] = clips_value_of(arg[i].type, arg[i].value);
+        whole = whole && arg[i].type == INTEGER;
+    }
+    if (!(x[1] <= x[2])) {
+        clips_value_refuse(env, "clamp", "a number, a lower and an upper limit");
+        return;
+    }
+    int pick = x[0] < x[1] ? 1 : x[0] > x[2] ? 2 : 0;
+    if (whole) {
+        *out = arg[pick];
+    } else {
+        clips_value_float(env, out, x[pick]);
+    }
+}
+
+void clips_math_now(void *env, DATA_OBJECT *out)
+{
+    clips_value_float(env, out, (double)clips_env_mind(env)->percept.time_ns * 1e-9);
+}
+
+void clips_math_random(void *env, DATA_OBJECT *out)
+{
+    long long lo = 0;
+    long long hi = INT32_MAX;
+    int count = EnvRtnArgCount(env);
+    clips_value_integer(env, out, 0);
+    if (count == 1) {
+        clips_value_refuse(env, "random", "no argument or two: the least and the greatest number");
+        return;
+    }
+    if (count == 2 &&
+        (!clips_value_whole(env, "random", 1, &lo) || !clips_value_whole(env, "random", 2, &hi))) {
+        return;
+    }
+    if (lo > hi) {
+        clips_value_refuse(env, "random", "a least number that is not above the greatest");
+        return;
+    }
+    clips_value_integer(env, out, mu_random_between(&clips_env_mind(env)->random, lo, hi));
+}
+
+void clips_math_seed(void *env, DATA_OBJECT *out)
+{
+    struct mind *m = clips_env_mind(env);
+    long long seed;
+    clips_value_bool(env, out, false);
+    if (clips_value_whole(env, "seed", 1, &seed)) {
+        mu_random_seed(&m->random, (uint64_t)seed, m->options.name);
+        clips_value_bool(env, out, true);
+    }
+}
+
+/* A number cut to a whole one.  @return false, after a CLIPS error */
+static bool math_whole(void *env, int index, long long *out)
+{
+    DATA_OBJECT value;
+    if (!EnvArgTypeCheck(env, "div", index, INTEGER_OR_FLOAT, &value)) {
+        return false;
+    }
+    if (value.type == INTEGER) {
+        *out = ((struct integerHashNode *)value.value)->contents;
+        return true;
+    }
+    double x = clips_value_of(value.type, value.value);
+    if (!(fabs(x) < 9.2e18)) {
+        clips_value_refuse(env, "div", "numbers within 64 bits");
+        return false;
+    }
+    *out = (long long)x;
+    return true;
+}
+
+void clips_math_div(void *env, DATA_OBJECT *out)
+{
+    long long result;
+    long long by;
+    int count = EnvRtnArgCount(env);
+    clips_value_integer(env, out, 1);
+    if (!math_whole(env, 1, &result)) {
+        return;
+    }
+    for (int i = 2; i <= count; i++) {
+        if (!math_whole(env, i, &by)) {
+            return;
+        }
+        if (by == 0 || (by == -1 && result == LLONG_MIN)) {
+            clips_value_refuse(env, "div", by ? "a result within 64 bits" : "no division by zero");
+            return;
+        }
+        result /= by;
+    }
+    clips_value_integer(env, out, result);
+}
+
+void clips_math_mod(void *env, DATA_OBJECT *out)
+{
+    DATA_OBJECT arg[2];
+    clips_value_integer(env, out, 0);
+    for (int i = 0; i < 2; i++) {
+        if (!EnvArgTypeCheck(env, "mod", i + 1, INTEGER_OR_FLOAT, &arg[i])) {
+            return;
+        }
+    }
+    if (clips_value_of(arg[1].type, arg[1].value) == 0) {
+        clips_value_refuse(env, "mod", "no division by zero");
+        return;
+    }
+    if (arg[0].type == FLOAT || arg[1].type == FLOAT) {
+        clips_value_float(env, out,
+                          fmod(clips_value_of(arg[0].type, arg[0].value),
+                               clips_value_of(arg[1].type, arg[1].value)));
+        return;
+    }
+    long long a = ((struct integerHashNode *)arg[0].value)->contents;
+    long long b = ((struct integerHashNode *)arg[1].value)->contents;
+    clips_value_integer(env, out, b == -1 ? 0 : a % b);
+}

@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mail that rules send. */
+#include "mind/functions/send.h"
+
+#include "mind/functions/table.h"
+#include "mind/engine/value.h"
+#include "core/name.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const struct mind_letter clips_post_blank = {.dst = "",
+                                             .performative = "",
+                                             .language = "clips",
+                                             .ontology = "",
+                                             .reply_with = "",
+                                             .in_reply_to = "",
+                                             .conversation = "",
+                                             .content = ""};
+
+bool clips_post_field(struct mu_text *out, unsigned short type, const void *value)
+{
+    const struct symbolHashNode *text = value;
+    switch (type) {
+    case SYMBOL: clips_text_add_symbol(out, text->contents); return true;
+    case STRING: clips_text_add_quoted(out, text->contents); return true;
+    case INSTANCE_NAME: mu_text_format(out, "[%s]", text->contents); return true;
+    case INTEGER:
+        mu_text_format(out, "%lld", ((const struct integerHashNode *)value)->contents);
+        return true;
+    case FLOAT:
+        clips_text_add_float(out, clips_value_of(type, value));
+        return isfinite(clips_value_of(type, value));
+    default: return false;
+    }
+}
+
+static bool post_value(struct mu_text *out, const DATA_OBJECT *value)
+{
+    bool single = value->type != MULTIFIELD;
+    long begin = single ? 0 : value->begin;
+    long end = single ? 0 : value->end;
+    for (long i = begin; i <= end; i++) {
+        const struct field *f = single ? NULL : &((struct multifield *)value->value)->theFields[i];
+        if (out->len > 0 && out->at[out->len - 1] != '(') {
+            mu_text_add(out, " ");
+        }
+        bool mailable = single ? clips_post_field(out, value->type, value->value)
+                               : clips_post_field(out, f->type, f->value);
+        if (!mailable) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool clips_post_fields(void *env, const char *function, int first, DATA_OBJECT *fields)
+{
+    struct expr *arguments = EvaluationData(env)->CurrentExpression->argList;
+    for (int i = 1; i < first && arguments; i++) {
+        arguments = arguments->nextArg;
+    }
+    StoreInMultifield(env, fields, arguments, TRUE);
+    if (fields->type != MULTIFIELD && !GetEvaluationError(env)) {
+        clips_value_refuse(env, function, "fields");
+    }
+    return !GetEvaluationError(env) && !GetHaltExecution(env);
+}
+
+bool clips_post_content(void *env, const char *function, const DATA_OBJECT *fields,
+                        struct mu_text *out)
+{
+    if (!post_value(out, fields)) {
+        clips_value_refuse(env, function,
+                           "fields that can be mailed: symbols, strings, finite numbers");
+        return false;
+    }
+    if (out->cut) {
+        clips_value_refuse(env, function, "a content of at most 16384 bytes");
+        return false;
+    }
+    return true;
+}
+
+/* @return whether it is an address such as group:scouts, role:digger or near:2.5 */
+static bool who_is_address(const char *who)
+{
+    char scheme[MU_NAME_MAX + 1];
+    size_t len = strcspn(who, ":");
+    if (len >= sizeof scheme || who[len] != ':' || who[len + 1] == '\0') {
+        return false;
+    }
+    memcpy(scheme, who, len);
+    scheme[len] = '\0';
+    for (const char *c = who; *c; c++) {
+        if ((unsigned char)*c <= ' ' || *c == 127) {
+            return false;
+        }
+    }
+    return mu_name_valid(scheme);
+}
+
+static bool who_is_word(unsigned short type)
+{
+    return type == SYMBOL || type == STRING;
+}
+
+/* Several names, joined by commas. */
+static bool who_add_names(struct mu_text *to, const DATA_OBJECT *who)
+{
+    for (long i = who->begin; i <= who->end; i++) {
+        const struct field *f = &((struct multifield *)who->value)->theFields[i];
+        if (!who_is_word(f->type) || !mu_name_valid(ValueToString(f->value))) {
+            return false;
+        }
+        mu_text_add(to, to->len > 0 ? "," : "");
+        mu_text_add(to, ValueToString(f->value));
+    }
+    return to->len > 0;
+}
+
+const char *clips_post_who(void *env, const char *function, int index, const char *wanted)
+{
+    static char names[MU_DST_MAX + 1]; /* one thread, and the port copies it */
+    DATA_OBJECT who;
+    struct mu_text to;
+    bool good = false;
+    if (!clips_value_any(env, index, &who)) {
+        return NULL;
+    }
+    mu_text_init(&to, names, sizeof names);
+    if (who.type == MULTIFIELD) {
+        good = who_add_names(&to, &who);
+    } else if (who_is_word(who.type)) {
+        mu_text_add(&to, ValueToString(who.value));
+        good = mu_name_valid(names) || who_is_address(names);
+    }
+    if (!good || to.cut) {
+        clips_value_refuse(env, function, wanted);
+        return NULL;
+    }
+    return names;
+}
+
+void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
+{
+    struct mind *m = clips_env_mind(env);
+    const struct mind_ports *ports = &m->options.ports;
+    bool taken = ports->send && ports->send(ports->self, letter) == MU_OK;
+    if (taken) {
+        clips_diary_told(m, letter);
+    }
+    if (taken && letter->reply_with[0]) {
+        clips_value_symbol(env, out, letter->reply_with);
+    } else {
+        clips_value_bool(env, out, taken);
+    }
+}
+
+/* Nothing is evaluated from here on, so that the text stays whole. */
+static void post_letter(void *env, const char *function, struct mind_letter *letter,
+                        const DATA_OBJECT *fields, DATA_OBJECT *out)
+{
+    struct mu_text content;
+    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    if (clips_post_content(env, function, fields, &content)) {
+        letter->content = content.at;
+        clips_post_hand(env, letter, out);
+    }
+}
+
+const char *clips_post_question(void *env, char *to, size_t size)
+{
+    struct mind *m = clips_env_mind(env);
+    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
+    return to;
+}
+
+/* (FUNCTION WHO field...) */
+static void post_to(void *env, const char *function, const char *performative, bool asks,
+                    DATA_OBJECT *out)
+{
+    struct mind_letter letter = clips_post_blank;
+    char question[MU_FIELD_MAX + 1];
+    DATA_OBJECT fields;
+    letter.performative = performative;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, function, 2, &fields)) {
+        return;
+    }
+    letter.dst = clips_post_who(env, function, 1, "the name of an agent, or several");
+    if (!letter.dst) {
+        return;
+    }
+    if (asks) {
+        letter.reply_with = clips_post_question(env, question, sizeof question);
+    }
+    post_letter(env, function, &letter, &fields, out);
+}
+
+void clips_post_send(void *env, DATA_OBJECT *out)
+{
+    post_to(env, "send", "", false, out);
+}
+
+void clips_post_tell(void *env, DATA_OBJECT *out)
+{
+    post_to(env, "tell", "tell", false, out);
+}
+
+void clips_post_ask_one(void *env, DATA_OBJECT *out)
+{
+    post_to(env, "ask-one", "ask-one", true, out);
+}
+
+void clips_post_ask_all(void *env, DATA_OBJECT *out)
+{
+    post_to(env, "ask-all", "ask-all", true, out);
+}
+
+void clips_post_achieve(void *env, DATA_OBJECT *out)
+{
+    post_to(env, "achieve", "achieve", true, out);
+}
+
+void clips_post_broadcast(void *env, DATA_OBJECT *out)
+{
+    struct mind_letter letter = clips_post_blank;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    letter.dst = "all";
+    if (clips_post_fields(env, "broadcast", 1, &fields)) {
+        post_letter(env, "broadcast", &letter, &fields, out);
+    }
+}
+
+/* (FUNCTION NAME field...): to SCHEME:NAME */
+static void post_scheme(void *env, const char *function, const char *scheme, const char *wanted,
+                        DATA_OBJECT *out)
+{
+    char to[MU_FIELD_MAX + 1];
+    struct mind_letter letter = clips_post_blank;
+    const char *name;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, function, 2, &fields) ||
+        !clips_value_word(env, function, 1, &name)) {
+        return;
+    }
+    if (!mu_name_valid(name)) {
+        clips_value_refuse(env, function, wanted);
+        return;
+    }
+    snprintf(to, sizeof to, "%s:%s", scheme, name);
+    letter.dst = to;
+    post_letter(env, function, &letter, &fields, out);
+}
+
+void clips_post_group_send(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "group-send", "group", "the name of a group", out);
+}
+
+void clips_post_send_role(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "send-role", "role", "the name of a role", out);
+}
+
+void clips_post_send_task(void *env, DATA_OBJECT *out)
+{
+    post_scheme(env, "send-task", "task", "the name of a task", out);
+}
+
+/* Rules have millimetres, addresses metres. */
+void clips_post_send_near(void *env, DATA_OBJECT *out)
+{
+    char to[MU_FIELD_MAX + 1];
+    struct mind_letter letter = clips_post_blank;
+    double distance_mm;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, "send-near", 2, &fields) ||
+        !clips_value_number(env, "send-near", 1, &distance_mm)) {
+        return;
+    }
+    if (!isfinite(distance_mm) || distance_mm < 0) {
+        clips_value_refuse(env, "send-near", "a distance in mm, 0 or more");
+        return;
+    }
+    snprintf(to, sizeof to, "near:%.15g", distance_mm / 1000);
+    letter.dst = to;
+    post_letter(env, "send-near", &letter, &fields, out);
+}
+
+/* The text of a mail fact's slot, "" for nil. */
+static const char *post_slot(const struct fact *f, size_t index)
+{
+    const struct field *slot = &f->theProposition.theFields[index];
+    bool word = slot->type == SYMBOL || slot->type == STRING;
+    const char *text = word ? ((const struct symbolHashNode *)slot->value)->contents : "";
+    return strcmp(text, "nil") == 0 ? "" : text;
+}
+
+static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct mind_letter *letter)
+{
+    enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
+    const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
+    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(post_slot(f, FROM))) {
+        return false;
+    }
+    const struct field *layer = &f->theProposition.theFields[LAYER];
+    double number = clips_value_of(layer->type, layer->value);
+    letter->dst = post_slot(f, FROM);
+    letter->ontology = post_slot(f, ONTOLOGY);
+    letter->in_reply_to = post_slot(f, REPLY_WITH);
+    letter->conversation = post_slot(f, CONVERSATION);
+    letter->layer = number >= 1 && number <= UINT32_MAX ? (uint32_t)number : 0;
+    return true;
+}
+
+/* A handler of a layer has no fact yet: it names the mail by its number. */
+static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
+                             struct mind_letter *letter)
+{
+    const struct mind_mail *handled = m->handled;
+    if (!handled || mail->type != INTEGER ||
+        (uint64_t)((const struct integerHashNode *)mail->value)->contents != handled->id) {
+        return false;
+    }
+    letter->dst = handled->src;
+    letter->ontology = handled->ontology;
+    letter->in_reply_to = handled->reply_with;
+    letter->conversation = handled->conversation;
+    letter->layer = handled->layer;
+    return true;
+}
+
+void clips_post_reply(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    struct mind_letter letter = clips_post_blank;
+    DATA_OBJECT mail;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, "reply", 2, &fields) || !clips_value_any(env, 1, &mail)) {
+        return;
+    }
+    letter.performative = "tell";
+    if (!reply_to_fact(m, &mail, &letter) && !reply_to_handled(m, &mail, &letter)) {
+        clips_value_refuse(env, "reply", "a mail fact and fields");
+        return;
+    }
+    post_letter(env, "reply", &letter, &fields, out);
+}
+
+/* A group's own name will do where no agent bears it.  @return whether it is such a name */
+static bool you_do_group(const struct mind *m, const char *name)
+{
+    const struct mind_ports *ports = &m->options.ports;
+    struct mind_member member;
+    const char *group;
+    if (!mu_name_valid(name) || mu_name_reserved(name) || !ports->entry ||
+        (ports->lookup && ports->lookup(ports->self, name, &member) == MU_OK)) {
+        return false;
+    }
+    for (size_t i = 0; (group = ports->entry(ports->self, MIND_GROUPS, "", i)) != NULL; i++) {
+        if (strcmp(group, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void clips_post_you_do(void *env, DATA_OBJECT *out)
+{
+    static const char wanted[] = "a name, a group or a multifield of names, a command, its fields";
+    char group[MU_FIELD_MAX + 1];
+    struct mind *m = clips_env_mind(env);
+    struct mind_letter letter = clips_post_blank;
+    struct mu_text line;
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, "you-do", 2, &fields)) {
+        return;
+    }
+    letter.dst = clips_post_who(env, "you-do", 1, wanted);
+    if (!letter.dst) {
+        return;
+    }
+    if (fields.end < 0 || !who_is_word(((struct multifield *)fields.value)->theFields[0].type)) {
+        clips_value_refuse(env, "you-do", wanted);
+        return;
+    }
+    if (you_do_group(m, letter.dst)) {
+        snprintf(group, sizeof group, "group:%s", letter.dst);
+        letter.dst = group;
+    }
+    mu_text_init(&line, m->scratch, MU_CONTENT_MAX);
+    mu_text_add(&line, "(");
+    if (!clips_post_content(env, "you-do", &fields, &line)) {
+        return;
+    }
+    mu_text_add(&line, ")");
+    letter.directive = true;
+    letter.performative = "do";
+    letter.content = line.at;
+    clips_post_hand(env, &letter, out);
+}

@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mail with its envelope: (speak), (send-layer). */
+#include "mind/functions/table.h"
+#include "mind/functions/send.h"
+#include "mind/engine/value.h"
+#include "core/performatives.h"
+
+#include <string.h>
+
+/* The value of a key, evaluated and entered.  @return false, after a CLIPS error */
+typedef bool (*speak_key)(void *env, int index, size_t offset, struct mind_letter *letter);
+
+static bool speak_word(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    const char *word;
+    if (!clips_value_word(env, "speak", index, &word)) {
+        return false;
+    }
+    if (strlen(word) > MU_FIELD_MAX) {
+        clips_value_refuse(env, "speak", "words of at most 63 bytes");
+        return false;
+    }
+    *(const char **)((char *)letter + offset) = word;
+    return true;
+}
+
+/* reply-by SECONDS: the answer's last time, and so the mail's own. */
+static bool speak_reply_by(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    (void)offset;
+    double until_s;
+    if (!clips_value_number(env, "speak", index, &until_s)) {
+        return false;
+    }
+    double now_s = (double)clips_env_mind(env)->percept.time_ns * 1e-9;
+    if (!(until_s > now_s && until_s < now_s + 1e9)) {
+        clips_value_refuse(env, "speak", "a time in the future behind reply-by");
+        return false;
+    }
+    letter->reply_by_ns = (uint64_t)(until_s * 1e9);
+    letter->ttl_ns = (uint64_t)((until_s - now_s) * 1e9);
+    return true;
+}
+
+static bool layer_read(void *env, const char *function, int index, uint32_t *layer)
+{
+    long long number;
+    if (!clips_value_whole(env, function, index, &number)) {
+        return false;
+    }
+    if (number < 1 || number > UINT32_MAX) {
+        clips_value_refuse(env, function, "a layer: a whole number from 1 on");
+        return false;
+    }
+    *layer = (uint32_t)number;
+    return true;
+}
+
+static bool speak_layer(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    (void)offset;
+    return layer_read(env, "speak", index, &letter->layer);
+}
+
+/* @return the place of a word among words; count: it is not there, after a CLIPS error */
+static size_t speak_choice(void *env, int index, const char *const *words, size_t count,
+                           const char *wanted)
+{
+    const char *word;
+    if (!clips_value_word(env, "speak", index, &word)) {
+        return count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(words[i], word) == 0) {
+            return i;
+        }
+    }
+    clips_value_refuse(env, "speak", wanted);
+    return count;
+}
+
+static bool speak_priority(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    (void)offset;
+    static const char *const words[] = {"low", "normal", "high"};
+    size_t found = speak_choice(env, index, words, 3, "low, normal or high behind priority");
+    letter->priority = (enum mu_priority)((int)found + MU_PRIORITY_LOW);
+    return found < 3;
+}
+
+static bool speak_level(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    (void)offset;
+    static const char *const words[] = {"ram", "logged", "synced"};
+    size_t found = speak_choice(env, index, words, 3, "ram, logged or synced behind level");
+    letter->level = (enum mu_level)found;
+    return found < 3;
+}
+
+static const struct {
+    const char *key;
+    speak_key read;
+    size_t offset; /* of the word in a letter */
+} speak_keys[] = {
+    {"language", speak_word, offsetof(struct mind_letter, language)},
+    {"ontology", speak_word, offsetof(struct mind_letter, ontology)},
+    {"reply-with", speak_word, offsetof(struct mind_letter, reply_with)},
+    {"in-reply-to", speak_word, offsetof(struct mind_letter, in_reply_to)},
+    {"conversation", speak_word, offsetof(struct mind_letter, conversation)},
+    {"reply-by", speak_reply_by, 0},
+    {"layer", speak_layer, 0},
+    {"priority", speak_priority, 0},
+    {"level", speak_level, 0},
+};
+
+static bool speak_key_value(void *env, int index, struct mind_letter *letter)
+{
+    const char *key;
+    if (!clips_value_word(env, "speak", index, &key)) {
+        return false;
+    }
+    for (size_t i = 0; i < sizeof speak_keys / sizeof speak_keys[0]; i++) {
+        if (strcmp(speak_keys[i].key, key) == 0) {
+            return speak_keys[i].read(env, index + 1, speak_keys[i].offset, letter);
+        }
+    }
+    clips_value_refuse(env, "speak",
+                       "pairs of a value and one of these keys: language ontology reply-with "
+                       "in-reply-to reply-by conversation layer priority level");
+    return false;
+}
+
+static bool speak_performative(void *env, const char *function, int index,
+                               struct mind_letter *letter)
+{
+    if (!clips_value_word(env, function, index, &letter->performative)) {
+        return false;
+    }
+    if (strlen(letter->performative) > MU_FIELD_MAX) {
+        clips_value_refuse(env, function, "a performative of at most 63 bytes");
+        return false;
+    }
+    return true;
+}
+
+void clips_speak_call(void *env, DATA_OBJECT *out)
+{
+    struct mind_letter letter = clips_post_blank;
+    struct mu_text content;
+    DATA_OBJECT fields;
+    int count = EnvRtnArgCount(env);
+    clips_value_bool(env, out, false);
+    if (count % 2 == 0) {
+        clips_value_refuse(env, "speak",
+                           "a performative, a name, a content and pairs of key, value");
+        return;
+    }
+    if (!speak_performative(env, "speak", 1, &letter) || !clips_value_any(env, 3, &fields)) {
+        return;
+    }
+    for (int i = 4; i < count; i += 2) {
+        if (!speak_key_value(env, i, &letter)) {
+            return;
+        }
+    }
+    letter.dst = clips_post_who(env, "speak", 2, "the name of an agent, or several");
+    if (!letter.dst) {
+        return;
+    }
+    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    bool raw = strcmp(letter.language, "clips") != 0 && fields.type == STRING;
+    if (raw) { /* a text in another language goes as it is */
+        mu_text_add(&content, ValueToString(fields.value));
+    }
+    if (content.cut) {
+        clips_value_refuse(env, "speak", "a content of at most 16384 bytes");
+    } else if (raw || clips_post_content(env, "speak", &fields, &content)) {
+        letter.content = content.at;
+        clips_post_hand(env, &letter, out);
+    }
+}
+
+void clips_speak_layer(void *env, DATA_OBJECT *out)
+{
+    struct mind_letter letter = clips_post_blank;
+    struct mu_text content;
+    char question[MU_FIELD_MAX + 1];
+    DATA_OBJECT fields;
+    clips_value_bool(env, out, false);
+    if (!clips_post_fields(env, "send-layer", 4, &fields) ||
+        !layer_read(env, "send-layer", 1, &letter.layer) ||
+        !speak_performative(env, "send-layer", 2, &letter)) {
+        return;
+    }
+    letter.dst = clips_post_who(env, "send-layer", 3, "the name of an agent, or several");
+    if (!mu_performative_answers(letter.performative)) {
+        letter.reply_with = clips_post_question(env, question, sizeof question);
+    }
+    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    if (letter.dst && clips_post_content(env, "send-layer", &fields, &content)) {
+        letter.content = content.at;
+        clips_post_hand(env, &letter, out);
+    }
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "mind/functions/table.h"
+
+#include <stdio.h>
+
+struct function_row {
+    const char *name;
+    int code;
+    void (*call)(void *env, DATA_OBJECT *out);
+    const char *arguments;
+    const char *usage, *text;
+};
+
+#define X(name, code, function, arguments, usage, text) \
+    {name, code, function, arguments, usage, text},
+static const struct function_row function_physical[] = {CLIPS_PHYSICAL(X)};
+static const struct function_row function_agent[] = {CLIPS_AGENT(X)};
+static const struct function_row function_extensions[] = {CLIPS_EXTENSIONS(X)};
+#undef X
+
+static const struct {
+    const char *title;
+    const struct function_row *rows;
+    size_t count;
+} function_groups[] = {
+#define GROUP(title, rows)                        \
+    {                                             \
+        title, rows, sizeof rows / sizeof rows[0] \
+    }
+    GROUP("Physical", function_physical),
+    GROUP("Agent", function_agent),
+    GROUP("Extensions", function_extensions),
+#undef GROUP
+};
+
+enum { FUNCTION_GROUPS = sizeof function_groups / sizeof function_groups[0] };
+
+struct expr *clips_functions_parse(void *env, struct expr *top, const char *source)
+{
+    const struct FunctionDefinition *f = top->value;
+    top = CollectArguments(env, top, source);
+    bool good = top && !CheckExpressionAgainstRestrictions(env, top, f->restrictions,
+                                                           ValueToString(f->callFunctionName));
+    if (top && !good) {
+        ReturnExpression(env, top);
+    }
+    return good ? top : NULL;
+}
+
+void clips_functions_note(struct mind *m, const char *name,
+                          struct expr *(*parse)(void *env, struct expr *top, const char *source))
+{
+    struct FunctionDefinition *f = FindFunction(m->env, name);
+    MU_ASSERT(f);
+    const struct FunctionDefinition before = *f;
+    (void)AddFunctionParser(m->env, name, parse);
+    f->restrictions = before.restrictions; /* CLIPS leaves them to the parser, */
+    f->overloadable = before.overloadable; /* and wants no methods of its function */
+}
+
+/* Functions that send mail, or change groups and services, and those that call any function. */
+static const char *const function_speech[] = {
+    "send",       "broadcast",   "speak",     "tell",       "ask-one",    "ask-all",
+    "achieve",    "reply",       "you-do",    "send-layer", "group-send", "group-create",
+    "group-join", "group-leave", "advertise", "withdraw",   "send-role",  "send-task",
+    "send-near",  "eval",        "build",     "funcall"};
+
+static struct expr *speech_parse(void *env, struct expr *top, const char *source)
+{
+    struct mind *m = clips_env_mind(env);
+    m->rules_speak = m->rules_speak || ConstructData(env)->ParsingConstruct;
+    return clips_functions_parse(env, top, source);
+}
+
+static void speech_install(struct mind *m)
+{
+    for (size_t i = 0; i < sizeof function_speech / sizeof function_speech[0]; i++) {
+        clips_functions_note(m, function_speech[i], speech_parse);
+    }
+}
+
+bool mind_speaks(const struct mind *m)
+{
+    return m->rules_speak;
+}
+
+void clips_functions_install(struct mind *m)
+{
+    for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
+        for (size_t i = 0; i < function_groups[g].count; i++) {
+            const struct function_row *row = &function_groups[g].rows[i];
+            int (*call)(void *) = (int (*)(void *))(void (*)(void))row->call;
+            int known =
+                EnvDefineFunction2(m->env, row->name, row->code, call, row->name, row->arguments);
+            MU_ASSERT(known);
+        }
+    }
+    AddFunctionParser(m->env, "findall", clips_findall_parse);
+    AddFunctionParser(m->env, "getmsg", clips_mail_parse_getmsg);
+    speech_install(m);
+}
+
+/* Inside a table a bar would end the cell. */
+static void function_print_cell(const char *text)
+{
+    for (; *text; text++) {
+        fputs(*text == '|' ? "\\|" : (char[]){*text, '\0'}, stdout);
+    }
+}
+
+void mind_print_functions(void)
+{
+    for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
+        printf("%s## %s\n\n| Call | What it does and returns |\n| --- | --- |\n", g ? "\n" : "",
+               function_groups[g].title);
+        for (size_t i = 0; i < function_groups[g].count; i++) {
+            fputs("| `", stdout);
+            function_print_cell(function_groups[g].rows[i].usage);
+            fputs("` | ", stdout);
+            function_print_cell(function_groups[g].rows[i].text);
+            fputs(" |\n", stdout);
+        }
+    }
+}

@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file clips_functions.h
+ * The one table of functions that rules may call.
+ *
+ * X(name, code, function, arguments, usage, text): code is the CLIPS return type ('u' any,
+ * 'm' multifield), arguments a CLIPS restriction string: least, most (or *), then types (n number,
+ * i whole number, k symbol or string, u any).
+ */
+#ifndef MUSTER_AGENT_CLIPS_FUNCTIONS_H
+#define MUSTER_AGENT_CLIPS_FUNCTIONS_H
+
+#include "mind/clips_mind.h"
+
+/* clang-format off */
+#define CLIPS_PHYSICAL(X) \
+    X("position", 'm', clips_physical_get_position, "00", \
+      "(position)", \
+      "the position fact's seven fields: time in s, x and y in mm, speed in mm/s, turn " \
+      "rate in deg/s, compass in deg, stalled; `()` before the first percept") \
+    X("gps", 'm', clips_sense_gps, "00", \
+      "(gps)", \
+      "x and y in mm, compass in deg, as GPS and compass say; `()` before the first percept") \
+    X("odometer", 'm', clips_sense_odometer, "00", \
+      "(odometer)", \
+      "x and y in mm, heading in deg, as the wheels say; `()` before the first percept") \
+    X("stalled", 'u', clips_physical_stalled, "00", \
+      "(stalled)", \
+      "TRUE while the body is held up") \
+    X("sonar", 'u', clips_physical_sonar, "02ui", \
+      "(sonar [i [otherwise]])", \
+      "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
+      "such") \
+    X("laser", 'u', clips_sense_laser, "02i", \
+      "(laser [from [to]])", \
+      "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
+      "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
+      "the body has no laser, or no call of laser was there before this step: a body reads only " \
+      "what rules look at") \
+    X("camera", 'm', clips_sense_camera, "01k", \
+      "(camera [color])", \
+      "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
+      "such as red, else #rrggbb), bearing from straight ahead in deg (left is positive), width " \
+      "in deg, range in mm; or those of one colour") \
+    X("fiducials", 'm', clips_sense_fiducials, "00", \
+      "(fiducials)", \
+      "the things that bear a number, nearest first, each in four fields: number (0: too far to " \
+      "read), bearing in deg, range in mm, heading of the thing as seen from here in deg") \
+    X("bumpers", 'm', clips_sense_bumpers, "00", \
+      "(bumpers)", \
+      "the directions in deg from straight ahead in which something touches the body: of eight, " \
+      "45 deg apart") \
+    X("battery", 'u', clips_sense_battery, "00", \
+      "(battery)", \
+      "what is left, as a share from 0 to 1; FALSE for a body without one") \
+    X("gripper", 'u', clips_sense_gripper, "01k", \
+      "(gripper [open|close|lift|lower])", \
+      "orders the gripper; TRUE, or FALSE for a body without one.  Without a word its state: " \
+      "`(open|closed up|down outer inner holds)`, where outer and inner are TRUE while something " \
+      "breaks that beam between the paddles; `()` for a body without one.  Open or closed, up or " \
+      "down is what it has come to: it takes its time") \
+    X("sonar-data", 'u', clips_physical_sonar_data, "1*u", \
+      "(sonar-data s...)", \
+      "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \
+      "0..`?*sonar-clip*`; takes numbers and multifields of numbers") \
+    X("clear-way", 'm', clips_way_clear, "12n", \
+      "(clear-way want [far])", \
+      "the direction in deg from straight ahead (left is positive) that is nearest to the " \
+      "wanted one and free, and the room ahead in mm (less `?*sonar-margin*`), as the front " \
+      "eight sonars show them.  Ranges above `?*care*` mm need no care; what is farther off than " \
+      "far mm is not in the way.  Keeps to the side to which the body turns already; a body " \
+      "with fewer sonars sees nothing") \
+    X("speed-to", 'm', clips_physical_speed_to, "55n", \
+      "(speed-to x y compass tx ty)", \
+      "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
+      "`?*follow-distance*` mm away from it") \
+    X("plan", 'u', clips_plan_call, "22n", \
+      "(plan x y)", \
+      "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
+      "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
+      "none, or the robot was given no map (`--world`)") \
+    X("has-map", 'u', clips_plan_has_map, "00", \
+      "(has-map)", \
+      "TRUE if the robot was given a map for plan") \
+    X("setSpeed", 'u', clips_physical_set_speed, "22n", \
+      "(setSpeed v w)", \
+      "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
+    X("stop", 'u', clips_physical_stop, "00", \
+      "(stop)", \
+      "stands still; TRUE") \
+    X("update-sensors", 'u', clips_physical_update_sensors, "00", \
+      "(update-sensors)", \
+      "I have acted, let me see again: ends the step behind this right-hand side; TRUE, on " \
+      "the console FALSE")
+
+#define CLIPS_AGENT(X) \
+    X("send", 'u', clips_override_send, "1*", \
+      "(send to field...)", \
+      "mail to an agent, a multifield of agents, or an address such as group:scouts; TRUE, or " \
+      "FALSE when there is no room.  With an instance as first argument: CLIPS's own send") \
+    X("broadcast", 'u', clips_post_broadcast, "0*", \
+      "(broadcast field...)", \
+      "mail to all agents that are there now; TRUE or FALSE") \
+    X("getmsg", 'm', clips_mail_getmsg, "00", \
+      "(getmsg)", \
+      "takes the oldest mail: `(from field...)`, or `()`.  Of mails without a mail fact the " \
+      "latest 1024 wait here; when a construct calls getmsg, they are a queue that refuses when " \
+      "it is full") \
+    X("speak", 'u', clips_speak_call, "3*u", \
+      "(speak performative to (create$ field...) key value...)", \
+      "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time " \
+      "of the run in s) conversation, and layer (a number), priority (low normal high), " \
+      "level (ram logged synced).  TRUE or FALSE; with reply-with that word") \
+    X("tell", 'u', clips_post_tell, "1*", \
+      "(tell to field...)", \
+      "speak with the performative tell; TRUE or FALSE") \
+    X("ask-one", 'u', clips_post_ask_one, "1*", \
+      "(ask-one to field...)", \
+      "a question for one answer; the word that the answer's in-reply-to bears, or FALSE") \
+    X("ask-all", 'u', clips_post_ask_all, "1*", \
+      "(ask-all to field...)", \
+      "a question for all answers; as ask-one") \
+    X("achieve", 'u', clips_post_achieve, "1*", \
+      "(achieve to field...)", \
+      "a request to make something true; as ask-one") \
+    X("reply", 'u', clips_post_reply, "1*", \
+      "(reply mail field...)", \
+      "answers a mail fact, or in a handler of a layer the mail of that number, with a tell in " \
+      "its layer that bears its reply-with and conversation; TRUE or FALSE") \
+    X("you-do", 'u', clips_post_you_do, "2*u", \
+      "(you-do who command field...)", \
+      "makes who (a name, all, robots, special, a group, or a multifield of names) evaluate " \
+      "(command field...), if the trust policy lets it; TRUE or FALSE") \
+    X("send-layer", 'u', clips_speak_layer, "3*uik", \
+      "(send-layer layer performative to field...)", \
+      "mail in a layer of your own, from 4 on, or a question in layer 2; as ask-one, and TRUE " \
+      "for a performative that is an answer") \
+    X("on-layer", 'u', clips_layer_on, "22uik", \
+      "(on-layer layer function)", \
+      "makes a deffunction the handler of a layer: it is called with `(id from performative " \
+      "content)` of each mail of that layer, before the mail becomes a fact.  When it returns " \
+      "FALSE the handler that was there before is asked, then what every agent can do; anything " \
+      "else: it has taken the mail.  May stand outside of rules in a rule file") \
+    X("group-create", 'u', clips_group_create, "11k", \
+      "(group-create group)", \
+      "makes a group without members; TRUE or FALSE.  A change takes effect when the broker has " \
+      "it; what it refuses becomes a fact: `(event refused group-create scouts group-exists)`") \
+    X("group-join", 'u', clips_group_join, "11k", \
+      "(group-join group)", \
+      "enters a group, and makes it if it is not there; TRUE or FALSE") \
+    X("group-leave", 'u', clips_group_leave, "11k", \
+      "(group-leave group)", \
+      "leaves a group; TRUE or FALSE") \
+    X("group-send", 'u', clips_post_group_send, "1*uk", \
+      "(group-send group field...)", \
+      "mail to all members but this agent; TRUE or FALSE") \
+    X("groups", 'm', clips_group_groups, "00", \
+      "(groups)", \
+      "the names of all groups") \
+    X("members", 'm', clips_group_members, "11k", \
+      "(members group)", \
+      "the names of its members; `()` for a group that is not there") \
+    X("advertise", 'u', clips_group_advertise, "1*uk", \
+      "(advertise service key value...)", \
+      "offers a service with these attributes: symbols, strings without blanks, numbers; offered " \
+      "again, they are replaced.  TRUE or FALSE") \
+    X("withdraw", 'u', clips_group_withdraw, "11k", \
+      "(withdraw service)", \
+      "no longer offers it; TRUE or FALSE") \
+    X("find-service", 'm', clips_group_find_service, "1*", \
+      "(find-service service constraint...)", \
+      "the names of the agents that offer it and are not absent: `(find-service " \
+      "mapper role=scout battery>=0.5 near=2.5,-1,3)`, the last at most 3 m from there by the " \
+      "attributes x and y; `*` is any service") \
+    X("send-role", 'u', clips_post_send_role, "1*uk", \
+      "(send-role role field...)", \
+      "mail to the agents that have a role; TRUE or FALSE") \
+    X("send-task", 'u', clips_post_send_task, "1*uk", \
+      "(send-task task field...)", \
+      "mail to the agents that do a task; TRUE or FALSE") \
+    X("send-near", 'u', clips_post_send_near, "1*un", \
+      "(send-near mm field...)", \
+      "mail to the agents within so many mm; TRUE or FALSE") \
+    X("my-name", 'u', clips_social_my_name, "00", \
+      "(my-name)", \
+      "this agent's name") \
+    X("lookup", 'u', clips_social_lookup, "11k", \
+      "(lookup name)", \
+      "`(name kind state host)` from the white pages, or FALSE; host is the platform on which it " \
+      "lives, or an empty string") \
+    X("listing", 'm', clips_social_listing, "00", \
+      "(listing)", \
+      "the names of all agents") \
+    X("moveTo", 'u', clips_mobility_move, "11k", \
+      "(moveTo host)", \
+      "moves to another platform when this right-hand side is over, which ends the step; TRUE.  " \
+      "When it may not, or cannot, the agent goes on here: `(event refused moveTo north " \
+      "unknown-host)`") \
+    X("clone", 'u', clips_mobility_clone, "12k", \
+      "(clone name [host])", \
+      "likewise makes a copy of this agent with a name of its own, there or here; TRUE") \
+    X("dispose", 'u', clips_mobility_dispose, "00", \
+      "(dispose)", \
+      "likewise ends this agent for good; TRUE") \
+    X("failures", 'm', clips_failure_call, "00", \
+      "(failures)", \
+      "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
+      "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
+      "count anew") \
+    X("set-aside", 'm', clips_aside_list, "00", \
+      "(set-aside)", \
+      "the lines that are set aside, as they begin: the agent has died of each of them twice, " \
+      "and does not carry it out again ([crashes.md](../crashes.md))") \
+    X("drop-aside", 'u', clips_aside_drop, "11i", \
+      "(drop-aside n)", \
+      "takes the n-th of them off the list, counted from 1; FALSE when there is none") \
+    X("run", 'u', clips_control_run, "01i", \
+      "(run [n])", \
+      "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \
+      "step; in rules: nothing") \
+    X("resume", 'u', clips_control_run, "00", \
+      "(resume)", \
+      "the same as run") \
+    X("continue", 'u', clips_control_run, "00", \
+      "(continue)", \
+      "the same as run: the rule that the agent stands before fires") \
+    X("step", 'u', clips_control_step, "01i", \
+      "(step [n])", \
+      "on the console: fires n rules, or one, in as many control steps as that takes, and " \
+      "suspends then; in rules: nothing") \
+    X("suspend", 'u', clips_control_suspend, "00", \
+      "(suspend)", \
+      "stands still until it is resumed; in a rule, when the step is over")
+
+#define CLIPS_EXTENSIONS(X) \
+    X("findall", 'm', clips_findall_call, NULL, \
+      "(findall (relation field...))", \
+      "the facts that match; `?` and `$?` as in a pattern, slots of a template as `(slot " \
+      "field...)`") \
+    X("fact-fields", 'm', clips_findall_fields, "11", \
+      "(fact-fields fact)", \
+      "the fields of an ordered fact, given by address or index") \
+    X("sind", 'u', clips_math_sind, "11n", \
+      "(sind a)", \
+      "sine of an angle in deg") \
+    X("cosd", 'u', clips_math_cosd, "11n", \
+      "(cosd a)", \
+      "cosine of an angle in deg") \
+    X("tand", 'u', clips_math_tand, "11n", \
+      "(tand a)", \
+      "tangent of an angle in deg") \
+    X("asind", 'u', clips_math_asind, "11n", \
+      "(asind x)", \
+      "arc sine in deg") \
+    X("acosd", 'u', clips_math_acosd, "11n", \
+      "(acosd x)", \
+      "arc cosine in deg") \
+    X("atand", 'u', clips_math_atand, "11n", \
+      "(atand x)", \
+      "arc tangent in deg") \
+    X("atan2d", 'u', clips_math_atan2d, "22n", \
+      "(atan2d y x)", \
+      "direction of (x, y) in deg") \
+    X("norm-angle", 'u', clips_math_norm_angle, "11n", \
+      "(norm-angle a)", \
+      "the same angle in (-180, 180]") \
+    X("distance", 'u', clips_math_distance, "44n", \
+      "(distance x1 y1 x2 y2)", \
+      "between two points") \
+    X("bearing", 'u', clips_math_bearing, "44n", \
+      "(bearing x1 y1 x2 y2)", \
+      "direction from the first point to the second, in deg") \
+    X("clamp", 'u', clips_math_clamp, "33n", \
+      "(clamp x lo hi)", \
+      "x, or the limit that it is beyond; whole when all three are") \
+    X("now", 'u', clips_math_now, "00", \
+      "(now)", \
+      "simulated time in s") \
+    X("time", 'u', clips_math_now, "00", \
+      "(time)", \
+      "the same as now: rules see no other clock") \
+    X("random", 'u', clips_math_random, "02i", \
+      "(random [lo hi])", \
+      "a whole number, lo and hi included; without them 0 to 2147483647; a stream of each " \
+      "agent's own") \
+    X("seed", 'u', clips_math_seed, "11i", \
+      "(seed n)", \
+      "starts this agent's random numbers again") \
+    X("div", 'u', clips_math_div, "2*n", \
+      "(div a b...)", \
+      "whole division") \
+    X("mod", 'u', clips_math_mod, "22n", \
+      "(mod a b)", \
+      "remainder, with the sign of a")
+/* clang-format on */
+
+#define X(name, code, function, arguments, usage, text) void function(void *env, DATA_OBJECT *out);
+CLIPS_PHYSICAL(X)
+CLIPS_AGENT(X)
+CLIPS_EXTENSIONS(X)
+#undef X
+
+#endif

@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rule files: one form after the other, (extends "FILE"), and mistakes with file and line. */
+#include "mind/clips_mind.h"
+#include "muster/memory.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LOAD_TEXT_MAX = 2 * CLIPS_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
+
+/* CLIPS calls this with the line of the form at which it gave up. */
+static void load_note_error(void *env, const char *file, const char *warning, const char *error,
+                            long line)
+{
+    (void)file;
+    (void)warning;
+    struct mind *m = clips_env_mind(env);
+    if (error && m->error_line == 0) {
+        m->error_line = line;
+    }
+}
+
+void clips_load_install(struct mind *m)
+{
+    EnvSetParserErrorCallback(m->env, load_note_error);
+    clips_place_install(m);
+}
+
+void clips_load_reserve(struct mind *m)
+{
+    m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    clips_place_reserve(m);
+    m->form = mu_startup_alloc(CLIPS_FILE_MAX);
+}
+
+/* Reads a file onto the stack of texts. */
+static mu_result load_read(struct mind *m, const char *path, const char **text,
+                           struct mu_fault *fault)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) {
+        return mu_fault_at(fault, path, 0, 0, "cannot be opened: %s", strerror(errno));
+    }
+    char *to = m->text + m->text_used;
+    size_t room = LOAD_TEXT_MAX - m->text_used;
+    size_t len = fread(to, 1, room, f);
+    bool failed = ferror(f);
+    fclose(f);
+    if (failed) {
+        return mu_fault_at(fault, path, 0, 0, "cannot be read: %s", strerror(errno));
+    }
+    if (len >= room || len > CLIPS_FILE_MAX) {
+        return mu_fault_at(fault, path, 0, 0, "is larger than a rule file may be (1 MiB)");
+    }
+    to[len] = '\0';
+    if (strlen(to) != len) {
+        return mu_fault_at(fault, path, 0, 0, "is no text: it holds a zero byte");
+    }
+    m->text_used += len + 1;
+    *text = to;
+    return MU_OK;
+}
+
+/* Makes what CLIPS said one line: its message, without the source that it repeats. */
+static void load_said(struct mind *m, char *to, size_t size)
+{
+    clips_text_as_written(m->said.at);
+    char *repeat = strstr(m->said.at, "\nERROR:");
+    if (repeat) {
+        *repeat = '\0';
+    }
+    struct mu_text line;
+    mu_text_init(&line, to, size);
+    for (const char *s = m->said.at; *s; s++) {
+        bool blank = *s == '\n' || *s == ' ';
+        bool again = line.len == 0 || line.at[line.len - 1] == ' ';
+        if (!blank) {
+            mu_text_add_bytes(&line, s, 1);
+        } else if (!again) {
+            mu_text_add(&line, " ");
+        }
+    }
+}
+
+mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
+                               struct mu_fault *fault)
+{
+    struct mu_text form;
+    mu_text_init(&form, m->form, CLIPS_FILE_MAX);
+    clips_text_rewrite(&form, f.at, f.len);
+    if (form.cut) {
+        return mu_fault_at(fault, path, f.line, 0, "this form is too long");
+    }
+    m->error_line = 0;
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
+    EnvSetParsingFileName(m->env, path);
+    int loaded = LoadConstructsFromLogicalName(m->env, "mu-load");
+    EnvSetParsingFileName(m->env, NULL);
+    CloseStringSource(m->env, "mu-load");
+    if (clips_env_leave(m) || loaded != 1) {
+        char said[MU_FAULT_TEXT_MAX + 1];
+        load_said(m, said, sizeof said);
+        int line = f.line + (m->error_line > 1 ? (int)m->error_line - 1 : 0);
+        return mu_fault_at(fault, path, line, 0, "%s",
+                           said[0] ? said : "CLIPS does not accept this form");
+    }
+    clips_place_note(m, f.at, path, f.line);
+    return MU_OK;
+}
+
+/* @return whether the form begins with this word; then *behind is where it goes on */
+static bool load_begins(struct clips_form f, const char *begin, const char **behind)
+{
+    *behind = f.at + 1;
+    struct clips_field word = clips_text_field(behind);
+    return word.kind == CLIPS_FIELD_SYMBOL && word.len == strlen(begin) &&
+           strncmp(word.at, begin, word.len) == 0;
+}
+
+/* @return whether the form is (extends "FILE"); well_formed: with the file's name copied */
+static bool load_is_extends(struct clips_form f, char *name, size_t size, bool *well_formed)
+{
+    const char *at;
+    if (!load_begins(f, "extends", &at)) {
+        return false;
+    }
+    struct clips_field file = clips_text_field(&at);
+    struct clips_field close = clips_text_field(&at);
+    *well_formed = file.kind == CLIPS_FIELD_STRING && file.len < size &&
+                   close.kind == CLIPS_FIELD_BAD && *at == ')';
+    if (*well_formed) {
+        clips_text_unescape(name, file.at, file.len);
+    }
+    return true;
+}
+
+static bool load_exists(const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (f) {
+        fclose(f);
+    }
+    return f != NULL;
+}
+
+/* Joins a name to the folder of a file.  @return whether there is such a file */
+static bool load_beside(const char *file, const char *name, char *path, size_t size)
+{
+    const char *slash = strrchr(file, '/');
+    int folder = slash ? (int)(slash - file) + 1 : 0;
+    int len = snprintf(path, size, "%.*s%s", folder, file, name);
+    return len > 0 && (size_t)len < size && load_exists(path);
+}
+
+/* @return whether the library's file is replaced by one that lies beside the robot's rule file */
+static bool load_replaces(const struct mind *m, const char *from, const char *name, char *path,
+                          size_t size)
+{
+    const char *own = m->options.rules_file;
+    const char *library = m->options.rules_folder;
+    size_t len = library ? strlen(library) : 0;
+    bool of_library = len > 0 && strncmp(from, library, len) == 0 && from[len] == '/' &&
+                      !strchr(from + len + 1, '/');
+    return own && of_library && load_beside(own, name, path, size) && strcmp(path, own) != 0;
+}
+
+/* Where an extended file is: beside the one that names it, else in the library. */
+static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
+                      size_t size)
+{
+    if (load_replaces(m, from, name, path, size) || load_beside(from, name, path, size)) {
+        return true;
+    }
+    if (!m->options.rules_folder) {
+        return false;
+    }
+    int len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
+    return len > 0 && (size_t)len < size && load_exists(path);
+}
+
+/* @return whether a file is one of those being loaded */
+static bool load_is_open(const struct mind *m, const char *path)
+{
+    char real[PATH_MAX];
+    char other[PATH_MAX];
+    if (!realpath(path, real)) {
+        return false;
+    }
+    for (size_t i = 0; i < m->files_deep; i++) {
+        if (realpath(m->files[i], other) && strcmp(real, other) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static mu_result load_extends(struct mind *m, const char *from, int line, const char *name,
+                              struct mu_fault *fault)
+{
+    char path[LOAD_PATH_MAX];
+    if (name[0] == '/' || strstr(name, "..")) {
+        return mu_fault_at(fault, from, line, 0,
+                           "extends reaches only files of this folder and of the library");
+    }
+    if (!load_find(m, from, name, path, sizeof path)) {
+        return mu_fault_at(fault, from, line, 0,
+                           "extends \"%s\": no such file beside this one or in the library", name);
+    }
+    if (load_is_open(m, path)) {
+        return mu_fault_at(fault, from, line, 0, "extends \"%s\": the files extend each other",
+                           name);
+    }
+    if (m->files_deep == CLIPS_FILES_DEEP_MAX) {
+        return mu_fault_at(fault, from, line, 0, "extends \"%s\": more than %d files deep", name,
+                           CLIPS_FILES_DEEP_MAX);
+    }
+    return clips_load_file(m, path, fault);
+}
+
+/* (on-layer 4 trade) outside of rules, below the deffunction. */
+static mu_result load_layer(struct mind *m, const char *path, int line, const char *at,
+                            struct mu_fault *fault)
+{
+    char name[MU_FIELD_MAX + 1] = "";
+    struct clips_field layer = clips_text_field(&at);
+    struct clips_field function = clips_text_field(&at);
+    struct clips_field close = clips_text_field(&at);
+    bool well_formed = layer.kind == CLIPS_FIELD_INTEGER && layer.integer >= 1 &&
+                       layer.integer <= UINT32_MAX && function.kind == CLIPS_FIELD_SYMBOL &&
+                       function.len < sizeof name && close.kind == CLIPS_FIELD_BAD && *at == ')';
+    if (!well_formed) {
+        return mu_fault_at(fault, path, line, 0,
+                           "expected (on-layer LAYER FUNCTION): a number from 1 on, a deffunction");
+    }
+    memcpy(name, function.at, function.len);
+    mu_result r = clips_layer_add(m, (uint32_t)layer.integer, name);
+    if (r == MU_FULL) {
+        return mu_fault_at(fault, path, line, 0, "on-layer: more than %d handlers",
+                           CLIPS_HANDLERS_MAX);
+    }
+    return r == MU_OK ? MU_OK
+                      : mu_fault_at(fault, path, line, 0,
+                                    "on-layer: no deffunction %s that takes four arguments: id, "
+                                    "from, performative, content",
+                                    name);
+}
+
+static mu_result load_form(struct mind *m, const char *path, struct clips_form f,
+                           struct mu_fault *fault)
+{
+    char name[LOAD_PATH_MAX];
+    const char *at;
+    bool well_formed = false;
+    if (f.kind == CLIPS_FORM_BAD) {
+        return mu_fault_at(fault, path, f.line, 0, "%s", f.what);
+    }
+    if (f.kind == CLIPS_FORM_ATOM) {
+        return mu_fault_at(fault, path, f.line, 0, "expected a construct, found %.*s",
+                           (int)(f.len < 40 ? f.len : 40), f.at);
+    }
+    if (load_begins(f, "on-layer", &at)) {
+        return load_layer(m, path, f.line, at, fault);
+    }
+    if (!load_is_extends(f, name, sizeof name, &well_formed)) {
+        return clips_load_construct(m, path, f, fault);
+    }
+    if (!well_formed) {
+        return mu_fault_at(fault, path, f.line, 0, "expected (extends \"FILE\")");
+    }
+    return load_extends(m, path, f.line, name, fault);
+}
+
+/* Loads one form after the other. */
+static mu_result load_forms(struct mind *m, const char *path, const char *at,
+                            struct mu_fault *fault)
+{
+    int line = 1;
+    mu_result r = MU_OK;
+    m->files[m->files_deep++] = path;
+    while (r == MU_OK) {
+        struct clips_form f = clips_text_form(&at, &line);
+        if (f.kind == CLIPS_FORM_END) {
+            break;
+        }
+        r = load_form(m, path, f, fault);
+    }
+    m->files_deep--;
+    return r;
+}
+
+mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    const char *at;
+    size_t used = m->text_used;
+    mu_result r = load_read(m, path, &at, fault);
+    r = r == MU_OK ? load_forms(m, path, at, fault) : r;
+    m->text_used = used;
+    return r;
+}
+
+/* What was loaded begins: initial facts, first values. */
+static mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    m->shown_count = 0;
+    EnvReset(m->env);
+    if (clips_env_leave(m)) {
+        char said[MU_FAULT_TEXT_MAX + 1];
+        load_said(m, said, sizeof said);
+        return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");
+    }
+    return MU_OK;
+}
+
+mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    clips_failure_clear(m);
+    MU_TRY(clips_load_file(m, path, fault));
+    return load_begin(m, path, fault);
+}
+
+mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    clips_failure_clear(m);
+    MU_TRY(load_forms(m, name, text, fault));
+    return load_begin(m, name, fault);
+}

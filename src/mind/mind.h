@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file mind.h
+ * A robot's mind: one CLIPS environment, its percepts, its mail and its rules.
+ *
+ * CLIPS stays behind this header; so do its units: here everything is SI, inside the rules it is
+ * the paper's millimetres and degrees.  Nothing here knows DDS or reads a clock.  One thread.
+ */
+#ifndef MUSTER_AGENT_MIND_H
+#define MUSTER_AGENT_MIND_H
+
+#include "planner/route.h"
+#include "core/fault.h"
+#include "core/text.h"
+#include "muster/kind.h"
+#include "muster/result.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* As struct mu_percept has it; what it points to is copied. */
+struct mind_percept {
+    uint64_t time_ns; /* simulated */
+    double x_m, y_m, heading_rad;
+    double forward_m_s, turn_rad_s;
+    bool stalled;
+    double gps_x_m, gps_y_m, compass_rad;
+    double odometer_x_m, odometer_y_m, odometer_heading_rad;
+    double battery_share; /* < 0: it has none */
+    uint32_t bumpers, gripper;
+    size_t sonar_count, laser_count, blob_count, fiducial_count;
+    const float *sonar_m, *laser_m;
+    const struct mu_blob *blobs;
+    const struct mu_fiducial *fiducials;
+};
+
+/* A mail that came; every string is set, "" where the sender said nothing. */
+struct mind_mail {
+    uint64_t id; /* the number in this agent's box */
+    const char *src;
+    const char *performative, *language, *ontology;
+    const char *reply_with, *in_reply_to, *conversation;
+    const char *content; /* in its language; "clips": fields as CLIPS prints them */
+    uint32_t layer;      /* enum mu_layer, or a higher one; 0: MU_LAYER_SPEECH */
+};
+
+/* A mail that rules send.  The strings live until the port returns. */
+struct mind_letter {
+    const char *dst; /* as in struct mu_mail */
+    bool directive;  /* (you-do ...): performative "do", content a CLIPS line */
+    const char *performative, *language, *ontology;
+    const char *reply_with, *in_reply_to, *conversation;
+    const char *content;
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
+    uint64_t ttl_ns;      /* of no use to anybody when so old; 0: never */
+    uint32_t layer;       /* 0: MU_LAYER_SPEECH */
+    enum mu_priority priority;
+    enum mu_level level;
+};
+
+/* What rules change in the groups and the yellow pages. */
+enum mind_change {
+    MIND_GROUP_CREATE,
+    MIND_GROUP_JOIN,
+    MIND_GROUP_LEAVE,
+    MIND_ADVERTISE,
+    MIND_WITHDRAW
+};
+
+/* What rules ask of them. */
+enum mind_list {
+    MIND_GROUPS,   /* all groups */
+    MIND_MEMBERS,  /* the members of a group */
+    MIND_PROVIDERS /* the agents that a query finds */
+};
+
+/* A line of the white pages. */
+struct mind_member {
+    const char *name;
+    const char *kind;  /* agent, robot, host, special */
+    const char *state; /* standby, running, suspended, moving, absent */
+    const char *host;  /* on which it lives; "": on none */
+};
+
+/* What the mind asks of its body; all calls return at once. */
+struct mind_ports {
+    void *self;
+    /** Takes a mail over.  MU_OK; MU_FULL: no room, nothing was taken. */
+    mu_result (*send)(void *self, const struct mind_letter *letter);
+    /** The line of a name.  MU_OK or MU_ABSENT. */
+    mu_result (*lookup)(void *self, const char *name, struct mind_member *out);
+    /** The index-th line of the white pages in order of name.  MU_OK, or MU_DONE past the last. */
+    mu_result (*listing)(void *self, size_t index, struct mind_member *out);
+    /** Begins a change of a group or service.  MU_OK; MU_FULL: no room, nothing was begun. */
+    mu_result (*change)(void *self, enum mind_change change, const char *name,
+                        const char *attributes);
+    /** The index-th name of a list; of: the group, or the query.  NULL past the last. */
+    const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
+    /** The index-th line that is set aside, as it begins.  NULL past the last; may be NULL. */
+    const char *(*aside)(void *self, size_t index);
+    /** Takes it from their list.  @return whether there is one */
+    bool (*drop_aside)(void *self, size_t index);
+    /** What rules and the engine print: whole lines or parts of them. */
+    void (*print)(void *self, const char *text);
+    /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
+     * anybody looks; if nobody does it is printed.  May be NULL. */
+    bool (*trace)(void *self, const char *text);
+    /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
+    void (*work)(void *self);
+    /** The engine has been in one call for so long, of the processor's time, and comes to no guard:
+     * called four times a second, in a signal handler.  @return MIND_WAITS, MIND_BREAKS, or the
+     * exit code of the process, which says why and ends.  NULL: it waits */
+    int (*stuck)(void *self, unsigned ms);
+};
+
+/* What becomes of a mind whose engine does not come back. */
+enum { MIND_WAITS = 0, MIND_BREAKS = -1 };
+
+struct mind_options {
+    const char *name;         /* the robot's: ?*my-name* */
+    uint64_t seed;            /* of (random), together with the name */
+    const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */
+    const char *rules_file;   /* the robot's; what lies beside it replaces files of the library by
+                                 name; NULL: nothing does */
+    uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
+    uint32_t failures_max;    /* of one rule until it is enough; 0: never */
+    double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
+    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;         /* half the body's width, and what it wants to have beside it */
+    bool diary;            /* notes what goes on, for mind_diary */
+    struct mind_ports ports;
+};
+
+/* Why a step's firing ended. */
+enum mind_end { MIND_IDLE, MIND_SENSE_AGAIN, MIND_BUDGET, MIND_STOPPED, MIND_BREAK };
+
+/* What a line or a rule has said of its own agent's life. */
+enum mind_wish { MIND_WISH_NOTHING, MIND_WISH_RUN, MIND_WISH_STEP, MIND_WISH_SUSPEND };
+
+/* What the rules did in one step. */
+struct mind_act {
+    bool drives; /* setSpeed or stop was called; the last call counts */
+    double forward_m_s, turn_rad_s;
+    enum mu_paddles paddles; /* of the gripper */
+    enum mu_lift lift;
+    uint32_t firings;
+    uint32_t errors;   /* right-hand sides that ended in an error */
+    const char *rules; /* names of those fired, in order, between spaces; until the next call */
+    enum mind_end end;
+    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+                           rule that would fire next */
+    const char *enough; /* why the robot had better be suspended; NULL: it goes on */
+};
+
+/* Where rules want their agent to go: the first that they say in a step counts. */
+enum mind_travel_kind { MIND_STAYS, MIND_MOVES, MIND_CLONES, MIND_DISPOSES };
+
+struct mind_travel {
+    enum mind_travel_kind kind;
+    char name[MU_NAME_MAX + 1]; /* of the clone */
+    char host[MU_NAME_MAX + 1]; /* "": where it is */
+};
+
+struct mind;
+
+/** Makes an environment with the sandbox, the functions and the shared library in it. */
+MU_MUST_USE mu_result mind_open(struct mind **out, const struct mind_options *options,
+                                struct mu_fault *fault);
+
+/** Takes the memory of a mind while the process starts, for a mind_begin at any time. */
+struct mind *mind_reserve(void);
+
+/** As mind_open, in memory that was reserved and holds no mind, or one that was closed. */
+MU_MUST_USE mu_result mind_begin(struct mind *m, const struct mind_options *options,
+                                 struct mu_fault *fault);
+
+/** Its memory stays. */
+void mind_close(struct mind *m);
+
+/** @return whether it ran out of memory or time where there is no way back: nothing works any more
+ */
+bool mind_is_broken(const struct mind *m);
+
+/** Lets a timer look at the minds of this thread, from now on: mind_ports.stuck. */
+void mind_watchdog(void);
+
+/**
+ * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
+ * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
+ * is.
+ *
+ * @return MU_OK; MU_REFUSED: it has what cannot be written down, and fault says what; MU_FULL: out
+ *         is too small
+ */
+MU_MUST_USE mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
+
+/**
+ * Makes a mind that was begun without rules_folder, and has loaded nothing, what a capsule says.
+ * When its own name is another one than the capsule's, it is a copy with that name.
+ *
+ * @return MU_OK; MU_FAULT_FILE: the capsule is not whole, of another version, or says what does not
+ *         come about; the mind is of no use then
+ */
+MU_MUST_USE mu_result mind_restore(struct mind *m, const char *capsule, size_t len,
+                                   struct mu_fault *fault);
+
+/**
+ * Loads a rule file and resets.
+ *
+ * @return MU_OK, or MU_FAULT_FILE with file, line and what CLIPS said
+ */
+MU_MUST_USE mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** The same with a text; what it extends is in the library.  @param name  for faults */
+MU_MUST_USE mu_result mind_load_text(struct mind *m, const char *name, const char *text,
+                                     struct mu_fault *fault);
+
+/** @return whether rules or functions that were loaded send mail, or change groups or services, or
+ * call what they name only as they go on */
+bool mind_speaks(const struct mind *m);
+
+/** Sets a global that the rules or the library define, e.g. "mate" to the field "red". */
+MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const char *field);
+
+/**
+ * Which sensors the rules look at: by a pattern, by a call of a sensor's function, or on a line.
+ * Loading, lines and rules that build rules change it.
+ *
+ * @return bits of enum mu_sense
+ */
+uint32_t mind_senses(const struct mind *m);
+
+/** Replaces the percept facts; events become facts; message facts age and go.  Opens a control
+ * step. */
+void mind_percept(struct mind *m, const struct mind_percept *percept);
+
+/** The same for a mind that has no body, or has lost it: its percept facts go. */
+void mind_feel_nothing(struct mind *m, uint64_t time_ns);
+
+/**
+ * Opens a step of a mind that has no body, and is told what it sees: as mind_percept.
+ *
+ * @param relations  whose facts go: those that it was told of the last step; ends with NULL
+ */
+void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations);
+
+/**
+ * Tells it one fact, in CLIPS: "(robot (name red) (x 12.0))".
+ *
+ * @return MU_OK; MU_MALFORMED: it is no fact, or it is one that is there already
+ */
+mu_result mind_tell(struct mind *m, const char *fact);
+
+/* A slot of a fact that it is told. */
+enum mind_slot_kind { MIND_SLOT_SYMBOL, MIND_SLOT_STRING, MIND_SLOT_REAL, MIND_SLOT_COUNT };
+
+struct mind_slot {
+    const char *name;
+    enum mind_slot_kind kind;
+    const char *word; /* of a symbol or a string */
+    double real;
+    uint64_t count;
+};
+
+/**
+ * Tells it one fact of a deftemplate, slot by slot, which is a tenth of the work of a text.
+ *
+ * @param slots  single ones, fastest in the order of the deftemplate; others have their defaults
+ * @return MU_OK; MU_MALFORMED: there is no such deftemplate or slot, or that fact is there already
+ */
+mu_result mind_tell_slots(struct mind *m, const char *relation, const struct mind_slot *slots,
+                          size_t count);
+
+/** @return whether a pattern or a query of some construct looks at facts of that relation, or
+ * somebody watches them */
+bool mind_looks_at(const struct mind *m, const char *relation);
+
+/**
+ * Takes a mail in: a message fact when its language is clips, and its place in the queue.
+ *
+ * The queue holds 1024 mail facts that rules have not taken yet.  A mail becomes one when a rule's
+ * pattern fits it or a function looks at mail facts; any other waits as text for (getmsg).  There
+ * the oldest give way to the newest, unless a construct calls (getmsg): then they are a queue, too,
+ * of 1024 mails and 256 KiB.
+ *
+ * @return MU_OK, or MU_FULL: the queue is full, and the mail was refused; its message fact is there
+ *         all the same
+ */
+MU_MUST_USE mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail);
+
+/** @return whether rules have a handler of that layer: (on-layer) */
+bool mind_has_layer(const struct mind *m, uint32_t layer);
+
+/**
+ * Hands a mail to the rules' handlers of its layer, the youngest first, until one takes it.
+ *
+ * @return whether one has
+ */
+bool mind_handle(struct mind *m, const struct mind_mail *mail);
+
+/**
+ * Answers a question of one word by the deffunction (answer-WORD), if there is one without
+ * arguments: the fields that it returns, or one field.  FALSE is no answer.
+ *
+ * @return whether there is an answer; out has it
+ */
+bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out);
+
+/**
+ * @return whether a mail that no handler took is one for mind_take_mail: an answer; a speech act
+ *         whose performative is empty, KQML's or FIPA's; any of a higher layer with a handler
+ */
+bool mind_understands(const struct mind *m, const struct mind_mail *mail);
+
+/** Something in the agent's life: (event on-run), ... becomes a fact when the next step opens; that
+ * it leaves or arrives, if a rule's pattern looks at events. */
+void mind_event(struct mind *m, enum mu_event event);
+
+/** The same at once, for what cannot wait: when a rule is about to fire for it, all that are on the
+ * agenda do once more, outside of a step; else none does. */
+void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act);
+
+/** The broker refused a change: (event refused group-create scouts group-exists). */
+void mind_refused(struct mind *m, const char *change, const char *reason);
+
+/** A mail did not get through: (event refused send nobody unknown-name), if a rule's pattern looks
+ * at events.  @param verb  send, or you-do  @param to  as it was addressed; cut if it is long */
+void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome);
+
+/**
+ * Lists facts as (facts) does, as many as fit.
+ *
+ * @param relation  the template whose facts are wanted; "": all facts
+ * @return MU_OK, or MU_ABSENT: no fact of that name was ever there, and out says so
+ */
+mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out);
+
+/** Fires rules until the agenda is empty, (update-sensors) was called, or the budget is used. */
+void mind_fire(struct mind *m, struct mind_act *act);
+
+/** The same with a smaller budget. */
+void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
+
+/**
+ * Does what a person or another agent typed: a command, an expression or a construct.
+ *
+ * @param out   what it printed, or its value, or the error
+ * @return MU_OK; MU_MALFORMED: CLIPS refused it, and out says why
+ */
+MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
+
+/**
+ * Answers a line that only looks (core/glance.h), from what the mind is between two steps, and
+ * leaves it as it was: the same capsule, and the same run, as if nobody had looked.
+ *
+ * @param out   what it printed, or its value, or the error
+ * @return MU_OK; MU_MALFORMED: CLIPS refused it; MU_ABSENT: it does not only look, or means
+ *         something else to these rules, and nothing was done
+ */
+MU_MUST_USE mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out);
+
+/** What rules have failed at is forgotten: they may try again. */
+void mind_forgive(struct mind *m);
+
+/**
+ * What was said last since this was asked last: (run), (resume), (continue); (run N), (step N);
+ * (suspend).  In rules only the last counts.
+ *
+ * @param rules  out: of MIND_WISH_STEP: how many
+ */
+enum mind_wish mind_wish(struct mind *m, uint32_t *rules);
+
+/** It goes on after a break: the rule that it stopped before may fire once. */
+void mind_go_on(struct mind *m);
+
+/**
+ * Lists the words that a line may have: one a line, first its kind: f a function, command or
+ * construct, r a rule, t a relation, g a global.
+ */
+void mind_words(struct mind *m, struct mu_text *out);
+
+/**
+ * Adds what went on since this was asked last, in the lines of docs/observing.md; nothing unless
+ * the options want a diary.  At most 16 KiB; lines without room are counted in the last one.
+ */
+void mind_diary(struct mind *m, struct mu_text *out);
+
+/** Writes what it wants: the words of its youngest fact (goal ...); "": it has none. */
+void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1]);
+
+/** Takes where rules or a line want it to go; the first that they said since this was asked. */
+struct mind_travel mind_travel(struct mind *m);
+
+/** Prints the table of functions that rules may call, as Markdown, to standard output. */
+void mind_print_functions(void);
+
+#endif

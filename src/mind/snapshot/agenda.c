@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The agenda in a capsule.  What a mind has fired is not on its agenda any more; when its facts are
+ * asserted in another mind, everything is activated again.  So each activation has a key that is
+ * the same in both, and what is not in the list is taken off.
+ */
+#include "mind/snapshot/snapshot.h"
+#include "mind/engine/value.h"
+#include "core/hash.h"
+
+#include <string.h>
+
+/* Rules with an `or` are several of one name. */
+static int disjunct_number(const struct defrule *rule)
+{
+    const struct constructHeader *h = rule->header.whichModule->firstItem;
+    while (h && h->name != rule->header.name) {
+        h = h->next;
+    }
+    int number = 0;
+    for (const struct defrule *r = (const struct defrule *)h; r && r != rule; r = r->disjunct) {
+        number++;
+    }
+    return number;
+}
+
+/* The facts that it stands on, and where in them `$?` begin and end. */
+static void basis_add(struct mu_text *key, const struct partialMatch *basis)
+{
+    for (unsigned i = 0; i < basis->bcount; i++) {
+        const struct alphaMatch *match = basis->binds[i].gm.theMatch;
+        mu_text_add(key, ",");
+        clips_value_add_match(key, match);
+        for (const struct multifieldMarker *k = match ? match->markers : NULL; k; k = k->next) {
+            mu_text_format(key, ":%d/%ld-%ld", k->whichField, k->startPosition, k->endPosition);
+        }
+    }
+}
+
+static void key_make(struct mu_text *key, const struct activation *a)
+{
+    const struct defrule *rule = a->theRule;
+    mu_text_clear(key);
+    mu_text_format(key, " %d", disjunct_number(rule));
+    clips_capsule_add_word(key, ValueToString(rule->header.whichModule->theModule->name));
+    clips_capsule_add_word(key, ValueToString(rule->header.name));
+    mu_text_add(key, " ");
+    basis_add(key, a->basis);
+}
+
+static void module_save(struct mind *m, void *self)
+{
+    struct mu_text *out = self;
+    char bytes[CLIPS_CAPSULE_KEY_MAX];
+    struct mu_text key;
+    mu_text_init(&key, bytes, sizeof bytes);
+    for (struct activation *a = EnvGetNextActivation(m->env, NULL); a;
+         a = EnvGetNextActivation(m->env, a)) {
+        key_make(&key, a);
+        int random = EnvGetStrategy(m->env) == RANDOM_STRATEGY ? a->randomID : 0;
+        mu_text_format(out, "act %d %llu %d%s\n", a->salience, a->timetag, random, key.at);
+        out->cut = out->cut || key.cut;
+    }
+}
+
+void clips_capsule_save_agenda(struct mind *m, struct mu_text *out)
+{
+    clips_env_each_module(m, out, module_save);
+    mu_text_format(out, "agenda-end %llu\n", AgendaData(m->env)->CurrentTimetag);
+    mu_text_add(out, "focus");
+    for (const struct focus *f = EngineData(m->env)->CurrentFocus; f; f = f->next) {
+        clips_capsule_add_word(out, ValueToString(f->theModule->name));
+    }
+    mu_text_add(out, "\n");
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+/* What a line says of the activation with that key; key NULL: no line is there. */
+struct agenda_line {
+    const char *key;
+    size_t len;
+    int salience, random;
+    unsigned long long timetag;
+};
+
+/* The lines, found by their keys, and how many of them came about again. */
+struct agenda {
+    struct agenda_line *lines;
+    size_t places; /* a power of two, twice as many as lines at least */
+    uint64_t count, found;
+};
+
+static struct agenda_line *agenda_place(const struct agenda *g, const char *key, size_t len)
+{
+    size_t at = mu_hash_bytes(MU_HASH_EMPTY, key, len) & (g->places - 1);
+    while (g->lines[at].key &&
+           (g->lines[at].len != len || memcmp(g->lines[at].key, key, len) != 0)) {
+        at = (at + 1) & (g->places - 1);
+    }
+    return &g->lines[at];
+}
+
+static void agenda_make(struct mind *m, struct agenda *g, const char *text)
+{
+    *g = (struct agenda){.places = 2};
+    while (strncmp(text, "act ", 4) == 0) {
+        text = strchr(text, '\n') + 1;
+        g->count++;
+    }
+    while (g->places < 2 * g->count) {
+        g->places *= 2;
+    }
+    g->lines = gm2(m->env, g->places * sizeof *g->lines);
+    memset(g->lines, 0, g->places * sizeof *g->lines);
+}
+
+static bool agenda_read(struct capsule *c, struct agenda *g)
+{
+    while (clips_capsule_line(c, "act")) {
+        long long salience, random;
+        uint64_t timetag;
+        if (!clips_capsule_whole(c, &salience) || !clips_capsule_count(c, &timetag) ||
+            !clips_capsule_whole(c, &random)) {
+            return false;
+        }
+        struct agenda_line line = {.key = c->at,
+                                   .len = strcspn(c->at, "\n"),
+                                   .salience = (int)salience,
+                                   .random = (int)random,
+                                   .timetag = timetag};
+        *agenda_place(g, line.key, line.len) = line;
+        c->at += line.len + 1;
+        c->line++;
+    }
+    return true;
+}
+
+static void module_load(struct mind *m, void *self)
+{
+    struct agenda *g = self;
+    char bytes[CLIPS_CAPSULE_KEY_MAX];
+    struct mu_text key;
+    mu_text_init(&key, bytes, sizeof bytes);
+    struct activation *next;
+    for (struct activation *a = EnvGetNextActivation(m->env, NULL); a; a = next) {
+        next = EnvGetNextActivation(m->env, a);
+        key_make(&key, a);
+        const struct agenda_line *line = agenda_place(g, key.at, key.len);
+        if (!line->key) {
+            EnvDeleteActivation(m->env, a); /* it has fired */
+            continue;
+        }
+        a->salience = line->salience;
+        a->timetag = line->timetag;
+        a->randomID = line->random;
+        g->found++;
+    }
+    EnvReorderAgenda(m->env, EnvGetCurrentModule(m->env));
+}
+
+static mu_result activations_load(struct capsule *c)
+{
+    struct mind *m = c->mind;
+    struct agenda g;
+    agenda_make(m, &g, c->at);
+    bool read = agenda_read(c, &g);
+    if (read) {
+        clips_env_each_module(m, &g, module_load);
+    }
+    rm(m->env, g.lines, g.places * sizeof *g.lines);
+    if (!read) {
+        return clips_capsule_wrong(c, "an activation");
+    }
+    return g.found == g.count
+               ? MU_OK
+               : mu_fault_at(c->fault, "capsule", c->line, 0,
+                             "%llu of %llu activations do not come about again",
+                             (unsigned long long)(g.count - g.found), (unsigned long long)g.count);
+}
+
+/* The stack was written from its top: the last comes first. */
+static mu_result focus_load(struct capsule *c)
+{
+    void *env = c->mind->env;
+    struct multifield *names = clips_capsule_fields(c);
+    bool good = names != NULL;
+    for (long i = good ? names->multifieldLength : 0; i > 0 && good; i--) {
+        const struct field *f = &names->theFields[i - 1];
+        void *module = f->type == SYMBOL ? EnvFindDefmodule(env, ValueToString(f->value)) : NULL;
+        good = module != NULL;
+        if (good) {
+            EnvFocus(env, module);
+        }
+    }
+    ReturnMultifield(env, names);
+    return good ? MU_OK : clips_capsule_wrong(c, "modules of the rules");
+}
+
+mu_result clips_capsule_load_agenda(struct capsule *c)
+{
+    struct mind *m = c->mind;
+    uint64_t timetag;
+    MU_TRY(activations_load(c));
+    if (!clips_capsule_line(c, "agenda-end") || !clips_capsule_count(c, &timetag) ||
+        !clips_capsule_end(c) || !clips_capsule_line(c, "focus")) {
+        return clips_capsule_wrong(c, "the end of the agenda");
+    }
+    AgendaData(m->env)->CurrentTimetag = timetag;
+    EnvClearFocusStack(m->env);
+    MU_TRY(focus_load(c));
+    return clips_capsule_end(c) ? MU_OK : clips_capsule_wrong(c, "the end of the focus stack");
+}

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a person has said at a console: where the rules are to stop, and what is watched. */
+#include "mind/snapshot/snapshot.h"
+
+#include <string.h>
+
+/* In the order in which they are written; those of facts, rules and activations have exceptions. */
+static const char *const items[] = {"facts", "rules",   "activations",
+                                    "focus", "globals", "deffunctions"};
+
+enum { ITEMS = sizeof items / sizeof items[0] };
+
+static bool is_watched(struct mind *m, const char *item)
+{
+    return EnvGetWatchItem(m->env, item) > 0;
+}
+
+/* --- saving ----------------------------------------------------------------------------------- */
+
+static void name_add(struct mu_text *out, const char *word, const struct constructHeader *h)
+{
+    mu_text_add(out, word);
+    clips_capsule_add_word(out, ValueToString(h->whichModule->theModule->name));
+    clips_capsule_add_word(out, ValueToString(h->name));
+}
+
+static void rules_save(struct mind *m, struct mu_text *out)
+{
+    bool firings = is_watched(m, "rules"), activations = is_watched(m, "activations");
+    for (struct defrule *r = EnvGetNextDefrule(m->env, NULL); r; r = EnvGetNextDefrule(m->env, r)) {
+        if (r->afterBreakpoint || r->watchFiring != firings || r->watchActivation != activations) {
+            name_add(out, "rule", &r->header);
+            mu_text_format(out, " %d %d %d\n", r->afterBreakpoint, r->watchFiring,
+                           r->watchActivation);
+        }
+    }
+}
+
+static void templates_save(struct mind *m, struct mu_text *out)
+{
+    bool facts = is_watched(m, "facts");
+    for (struct deftemplate *t = EnvGetNextDeftemplate(m->env, NULL); t;
+         t = EnvGetNextDeftemplate(m->env, t)) {
+        if (t->watch != facts) {
+            name_add(out, "relation", &t->header);
+            mu_text_format(out, " %d\n", t->watch);
+        }
+    }
+}
+
+static void module_save(struct mind *m, void *self)
+{
+    rules_save(m, self);
+    templates_save(m, self);
+}
+
+void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
+{
+    mu_text_add(out, "watch");
+    for (size_t i = 0; i < ITEMS; i++) {
+        mu_text_format(out, " %d", is_watched(m, items[i]));
+    }
+    mu_text_format(out, " %d", m->passes);
+    clips_capsule_add_word(out, m->stands);
+    mu_text_add(out, "\n");
+    clips_env_each_module(m, out, module_save);
+}
+
+/* --- loading ---------------------------------------------------------------------------------- */
+
+/* Reads a module and makes it the current one.  @return whether it is there */
+static bool module_load(struct capsule *c)
+{
+    struct defmodule *module =
+        clips_capsule_word(c) ? EnvFindDefmodule(c->mind->env, c->word) : NULL;
+    if (module) {
+        EnvSetCurrentModule(c->mind->env, module);
+    }
+    return module != NULL;
+}
+
+static bool flags_load(struct capsule *c, uint64_t *flags, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!clips_capsule_count(c, &flags[i]) || flags[i] > 1) {
+            return false;
+        }
+    }
+    return clips_capsule_end(c);
+}
+
+static bool rule_load(struct capsule *c)
+{
+    void *env = c->mind->env;
+    uint64_t flags[3];
+    struct defrule *rule =
+        module_load(c) && clips_capsule_word(c) ? EnvFindDefrule(env, c->word) : NULL;
+    if (!rule || !flags_load(c, flags, 3)) {
+        return false;
+    }
+    if (flags[0]) {
+        EnvSetBreak(env, rule);
+    }
+    EnvSetDefruleWatchFirings(env, flags[1] != 0, rule);
+    EnvSetDefruleWatchActivations(env, flags[2] != 0, rule);
+    return true;
+}
+
+static bool template_load(struct capsule *c)
+{
+    void *env = c->mind->env;
+    uint64_t watch;
+    struct deftemplate *t =
+        module_load(c) && clips_capsule_word(c) ? EnvFindDeftemplate(env, c->word) : NULL;
+    if (!t || !flags_load(c, &watch, 1)) {
+        return false;
+    }
+    EnvSetDeftemplateWatch(env, watch != 0, t);
+    return true;
+}
+
+static bool items_load(struct capsule *c)
+{
+    uint64_t on = 0;
+    for (size_t i = 0; i < ITEMS; i++) {
+        if (!clips_capsule_count(c, &on) || on > 1) {
+            return false;
+        }
+        if (on) {
+            (void)EnvWatch(c->mind->env, items[i]);
+        }
+    }
+    bool good = clips_capsule_count(c, &on) && clips_capsule_word(c) &&
+                mu_text_copy(c->mind->stands, sizeof c->mind->stands, c->word);
+    c->mind->passes = on != 0;
+    return good && clips_capsule_end(c);
+}
+
+mu_result clips_capsule_load_watch(struct capsule *c)
+{
+    bool good = clips_capsule_line(c, "watch") && items_load(c);
+    for (bool more = true; good && more;) {
+        if (clips_capsule_line(c, "rule")) {
+            good = rule_load(c);
+        } else if (clips_capsule_line(c, "relation")) {
+            good = template_load(c);
+        } else {
+            more = false;
+        }
+    }
+    return good ? MU_OK : clips_capsule_wrong(c, "breakpoints and what is watched");
+}

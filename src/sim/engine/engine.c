@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The order of a step; the work is done in the files beside this one. */
+#include "sim/engine/engine.h"
+
+#include "core/hash.h"
+#include "muster/memory.h"
+#include "sim/engine/engine_core.h"
+
+#include <math.h>
+
+#define ENGINE_SUBSTEP_NS 20000000ull
+
+/* Pairs of neighbours, for each part: a box in a heap has six or so, and each counts for two. */
+enum { ENGINE_PAIRS = 8 };
+
+/* --- the beginning and the end ---------------------------------------------------------------- */
+
+static size_t engine_count_paddles(const struct world *world)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < world->robot_count; i++) {
+        count += world->robots[i].gripper.length_m > 0 ? GRIPPER_PADDLES : 0;
+    }
+    return count;
+}
+
+static void engine_take_memory(struct engine *e, const struct world *world)
+{
+    e->robot_count = world->robot_count;
+    e->object_count = world->object_count;
+    e->body_count = e->robot_count + e->object_count;
+    e->part_count = e->body_count + engine_count_paddles(world);
+    e->bodies = mu_startup_array(e->body_count, sizeof *e->bodies);
+    e->robots = mu_startup_array(e->robot_count, sizeof *e->robots);
+    e->objects = mu_startup_array(e->object_count, sizeof *e->objects);
+    e->percepts = mu_startup_array(e->robot_count, sizeof *e->percepts);
+    e->outlines = mu_startup_array(e->part_count, sizeof *e->outlines);
+    e->pairs_max = ENGINE_PAIRS * e->part_count;
+    e->pairs = mu_startup_array(e->pairs_max, sizeof *e->pairs);
+    e->parts = mu_startup_array(e->part_count, sizeof *e->parts);
+    e->shapes = mu_startup_array(world->shape_count, sizeof *e->shapes);
+    e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
+    e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
+    e->near.moving = mu_startup_array(e->part_count, sizeof *e->near.moving);
+    engine_start_neighbours(e);
+}
+
+static void engine_build_fence(struct engine *e)
+{
+    double gap_m = INFINITY; /* what is narrower lets no body through */
+    for (size_t b = 0; b < e->body_count; b++) {
+        size_t part = b < e->robot_count ? b : engine_object_part(e, b - e->robot_count);
+        gap_m = fmin(gap_m, 2 * fmin(e->outlines[part].half_x, e->outlines[part].half_y));
+    }
+    fence_measure(&e->fence, e->shapes, e->world->shape_count, isfinite(gap_m) ? gap_m : 0);
+    for (size_t b = 0; b < e->body_count; b++) {
+        fence_include(&e->fence, e->bodies[b].motion.x, e->bodies[b].motion.y);
+    }
+}
+
+struct engine *engine_open(const struct world *world, const struct engine_options *options)
+{
+    uint64_t substep_ns = options->substep_ns ? options->substep_ns : ENGINE_SUBSTEP_NS;
+    MU_ASSERT(options->step_ns >= substep_ns && options->step_ns % substep_ns == 0);
+    struct engine *e = mu_startup_alloc(sizeof *e);
+    e->world = world;
+    e->seed = options->seed;
+    e->substeps_per_step = (unsigned)(options->step_ns / substep_ns);
+    e->dt_s = (double)substep_ns * 1e-9;
+    engine_take_memory(e, world);
+    for (size_t i = 0; i < world->shape_count; i++) {
+        e->shapes[i] = solid_of_shape(&world->shapes[i]);
+        e->stands[i] =
+            (struct engine_part){.body = ODE_WORLD_STANDS, .look = &world->shapes[i].look};
+    }
+    ode_world_open(e->body_count);
+    engine_add_bodies(e);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_start_devices(e, i);
+    }
+    engine_build_fence(e);
+    grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
+    e->senses = senses_open(&(struct senses_scene){.world = world,
+                                                   .grid = &e->grid,
+                                                   .seed = options->seed,
+                                                   .step_ns = options->step_ns,
+                                                   .threads = options->threads});
+    engine_feel_grippers(e);
+    return e;
+}
+
+void engine_close(struct engine *e)
+{
+    if (e) {
+        senses_close(e->senses);
+        ode_world_close();
+    }
+}
+
+/* --- a step ----------------------------------------------------------------------------------- */
+
+mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s, double *turn_rad_s)
+{
+    MU_ASSERT(robot < e->robot_count);
+    if (!isfinite(*forward_m_s) || !isfinite(*turn_rad_s)) {
+        return MU_REFUSED; /* one of these in ODE would end the process */
+    }
+    drive_aim(&e->robots[robot].drive, forward_m_s, turn_rad_s);
+    return MU_OK;
+}
+
+static struct drive_motion engine_own_motion(const struct ode_motion *m)
+{
+    return (struct drive_motion){.forward_m_s = m->c * m->vx + m->s * m->vy,
+                                 .left_m_s = m->c * m->vy - m->s * m->vx,
+                                 .turn_rad_s = m->turn};
+}
+
+/* The wheels push the body. */
+static void engine_roll(struct engine *e, size_t i)
+{
+    struct engine_robot *r = &e->robots[i];
+    const struct ode_motion *m = &e->bodies[i].motion;
+    struct drive_motion motion = engine_own_motion(m);
+    if (battery_is_empty(&r->battery)) {
+        double none = 0;
+        drive_aim(&r->drive, &none, &none);
+    }
+    struct drive_force f = drive_run(&r->drive, &motion, e->dt_s);
+    r->drive_w = fabs(f.forward_n * r->drive.forward_m_s) + fabs(f.turn_nm * r->drive.turn_rad_s);
+    ode_world_push(i, m->c * f.forward_n - m->s * f.left_n, m->s * f.forward_n + m->c * f.left_n,
+                   f.turn_nm);
+}
+
+/* What the wheels did, as the devices have it. */
+static void engine_note(struct engine *e, size_t i)
+{
+    struct engine_robot *r = &e->robots[i];
+    struct drive_motion motion = engine_own_motion(&e->bodies[i].motion);
+    drive_watch(&r->drive, &motion, e->dt_s);
+    odometer_run(&r->odometer, r->drive.forward_m_s, r->drive.turn_rad_s, e->dt_s);
+    battery_run(&r->battery, r->drive_w, r->charge_w, e->dt_s);
+}
+
+static void engine_run_grippers(struct engine *e)
+{
+    bool moved = false;
+    for (size_t i = 0; i < e->robot_count; i++) {
+        moved = engine_run_gripper(e, i) || moved;
+    }
+    if (moved) {
+        e->grid_is_old = true;
+    }
+}
+
+static void engine_substep(struct engine *e)
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_roll(e, i);
+    }
+    engine_load_forces(e);
+    engine_collide(e);
+    e->substeps++;
+    /* mixed: neighbouring substeps get seeds that have nothing in common */
+    ode_world_step(e->dt_s, mu_hash_number(e->seed ^ mu_hash_number(e->substeps)));
+    engine_settle(e);
+    engine_draw_apart(e);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_note(e, i);
+    }
+    e->grid_is_old = true;
+    engine_run_grippers(e);
+}
+
+void engine_step(struct engine *e)
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        e->robots[i].bumpers = 0;
+    }
+    for (unsigned k = 0; k < e->substeps_per_step; k++) {
+        engine_substep(e);
+    }
+    engine_guard(e);
+    e->steps++;
+    for (size_t i = 0; i < e->robot_count; i++) {
+        struct gps_when now = {e->seed, i, e->steps};
+        gps_walk(&e->robots[i].gps, &now);
+    }
+    engine_feel_grippers(e);
+}
+
+void engine_fresh_grid(struct engine *e)
+{
+    if (e->grid_is_old) {
+        grid_update(&e->grid);
+        e->grid_is_old = false;
+    }
+}
+
+/* --- what comes out --------------------------------------------------------------------------- */
+
+static void engine_place_senses(struct engine *e, size_t robot)
+{
+    const struct ode_motion *m = &e->bodies[robot].motion;
+    senses_place(e->senses, robot, &(struct frame){m->x, m->y, m->c, m->s});
+}
+
+const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[])
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_place_senses(e, i);
+    }
+    engine_fresh_grid(e);
+    senses_read_all(e->senses, wanted, e->steps);
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_feel(e, i, &e->percepts[i]);
+        e->bodies[i].placed = false;
+        senses_tell(e->senses, i, wanted[i], &e->percepts[i]);
+    }
+    return e->percepts;
+}
+
+void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
+{
+    MU_ASSERT(robot < e->robot_count);
+    engine_place_senses(e, robot);
+    engine_fresh_grid(e);
+    senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
+    engine_feel(e, robot, out);
+    senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);
+}
+
+size_t engine_body_count(const struct engine *e)
+{
+    return e->body_count;
+}
+
+void engine_state(const struct engine *e, size_t body, double state[ENGINE_STATE_DOUBLES])
+{
+    MU_ASSERT(body < e->body_count);
+    ode_world_state(body, state);
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Moves apart what lies deep in one another.
+ *
+ * The solver works on velocities, with a fixed number of rounds, and in a heap of hundreds of
+ * bodies these do not carry a push from one end to the other: bodies are pressed into each other,
+ * a little more in each substep.  So what is deeper than a solver's contact gets is moved itself, a
+ * few sweeps over the pairs in their order and back.  Positions stay from one substep to the next,
+ * so that few sweeps are enough.
+ */
+#include "sim/engine/engine_core.h"
+
+#include <math.h>
+
+/* Up to here it is the solver's. */
+#define ENGINE_DEEP_M 0.005
+
+/* Moved apart to this depth: they go on touching. */
+#define ENGINE_LEFT_M 0.004
+
+enum { ENGINE_SWEEPS = 32 };
+
+void engine_note_near(struct engine *e, const struct engine_pair *pair)
+{
+    if (e->pair_count < e->pairs_max) {
+        e->pairs[e->pair_count++] = *pair;
+    }
+}
+
+static double engine_lightness(const struct engine *e, int32_t body)
+{
+    return body == ODE_WORLD_STANDS ? 0 : 1 / e->bodies[body].mass_kg;
+}
+
+static void engine_shift_part(struct engine *e, size_t part, double x, double y)
+{
+    e->outlines[part].x += x;
+    e->outlines[part].y += y;
+}
+
+/* Shifts a body with all its parts; ODE learns of it at the end. */
+static void engine_shift(struct engine *e, int32_t body, double x, double y)
+{
+    if (body == ODE_WORLD_STANDS) {
+        return;
+    }
+    size_t b = (size_t)body;
+    e->bodies[b].shifted = true;
+    e->bodies[b].motion.x += x;
+    e->bodies[b].motion.y += y;
+    if (b >= e->robot_count) {
+        engine_shift_part(e, engine_object_part(e, b - e->robot_count), x, y);
+        return;
+    }
+    const struct engine_robot *r = &e->robots[b];
+    engine_shift_part(e, b, x, y);
+    for (size_t k = 0; r->gripper.make && k < GRIPPER_PADDLES; k++) {
+        engine_shift_part(e, r->paddles + k, x, y);
+    }
+    if (r->gripper.holds != GRIPPER_NOTHING) {
+        engine_shift_part(e, engine_object_part(e, (size_t)r->gripper.holds), x, y);
+    }
+}
+
+/* @return whether it was deep */
+static bool engine_draw_pair(struct engine *e, const struct engine_pair *pair)
+{
+    const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
+    int32_t a = e->parts[pair->part].body;
+    int32_t b = pair->stands ? ODE_WORLD_STANDS : e->parts[pair->other].body;
+    struct narrow_contact contact;
+    double depth = 0;
+    narrow_collide(&e->outlines[pair->part], other, &contact);
+    for (size_t i = 0; i < contact.count; i++) {
+        depth = fmax(depth, contact.points[i].depth);
+    }
+    if (depth <= ENGINE_DEEP_M) {
+        return false;
+    }
+    double light_a = engine_lightness(e, a);
+    double light_b = engine_lightness(e, b);
+    double per = (depth - ENGINE_LEFT_M) / (light_a + light_b);
+    double way_a = per * light_a;
+    double way_b = per * light_b;
+    engine_shift(e, a, way_a * contact.normal_x, way_a * contact.normal_y);
+    engine_shift(e, b, -way_b * contact.normal_x, -way_b * contact.normal_y);
+    return true;
+}
+
+void engine_draw_apart(struct engine *e)
+{
+    bool deep = true;
+    for (int sweep = 0; deep && sweep < ENGINE_SWEEPS; sweep++) {
+        deep = false;
+        for (size_t k = 0; k < e->pair_count; k++) {
+            size_t turn = sweep % 2 ? e->pair_count - 1 - k : k;
+            deep = engine_draw_pair(e, &e->pairs[turn]) || deep;
+        }
+    }
+    for (size_t b = 0; b < e->body_count; b++) {
+        struct engine_body *body = &e->bodies[b];
+        if (body->shifted) {
+            ode_world_shift(b, body->motion.x, body->motion.y);
+            body->shifted = false;
+            engine_follow(e, b);
+        }
+    }
+}

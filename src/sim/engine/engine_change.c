@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a person or a program outside changes in a running world. */
+#include "sim/engine/engine_core.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* Stronger pushes are no pushes: they would only fling a body out. */
+#define ENGINE_FORCE_MAX_N 1e6
+
+static mu_result engine_refuse(struct engine *e, const char **reason, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static mu_result engine_refuse(struct engine *e, const char **reason, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(e->reason, sizeof e->reason, format, args);
+    va_end(args);
+    *reason = e->reason;
+    return MU_REFUSED;
+}
+
+void engine_start_devices(struct engine *e, size_t robot)
+{
+    const struct world_robot *make = &e->world->robots[robot];
+    struct engine_robot *r = &e->robots[robot];
+    double none = 0;
+    double step_s = e->dt_s * e->substeps_per_step;
+    drive_halt(&r->drive);
+    drive_aim(&r->drive, &none, &none);
+    odometer_init(&r->odometer, make, e->seed, (uint32_t)robot);
+    gps_init(&r->gps, make, step_s);
+    battery_init(&r->battery, make);
+    gripper_init(&r->gripper, make);
+    r->bumpers = 0;
+}
+
+static struct world_pose engine_start_pose(const struct engine *e, size_t body)
+{
+    return body < e->robot_count ? e->world->robots[body].pose
+                                 : e->world->objects[body - e->robot_count].shape.pose;
+}
+
+/* After a change: what is near what, and what the grippers feel. */
+static void engine_look_again(struct engine *e)
+{
+    e->grid_is_old = true;
+    engine_feel_grippers(e);
+}
+
+/* The parts of a body, as they stand around it. */
+static bool engine_part_is_of(const struct engine *e, size_t part, size_t body)
+{
+    return e->parts[part].body == (int32_t)body && e->parts[part].look->stops &&
+           !e->outlines[part].away;
+}
+
+/* Whether a body has room at a pose: all its parts, moved there as one. */
+static mu_result engine_check_place(struct engine *e, size_t body, struct world_pose pose,
+                                    const char **reason)
+{
+    const struct ode_motion *m = &e->bodies[body].motion;
+    double c = cos(pose.heading_rad);
+    double s = sin(pose.heading_rad);
+    double turn_c = c * m->c + s * m->s; /* from the old heading to the new one */
+    double turn_s = s * m->c - c * m->s;
+    for (size_t p = 0; p < e->part_count; p++) {
+        if (!engine_part_is_of(e, p, body)) {
+            continue;
+        }
+        struct solid solid = e->outlines[p];
+        double x = solid.x - m->x;
+        double y = solid.y - m->y;
+        double own_c = solid.c;
+        solid.x = pose.x_m + turn_c * x - turn_s * y;
+        solid.y = pose.y_m + turn_s * x + turn_c * y;
+        solid.c = turn_c * own_c - turn_s * solid.s;
+        solid.s = turn_s * own_c + turn_c * solid.s;
+        const char *other = engine_obstacle(e, &solid, body, 0);
+        if (other) {
+            return engine_refuse(e, reason, "%s would overlap %s at %.3f %.3f",
+                                 e->bodies[body].name, other, pose.x_m, pose.y_m);
+        }
+    }
+    return MU_OK;
+}
+
+static mu_result engine_check_free(struct engine *e, size_t body, const char **reason)
+{
+    if (engine_is_held(e, body)) {
+        int32_t bearer = e->objects[body - e->robot_count].bearer;
+        return engine_refuse(e, reason, "%s is held by %s", e->bodies[body].name,
+                             e->bodies[bearer].name);
+    }
+    return MU_OK;
+}
+
+mu_result engine_place(struct engine *e, size_t body, struct world_pose pose, const char **reason)
+{
+    MU_ASSERT(body < e->body_count);
+    if (!isfinite(pose.heading_rad) || !fence_holds(&e->fence, pose.x_m, pose.y_m)) {
+        return engine_refuse(e, reason, "%s: %g %g is outside the world", e->bodies[body].name,
+                             pose.x_m, pose.y_m);
+    }
+    mu_result checked = engine_check_free(e, body, reason);
+    checked = checked == MU_OK ? engine_check_place(e, body, pose, reason) : checked;
+    if (checked != MU_OK) {
+        return checked;
+    }
+    engine_put(e, body, pose);
+    e->bodies[body].last_good = e->bodies[body].motion;
+    engine_look_again(e);
+    return MU_OK;
+}
+
+mu_result engine_push(struct engine *e, size_t body, const struct engine_force *force,
+                      const char **reason)
+{
+    MU_ASSERT(body < e->body_count);
+    double time_s = force->time_s > 0 ? force->time_s : e->dt_s;
+    double per = force->time_s > 0 ? 1 : 1 / e->dt_s; /* an impulse is spent in one substep */
+    struct engine_force push = {per * force->x_n, per * force->y_n, per * force->turn_nm, time_s};
+    double most = fmax(fmax(fabs(push.x_n), fabs(push.y_n)), fabs(push.turn_nm));
+    bool finite = isfinite(push.x_n + push.y_n + push.turn_nm);
+    if (!finite || !(force->time_s >= 0 && force->time_s <= 1e6) || most > ENGINE_FORCE_MAX_N) {
+        return engine_refuse(e, reason, "%s: expected a force of up to %g N for a time",
+                             e->bodies[body].name, ENGINE_FORCE_MAX_N);
+    }
+    mu_result checked = engine_check_free(e, body, reason);
+    if (checked != MU_OK) {
+        return checked;
+    }
+    struct engine_body *b = &e->bodies[body];
+    b->push = push;
+    b->push_substeps = (uint32_t)lround(ceil(time_s / e->dt_s - 1e-9));
+    ode_world_sleep(body, false);
+    b->asleep = false;
+    return MU_OK;
+}
+
+mu_result engine_reset(struct engine *e, size_t body, const char **reason)
+{
+    MU_ASSERT(body < e->body_count);
+    bool is_robot = body < e->robot_count;
+    int32_t bearer = is_robot ? (int32_t)body : e->objects[body - e->robot_count].bearer;
+    int32_t held = bearer == ENGINE_NO_BEARER ? GRIPPER_NOTHING : e->robots[bearer].gripper.holds;
+    if (held != GRIPPER_NOTHING) {
+        engine_let_go(e, (size_t)bearer);
+    }
+    e->grid_is_old = true;
+    mu_result placed = engine_place(e, body, engine_start_pose(e, body), reason);
+    if (placed != MU_OK && held != GRIPPER_NOTHING) {
+        engine_take_back(e, (size_t)bearer, (size_t)held);
+        engine_look_again(e);
+    }
+    if (placed == MU_OK && is_robot) {
+        engine_start_devices(e, body);
+        engine_follow(e, body);
+        engine_look_again(e);
+    }
+    return placed;
+}
+
+void engine_reset_all(struct engine *e)
+{
+    for (size_t i = 0; i < e->robot_count; i++) {
+        engine_let_go(e, i);
+        engine_start_devices(e, i);
+    }
+    for (size_t b = 0; b < e->body_count; b++) {
+        engine_put(e, b, engine_start_pose(e, b));
+        e->bodies[b].last_good = e->bodies[b].motion;
+    }
+    engine_look_again(e);
+}

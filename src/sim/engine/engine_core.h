@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file engine_core.h
+ * What the files of the engine share, and nobody else sees.
+ *
+ * A *body* is what ODE moves: the robots, then the objects.  A *part* is a piece of matter that
+ * belongs to a body: the robots' cases, then their grippers' paddles, then the objects.  An object
+ * that is held belongs to the body of its bearer.
+ */
+#ifndef MUSTER_SIM_ENGINE_CORE_H
+#define MUSTER_SIM_ENGINE_CORE_H
+
+#include "sim/devices/battery.h"
+#include "sim/devices/drive.h"
+#include "sim/engine/engine.h"
+#include "sim/engine/fence.h"
+#include "sim/geometry/frame.h"
+#include "sim/devices/gps.h"
+#include "sim/geometry/grid.h"
+#include "sim/devices/gripper.h"
+#include "sim/geometry/narrow.h"
+#include "sim/engine/ode_world.h"
+#include "sim/devices/odometer.h"
+#include "sim/sensors/senses.h"
+
+enum { ENGINE_NO_BEARER = -1 };
+
+struct engine_body {
+    const char *name;
+    struct ode_motion motion;      /* as of now */
+    struct ode_motion last_good;   /* as of the last control step */
+    double middle_x_m, middle_y_m; /* of its outline, in its own frame */
+    double mass_kg, inertia_kg_m2; /* without what it carries */
+    double speed_max_m_s;          /* faster, it could step over something */
+    struct engine_force push;      /* from outside */
+    uint32_t push_substeps;        /* for so long */
+    bool asleep;                   /* an object at rest that nothing pushes */
+    bool shifted;                  /* it was moved apart from another one */
+    bool touched;                  /* something that moves touches it in this substep */
+    bool placed;                   /* it was put somewhere since it was sensed */
+    bool fault;                    /* it was put back in this step */
+    uint64_t faults;               /* since the start */
+};
+
+struct engine_robot {
+    struct drive drive;
+    struct odometer odometer;
+    struct gps gps;
+    struct battery battery;
+    struct gripper gripper;
+    size_t paddles;     /* the first of its two parts, if it has a gripper */
+    double drive_w;     /* what its wheels did in this substep */
+    double charge_w;    /* what stands at its side */
+    uint32_t bumpers;   /* what was touched in this step */
+    uint32_t grip_felt; /* bits of enum engine_gripper */
+};
+
+struct engine_object {
+    double friction_n, friction_nm; /* that the floor can bring against it */
+    int32_t bearer;                 /* the robot that holds it */
+    double x, y, c, s;              /* its pose in the bearer's frame */
+    bool claimed;                   /* by a gripper of the snapshot that is read */
+};
+
+struct engine_part {
+    int32_t body; /* ODE_WORLD_STANDS: it stands */
+    bool is_case; /* a robot's: it has a bumper, and plugs */
+    const struct world_look *look;
+};
+
+/* Two pieces of matter that may touch: a part, and another one or a shape that stands. */
+struct engine_pair {
+    uint32_t part, other;
+    bool stands;
+};
+
+/* Where a part was. */
+struct engine_mark {
+    struct frame place;
+    bool away;
+};
+
+/* The pairs of a part that may come near it: count of them from first on. */
+struct engine_list {
+    size_t first, count;
+    bool is_there;
+};
+
+/*
+ * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
+ * moved half of it since it was marked.
+ */
+struct engine_neighbours {
+    struct engine_pair *pairs; /* of a part, what stands comes first, and all by their numbers */
+    size_t pairs_used, pairs_max;
+    struct engine_list *lists; /* of each part */
+    struct engine_mark *marks; /* where each part was */
+    double margin_m;           /* of what is listed now */
+    struct engine_pair *found; /* of one part; room for all */
+    bool is_new;               /* nothing was marked yet */
+};
+
+struct engine {
+    const struct world *world;
+    uint64_t seed, steps, substeps; /* since the start */
+    unsigned substeps_per_step;
+    double dt_s;
+    size_t robot_count, object_count, body_count, part_count, paddle_count;
+    struct engine_body *bodies;
+    struct engine_robot *robots;
+    struct engine_object *objects;
+    struct solid *outlines; /* of the parts, where they are now */
+    struct engine_part *parts;
+    struct solid *shapes; /* what stands */
+    struct engine_part *stands;
+    struct engine_pair *pairs; /* that are near each other in this substep */
+    size_t pair_count, pairs_max;
+    size_t awake_end; /* no object from this part on is awake */
+    struct fence fence;
+    struct grid grid;
+    bool grid_is_old; /* something has moved since it was built */
+    struct engine_neighbours neighbours;
+    struct grid_near near;
+    struct senses *senses;
+    struct engine_percept *percepts; /* of engine_sense_all */
+    char reason[160];                /* of the last refusal */
+};
+
+/* engine.c: */
+
+/** Lays the grid anew if something has moved: before each look at it. */
+void engine_fresh_grid(struct engine *e);
+
+/* engine_bodies.c: */
+
+/** Adds the bodies of all robots and objects, in that order. */
+void engine_add_bodies(struct engine *e);
+
+/** Takes over where a body is now, and moves its parts there. */
+void engine_follow(struct engine *e, size_t body);
+
+/** Pushes what is pushed from outside, and lets the floor rub on the objects. */
+void engine_load_forces(struct engine *e);
+
+/** Finds all contacts of this substep, in a fixed order. */
+void engine_collide(struct engine *e);
+
+/** Takes over where the bodies are after a substep. */
+void engine_settle(struct engine *e);
+
+/** Puts a body somewhere, at rest. */
+void engine_put(struct engine *e, size_t body, struct world_pose pose);
+
+/** @return the number of an object's part */
+size_t engine_object_part(const struct engine *e, size_t object);
+
+/** @return where a body is in the plane, as its own frame */
+struct gripper_frame engine_frame(const struct engine *e, size_t body);
+
+/**
+ * Looks for what would stop a solid that belongs to a body.
+ *
+ * @param tolerance_m  so deep it may lie in something
+ * @return NULL: there is room; else the name of what is in the way
+ */
+const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
+                            double tolerance_m);
+
+/* engine_near.c: */
+
+/** Takes memory for the lists. */
+void engine_start_neighbours(struct engine *e);
+
+/** Drops the lists if somebody has moved too far: before each round of engine_neighbours_of. */
+void engine_watch_neighbours(struct engine *e);
+
+/**
+ * Finds what is near a part now, or may be: all pairs that engine_is_near, and some more.
+ *
+ * @param count  out: how many; they serve until the next call
+ */
+const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count);
+
+/** @return whether a part is so near another solid that they may touch, or be deep in one another
+ *          after a substep */
+bool engine_is_near(const struct engine *e, size_t part, const struct solid *other);
+
+/* engine_apart.c: */
+
+/** Notes a pair that may be deep after the step; beyond pairs_max it is the solver's alone. */
+void engine_note_near(struct engine *e, const struct engine_pair *pair);
+
+/** Moves the pairs that were noted apart, after the solver's step. */
+void engine_draw_apart(struct engine *e);
+
+/* engine_grip.c: */
+
+/** Moves a robot's gripper for one substep.  @return whether anything moved */
+bool engine_run_gripper(struct engine *e, size_t robot);
+
+/** Moves the paddles and what is held to where the robot is. */
+void engine_carry(struct engine *e, size_t robot);
+
+/** Lets go what a robot holds, where it is. */
+void engine_let_go(struct engine *e, size_t robot);
+
+/** Takes again what a robot has just let go; neither has moved since. */
+void engine_take_back(struct engine *e, size_t robot, size_t object);
+
+/** @return whether a body is a thing that a robot holds */
+bool engine_is_held(const struct engine *e, size_t body);
+
+/** Takes over, from a snapshot, what a robot's gripper holds. */
+void engine_resume_grip(struct engine *e, size_t robot);
+
+/** Looks what the grippers feel, for the percepts. */
+void engine_feel_grippers(struct engine *e);
+
+/* engine_feel.c: */
+
+/** Fills in what a robot knows of itself: all but what it sees.  Changes nothing. */
+void engine_feel(const struct engine *e, size_t robot, struct engine_percept *out);
+
+/* engine_change.c: */
+
+/** Starts a robot's devices as the file has them. */
+void engine_start_devices(struct engine *e, size_t robot);
+
+/* engine_guard.c: */
+
+/** Puts each body that left the numbers or the world back to where it was, at rest. */
+void engine_guard(struct engine *e);
+
+#endif

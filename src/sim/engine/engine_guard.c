@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What keeps one broken body from breaking the run. */
+#include "core/log.h"
+#include "sim/engine/engine_core.h"
+
+#include <math.h>
+
+static bool engine_is_sound(const struct engine *e, const struct ode_motion *m)
+{
+    double sum = m->x + m->y + m->c + m->s + m->vx + m->vy + m->turn;
+    return isfinite(sum) && fence_holds(&e->fence, m->x, m->y);
+}
+
+static void engine_put_back(struct engine *e, size_t body)
+{
+    struct engine_body *b = &e->bodies[body];
+    const struct ode_motion *good = &b->last_good;
+    struct world_pose pose = {good->x, good->y, atan2(good->s, good->c)};
+    b->fault = true;
+    b->faults++;
+    if ((b->faults & (b->faults - 1)) == 0) { /* the first, second, fourth ... time */
+        mu_log(MU_LOG_WARNING, "flung-out", "name=%s times=%llu put-back-to=%.3f,%.3f", b->name,
+               (unsigned long long)b->faults, pose.x_m, pose.y_m);
+    }
+    engine_put(e, body, pose);
+}
+
+void engine_guard(struct engine *e)
+{
+    bool moved = false;
+    for (size_t b = 0; b < e->body_count; b++) {
+        struct engine_body *body = &e->bodies[b];
+        body->fault = false;
+        if (engine_is_held(e, b)) { /* it goes where its bearer goes */
+            body->last_good = body->motion;
+        } else if (engine_is_sound(e, &body->motion)) {
+            body->last_good = body->motion;
+        } else {
+            engine_put_back(e, b);
+            moved = true;
+        }
+    }
+    if (moved) {
+        e->grid_is_old = true;
+    }
+}

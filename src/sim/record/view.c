@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/record/view.h"
+
+#include "muster/limits.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+enum { VIEW_NONE = -1 };
+
+/* Memory that is handed out from its beginning, and all taken back at once. */
+struct pool_bytes {
+    unsigned char *bytes;
+    size_t size, used;
+    bool cut; /* something has not fitted */
+};
+
+/* The acts of one robot, in the order in which they came. */
+struct chain {
+    int32_t first, last;
+};
+
+/* Mails from outside: the broker may be a step ahead, so that two steps' lie here. */
+struct outside {
+    struct pool_bytes text;
+    int64_t step;
+    muster_Mail mails[MU_FRAME_MAILS_MAX];
+    uint32_t count;
+};
+
+struct view {
+    muster_Frame frame;
+    struct pool_bytes text;
+    size_t robot_count;
+    size_t chains_count;             /* in use: of the robots, then of agents without a body */
+    struct chain *chains;            /* of each */
+    int32_t next[MU_FRAME_ACTS_MAX]; /* in the chain */
+    muster_Act acts[MU_FRAME_ACTS_MAX];
+    muster_Act sorted[MU_FRAME_ACTS_MAX];
+    uint32_t act_count;
+    struct outside outside[2]; /* of even and odd steps */
+    struct orders orders;
+    muster_RunCommand orders_out[MU_ORDERS_MAX];
+    uint64_t left_out;
+};
+
+/* --- memory ----------------------------------------------------------------------------------- */
+
+static void *bytes_take(struct pool_bytes *p, size_t count)
+{
+    count = (count + 7) & ~(size_t)7;
+    if (p->cut || count > p->size - p->used) {
+        p->cut = true;
+        return NULL;
+    }
+    void *taken = p->bytes + p->used;
+    p->used += count;
+    return taken;
+}
+
+/* A text that is not there is the empty one, as on the wire. */
+static char *text_keep(struct pool_bytes *p, const char *text)
+{
+    static char none[1];
+    size_t bytes = text ? strlen(text) + 1 : 1;
+    char *copy = bytes > 1 ? bytes_take(p, bytes) : NULL;
+    if (!copy) {
+        return none;
+    }
+    memcpy(copy, text, bytes);
+    return copy;
+}
+
+static muster_Mail mail_keep(struct pool_bytes *p, const muster_Mail *m)
+{
+    muster_Mail copy = *m;
+    copy.src = text_keep(p, m->src);
+    copy.dst = text_keep(p, m->dst);
+    copy.performative = text_keep(p, m->performative);
+    copy.language = text_keep(p, m->language);
+    copy.ontology = text_keep(p, m->ontology);
+    copy.reply_with = text_keep(p, m->reply_with);
+    copy.in_reply_to = text_keep(p, m->in_reply_to);
+    copy.conversation = text_keep(p, m->conversation);
+    copy.content = text_keep(p, m->content);
+    return copy;
+}
+
+/* Either all of something has fitted, or nothing of it stays.  @return whether it has */
+static bool bytes_settle(struct pool_bytes *p, size_t before)
+{
+    bool whole = !p->cut;
+    p->used = whole ? p->used : before;
+    p->cut = false;
+    return whole;
+}
+
+/* --- opening ---------------------------------------------------------------------------------- */
+
+static void chains_clear(struct view *v)
+{
+    for (size_t i = 0; i < v->chains_count; i++) {
+        v->chains[i] = (struct chain){VIEW_NONE, VIEW_NONE};
+    }
+    v->chains_count = v->robot_count;
+    v->act_count = 0;
+    v->text.used = 0;
+}
+
+static void lines_open(struct view *v, const struct world *world)
+{
+    muster_Frame *f = &v->frame;
+    f->robots._buffer = mu_startup_array(world->robot_count, sizeof *f->robots._buffer);
+    f->robots._length = f->robots._maximum = (uint32_t)world->robot_count;
+    f->percepts._buffer = mu_startup_array(world->robot_count, sizeof *f->percepts._buffer);
+    f->objects._buffer = mu_startup_array(world->object_count, sizeof *f->objects._buffer);
+    f->objects._length = f->objects._maximum = (uint32_t)world->object_count;
+    for (size_t i = 0; i < world->robot_count; i++) {
+        f->robots._buffer[i].name = (char *)(uintptr_t)world->robots[i].name; /* only read */
+        f->robots._buffer[i].goal = (char *)(uintptr_t) "";
+    }
+    for (size_t i = 0; i < world->object_count; i++) {
+        f->objects._buffer[i].name = (char *)(uintptr_t)world->objects[i].name;
+    }
+}
+
+struct view *view_open(const struct world *world, const char *simulator)
+{
+    struct view *v = mu_startup_alloc(sizeof *v);
+    v->frame.simulator = (char *)(uintptr_t)simulator;
+    v->robot_count = world->robot_count;
+    v->chains_count = world->robot_count + MU_AGENTS_MAX;
+    v->chains = mu_startup_array(v->chains_count, sizeof *v->chains);
+    v->text.bytes = mu_startup_alloc(MU_FRAME_BYTES_MAX);
+    v->text.size = MU_FRAME_BYTES_MAX;
+    for (size_t i = 0; i < 2; i++) {
+        v->outside[i].text.size = MU_FRAME_BYTES_MAX / 8;
+        v->outside[i].text.bytes = mu_startup_alloc(v->outside[i].text.size);
+        v->outside[i].step = -1;
+    }
+    lines_open(v, world);
+    chains_clear(v);
+    return v;
+}
+
+/* --- what comes in ---------------------------------------------------------------------------- */
+
+void view_begin(struct view *v, int64_t step, uint64_t time_ns)
+{
+    v->frame.step = step;
+    v->frame.time_ns = time_ns;
+    v->frame.percepts._length = 0;
+    v->orders.count = 0;
+}
+
+void view_take_body(struct view *v, size_t robot, const struct engine_percept *percept,
+                    const struct tally *tally)
+{
+    muster_RobotView *r = &v->frame.robots._buffer[robot];
+    r->x_m = percept->pose.x_m;
+    r->y_m = percept->pose.y_m;
+    r->heading_rad = percept->pose.heading_rad;
+    r->forward_m_s = percept->forward_m_s;
+    r->turn_rad_s = percept->turn_rad_s;
+    r->stalled = percept->stalled;
+    r->fault = percept->fault;
+    r->placed = percept->placed;
+    r->distance_m = tally->distance_m;
+    r->stalled_s = tally->stalled_s;
+    r->stalls = tally->stalls;
+}
+
+void view_take_object(struct view *v, size_t object, struct world_pose pose)
+{
+    muster_ObjectPlace *o = &v->frame.objects._buffer[object];
+    o->x_m = pose.x_m;
+    o->y_m = pose.y_m;
+    o->heading_rad = pose.heading_rad;
+}
+
+void view_add_percept(struct view *v, const muster_Percept *percept)
+{
+    MU_ASSERT(v->frame.percepts._length < v->robot_count);
+    v->frame.percepts._buffer[v->frame.percepts._length++] = *percept;
+}
+
+/* @return whether there was room for its texts and mails */
+static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
+{
+    struct pool_bytes *p = &v->text;
+    size_t before = p->used;
+    uint32_t count = act->mails._length;
+    *copy = *act;
+    copy->agent = text_keep(p, act->agent);
+    copy->rules = text_keep(p, act->rules);
+    copy->goal = text_keep(p, act->goal);
+    copy->diary = text_keep(p, act->diary);
+    muster_Mail *mails = count > 0 ? bytes_take(p, count * sizeof *mails) : NULL;
+    for (uint32_t i = 0; mails && i < count; i++) {
+        mails[i] = mail_keep(p, &act->mails._buffer[i]);
+    }
+    copy->mails = (dds_sequence_muster_Mail){._maximum = count, ._length = count, ._buffer = mails};
+    return bytes_settle(p, before);
+}
+
+void view_add_act(struct view *v, size_t robot, const muster_Act *act)
+{
+    MU_ASSERT(robot < v->robot_count + MU_AGENTS_MAX);
+    v->chains_count = robot < v->chains_count ? v->chains_count : robot + 1;
+    int32_t index = (int32_t)v->act_count;
+    if (v->act_count == MU_FRAME_ACTS_MAX || !act_keep(v, &v->acts[index], act)) {
+        v->left_out++;
+        return;
+    }
+    struct chain *c = &v->chains[robot];
+    v->act_count++;
+    v->next[index] = VIEW_NONE;
+    if (c->first == VIEW_NONE) {
+        c->first = index;
+    } else {
+        v->next[c->last] = index;
+    }
+    c->last = index;
+}
+
+void view_add_outside(struct view *v, int64_t step, const muster_Mail *mails, uint32_t count)
+{
+    struct outside *o = &v->outside[step & 1];
+    if (o->step != step) {
+        o->step = step;
+        o->count = 0;
+        o->text.used = 0;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        size_t before = o->text.used;
+        bool fits = o->count < MU_FRAME_MAILS_MAX;
+        if (fits) {
+            o->mails[o->count] = mail_keep(&o->text, &mails[i]);
+            fits = bytes_settle(&o->text, before);
+        }
+        o->count += fits;
+        v->left_out += !fits;
+    }
+}
+
+void view_add_order(struct view *v, const muster_RunCommand *order)
+{
+    v->left_out += orders_put(&v->orders, order) != MU_OK;
+}
+
+/* --- the Frame -------------------------------------------------------------------------------- */
+
+muster_RobotView *view_robot(struct view *v, size_t robot)
+{
+    return &v->frame.robots._buffer[robot];
+}
+
+static void acts_sort(struct view *v)
+{
+    uint32_t count = 0;
+    for (size_t r = 0; r < v->chains_count; r++) {
+        for (int32_t i = v->chains[r].first; i != VIEW_NONE; i = v->next[i]) {
+            v->sorted[count++] = v->acts[i];
+        }
+    }
+    v->frame.acts =
+        (dds_sequence_muster_Act){._maximum = count, ._length = count, ._buffer = v->sorted};
+}
+
+static void orders_list(struct view *v)
+{
+    uint32_t count = (uint32_t)v->orders.count;
+    for (uint32_t i = 0; i < count; i++) {
+        v->orders_out[i] = v->orders.at[i].command;
+        v->orders_out[i].simulator = v->frame.simulator;
+    }
+    v->frame.orders = (dds_sequence_muster_RunCommand){
+        ._maximum = count, ._length = count, ._buffer = v->orders_out};
+}
+
+muster_Frame *view_finish(struct view *v)
+{
+    struct outside *o = &v->outside[v->frame.step & 1];
+    uint32_t count = o->step == v->frame.step ? o->count : 0;
+    acts_sort(v);
+    orders_list(v);
+    v->frame.percepts._maximum = v->frame.percepts._length;
+    v->frame.outside =
+        (dds_sequence_muster_Mail){._maximum = count, ._length = count, ._buffer = o->mails};
+    return &v->frame;
+}
+
+void view_clear(struct view *v)
+{
+    chains_clear(v);
+}
+
+uint64_t view_left_out(const struct view *v)
+{
+    return v->left_out;
+}

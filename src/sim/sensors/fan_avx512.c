@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The beam kernels for AVX-512; the Makefile says so to the compiler. */
+#include "sim/sensors/fan.h"
+
+#if defined(__x86_64__)
+#define FAN_WIDTH  8
+#define FAN_NAME   "avx512"
+#define FAN_KERNEL fan_avx512
+#define FAN_SWEEP  fan_avx512_sweep
+#define FAN_NEAR   fan_avx512_near
+#define FAN_CAST   fan_avx512_cast
+#include "sim/sensors/fan_kernel.h"
+#endif

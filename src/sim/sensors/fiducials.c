@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/sensors/fiducials.h"
+
+void fiducials_init(struct fiducials *finder, const struct world_fiducial_finder *from)
+{
+    *finder = (struct fiducials){.place = frame_of(from->pose),
+                                 .range_min_m = from->range_min_m,
+                                 .range_max_m = from->range_max_m,
+                                 .range_id_m = from->range_id_m,
+                                 .half_fov_rad = from->fov_rad / 2};
+}
+
+double fiducials_reach(const struct fiducials *finder)
+{
+    return finder->range_max_m > 0 ? finder->range_max_m + hypot(finder->place.x, finder->place.y)
+                                   : 0;
+}
+
+/* A mark on the floor may be there for finders alone: no ray meets it, and it hides nothing. */
+static bool fiducials_is_mark(const struct solid *bearer)
+{
+    return bearer->returns == 0 && !bearer->away;
+}
+
+/* @return whether nothing stands before the bearer */
+static bool fiducials_free(const struct fiducials_scene *scene, const struct frame *eye,
+                           const struct solid *bearer, double range)
+{
+    const double from[2] = {eye->x, eye->y};
+    const double along[2] = {(bearer->x - eye->x) / range, (bearer->y - eye->y) / range};
+    const struct solid *hit;
+    struct grid_eye sees = {scene->self, SOLID_ALL};
+    (void)grid_find(scene->grid, sees, from, along, range, &hit);
+    return hit ? hit == bearer || (hit->owner != SOLID_NOBODY && hit->owner == bearer->owner)
+               : fiducials_is_mark(bearer);
+}
+
+/* @return whether it is seen */
+static bool fiducials_look(const struct fiducials *finder, const struct fiducials_scene *scene,
+                           const struct frame *eye, const struct solid *bearer,
+                           struct engine_fiducial *out)
+{
+    double gx = bearer->x - eye->x;
+    double gy = bearer->y - eye->y;
+    double range = sqrt(gx * gx + gy * gy);
+    if (range > finder->range_max_m || range < finder->range_min_m || range <= 0) {
+        return false;
+    }
+    double bearing = atan2(eye->c * gy - eye->s * gx, eye->c * gx + eye->s * gy);
+    if (fabs(bearing) > finder->half_fov_rad || !fiducials_free(scene, eye, bearer, range)) {
+        return false;
+    }
+    double c = eye->c * bearer->c + eye->s * bearer->s;
+    double s = eye->c * bearer->s - eye->s * bearer->c;
+    *out = (struct engine_fiducial){.number = range <= finder->range_id_m ? bearer->fiducial : 0,
+                                    .bearing_rad = bearing,
+                                    .range_m = range,
+                                    .heading_rad = atan2(s, c)};
+    return true;
+}
+
+/* Puts one in its place; when there is no room, the farthest falls out. */
+static size_t fiducials_rank(struct engine_fiducial found[], size_t count,
+                             const struct engine_fiducial *one)
+{
+    if (count == MU_FIDUCIALS_MAX && !(one->range_m < found[count - 1].range_m)) {
+        return count;
+    }
+    size_t at = count < MU_FIDUCIALS_MAX ? count++ : count - 1;
+    while (at > 0 && one->range_m < found[at - 1].range_m) {
+        found[at] = found[at - 1];
+        at--;
+    }
+    found[at] = *one;
+    return count;
+}
+
+size_t fiducials_read(const struct fiducials *finder, const struct fiducials_scene *scene,
+                      struct engine_fiducial found[])
+{
+    struct frame eye = frame_join(&scene->robot, &finder->place);
+    size_t count = 0;
+    for (size_t k = 0; k < scene->near->count; k++) {
+        const struct solid *bearer = gather_solid(scene->gather, scene->near->id[k]);
+        struct engine_fiducial one;
+        if (bearer->fiducial != 0 && fiducials_look(finder, scene, &eye, bearer, &one)) {
+            count = fiducials_rank(found, count, &one);
+        }
+    }
+    return count;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/sensors/laser.h"
+
+/* A fan as narrow as that is one direction; its steps could be too small for numbers. */
+#define LASER_FOV_MIN_RAD 1e-9
+
+void laser_init(struct laser *laser, const struct world_laser *from)
+{
+    *laser = (struct laser){.place = frame_of(from->pose),
+                            .range = {from->range_min_m, from->range_max_m},
+                            .noise = from->noise};
+    double fov = from->fov_rad < 2 * M_PI ? from->fov_rad : 2 * M_PI;
+    if (from->samples > 1 && fov > LASER_FOV_MIN_RAD) {
+        fan_table_init(&laser->table, -fov / 2, fov / (from->samples - 1), from->samples);
+    } else if (from->samples > 0) { /* all ahead: any step is as good */
+        fan_table_init(&laser->table, 0, LASER_FOV_MIN_RAD, from->samples);
+    }
+}
+
+double laser_reach(const struct laser *laser)
+{
+    return laser->table.count ? laser->range.max_m + hypot(laser->place.x, laser->place.y) : 0;
+}
+
+static void laser_sweep(const struct laser *laser, const struct laser_scene *scene)
+{
+    struct frame at = frame_join(&scene->robot, &laser->place);
+    struct fan_eye eye = {at.x, at.y, at.c, at.s, laser->range.max_m, SOLID_ECHOES};
+    fan_kernel()->sweep(&laser->table, &eye, scene->near, scene->range_m, NULL);
+}
+
+/* Beams that do not know where they point are no fan: each is a ray of its own. */
+static void laser_scatter(const struct laser *laser, const struct laser_scene *scene)
+{
+    struct frame at = frame_join(&scene->robot, &laser->place);
+    const double from[2] = {at.x, at.y};
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        double x = laser->table.along_x[k];
+        double y = laser->table.along_y[k];
+        double along[2] = {at.c * x - at.s * y, at.s * x + at.c * y};
+        noise_turn(&laser->noise, along, draw_bits(scene->angle_key, k));
+        scene->range_m[k] = grid_ray(scene->grid, scene->self, from, along, laser->range.max_m);
+    }
+}
+
+static void laser_blur(const struct laser *laser, const struct laser_scene *scene)
+{
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        uint64_t bits = draw_bits(scene->key, k);
+        scene->range_m[k] = noise_range(&laser->noise, &laser->range, scene->range_m[k], bits);
+    }
+}
+
+void laser_read(const struct laser *laser, const struct laser_scene *scene, float range_m[])
+{
+    if (laser->noise.angle_rad > 0) {
+        laser_scatter(laser, scene);
+    } else {
+        laser_sweep(laser, scene);
+    }
+    if (!noise_is_exact(&laser->noise)) {
+        laser_blur(laser, scene);
+    }
+    const struct noise_limits limits = laser->range;
+    for (uint32_t k = 0; k < laser->table.count; k++) {
+        range_m[k] = (float)noise_clip(&limits, scene->range_m[k]);
+    }
+}

@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/sensors/senses.h"
+
+#include "muster/memory.h"
+#include "muster/result.h"
+#include "sim/sensors/camera.h"
+#include "sim/sensors/fiducials.h"
+#include "sim/sensors/laser.h"
+#include "sim/sensors/pool.h"
+#include "sim/sensors/sonar.h"
+
+#include <string.h>
+
+enum {
+    SENSES_PIECE = 16,   /* robots that a thread takes at a time */
+    SENSES_POOL_MIN = 32 /* with fewer robots, waking a thread costs more than it does */
+};
+
+#define SENSES_NEVER UINT64_MAX
+
+/* Those that work on what gather_near collects. */
+#define SENSES_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
+
+/* Those, and who looks through the same tiles. */
+#define SENSES_GATHERED (SENSES_NEAR | (1u << WORLD_SONAR))
+
+/* The sensors of robots that have the same. */
+struct senses_kind {
+    const struct world_robot *model;
+    struct sonar_ring sonars;
+    struct laser laser;
+    struct camera camera;
+    struct fiducials finder;
+    uint32_t has;   /* bits of enum world_sensor */
+    double reach_m; /* of all that work on what is near */
+};
+
+/* What changes by reading, beside the readings themselves. */
+struct senses_record {
+    uint64_t read_ns[WORLD_SENSORS]; /* SENSES_NEVER: not yet */
+    size_t blob_count, fiducial_count;
+};
+
+struct senses_robot {
+    const struct senses_kind *kind;
+    struct frame frame;
+    uint64_t period_ns[WORLD_SENSORS];
+    struct senses_record *record;
+    float *sonar_m, *laser_m; /* these and the next are parts of struct senses_memory */
+    struct engine_blob *blobs;
+    struct engine_fiducial *fiducials;
+};
+
+/* The readings of all robots, each kind of them in one piece. */
+struct senses_memory {
+    struct senses_record *records;
+    float *ranges_m;
+    struct engine_blob *blobs;
+    struct engine_fiducial *fiducials;
+    size_t record_count, range_count, blob_count, fiducial_count;
+};
+
+/* What one thread works with. */
+struct senses_worker {
+    struct gather_list list;
+    struct fan_rays rays;
+    double *range_m;
+    int64_t *hit;
+};
+
+struct senses {
+    struct senses_scene scene;
+    struct gather gather;
+    struct senses_kind *kinds;
+    size_t kind_count;
+    struct senses_robot *robots;
+    size_t robot_count;
+    struct senses_memory memory;
+    struct senses_worker *workers;
+    struct pool *pool;
+    /* Of the job that is being done: */
+    const uint32_t *wanted;
+    uint64_t step;
+};
+
+/* --- start ------------------------------------------------------------------------------------ */
+
+static bool senses_same_ring(const struct world_robot *a, const struct world_robot *b)
+{
+    return a->sonar_count == b->sonar_count &&
+           (a->sonar_count == 0 || a->sonars == b->sonars ||
+            memcmp(a->sonars, b->sonars, a->sonar_count * sizeof a->sonars[0]) == 0);
+}
+
+static bool senses_alike(const struct world_robot *a, const struct world_robot *b)
+{
+    return senses_same_ring(a, b) && memcmp(&a->laser, &b->laser, sizeof a->laser) == 0 &&
+           memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 &&
+           memcmp(&a->finder, &b->finder, sizeof a->finder) == 0;
+}
+
+static void senses_kind_init(struct senses_kind *kind, const struct world_robot *model)
+{
+    kind->model = model;
+    sonar_init(&kind->sonars, model);
+    laser_init(&kind->laser, &model->laser);
+    camera_init(&kind->camera, &model->camera);
+    fiducials_init(&kind->finder, &model->finder);
+    double laser_m = laser_reach(&kind->laser);
+    double camera_m = camera_reach(&kind->camera);
+    double finder_m = fiducials_reach(&kind->finder);
+    kind->reach_m = fmax(laser_m, fmax(camera_m, finder_m));
+    kind->has = (kind->sonars.count > 0 ? 1u << WORLD_SONAR : 0) |
+                (kind->laser.table.count > 0 ? 1u << WORLD_LASER : 0) |
+                (kind->camera.table.count > 0 ? 1u << WORLD_CAMERA : 0) |
+                (finder_m > 0 ? 1u << WORLD_FIDUCIALS : 0);
+}
+
+static const struct senses_kind *senses_kind_of(struct senses *s, const struct world_robot *model)
+{
+    for (size_t k = 0; k < s->kind_count; k++) {
+        if (senses_alike(s->kinds[k].model, model)) {
+            return &s->kinds[k];
+        }
+    }
+    senses_kind_init(&s->kinds[s->kind_count], model);
+    return &s->kinds[s->kind_count++];
+}
+
+static void senses_robot_init(struct senses *s, size_t i)
+{
+    struct senses_robot *r = &s->robots[i];
+    const struct world_robot *model = &s->scene.world->robots[i];
+    r->kind = senses_kind_of(s, model);
+    memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
+    struct senses_memory *m = &s->memory;
+    m->record_count++;
+    m->range_count += r->kind->sonars.count + r->kind->laser.table.count;
+    m->blob_count += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
+    m->fiducial_count += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+}
+
+static void senses_memory_take(struct senses_memory *m)
+{
+    m->records = mu_startup_array(m->record_count, sizeof *m->records);
+    m->ranges_m = mu_startup_array(m->range_count, sizeof *m->ranges_m);
+    m->blobs = mu_startup_array(m->blob_count, sizeof *m->blobs);
+    m->fiducials = mu_startup_array(m->fiducial_count, sizeof *m->fiducials);
+}
+
+static void senses_memory_share(struct senses *s)
+{
+    struct senses_memory next = s->memory;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct senses_robot *r = &s->robots[i];
+        r->record = next.records++;
+        r->sonar_m = next.ranges_m;
+        r->laser_m = r->sonar_m + r->kind->sonars.count;
+        r->blobs = next.blobs;
+        r->fiducials = next.fiducials;
+        next.ranges_m = r->laser_m + r->kind->laser.table.count;
+        next.blobs += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
+        next.fiducials += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+    }
+}
+
+void senses_forget(struct senses *s)
+{
+    for (size_t i = 0; i < s->robot_count; i++) {
+        for (size_t k = 0; k < WORLD_SENSORS; k++) {
+            s->robots[i].record->read_ns[k] = SENSES_NEVER;
+        }
+    }
+}
+
+static void senses_workers_init(struct senses *s)
+{
+    size_t beams = 0;
+    size_t rays = 0;
+    for (size_t k = 0; k < s->kind_count; k++) {
+        const struct senses_kind *kind = &s->kinds[k];
+        rays = kind->sonars.ray_count > rays ? kind->sonars.ray_count : rays;
+        beams = kind->laser.table.count > beams ? kind->laser.table.count : beams;
+        beams = kind->camera.table.count > beams ? kind->camera.table.count : beams;
+    }
+    size_t threads = pool_threads(s->pool);
+    s->workers = mu_startup_array(threads, sizeof *s->workers);
+    for (size_t k = 0; k < threads; k++) {
+        gather_list_init(&s->workers[k].list, &s->gather);
+        fan_rays_init(&s->workers[k].rays, rays);
+        s->workers[k].range_m = mu_startup_array(beams + FAN_PAD, sizeof(double));
+        s->workers[k].hit = mu_startup_array(beams + FAN_PAD, sizeof(int64_t));
+    }
+}
+
+struct senses *senses_open(const struct senses_scene *scene)
+{
+    struct senses *s = mu_startup_alloc(sizeof *s);
+    s->scene = *scene;
+    s->robot_count = scene->world->robot_count;
+    s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
+    s->kinds = mu_startup_array(s->robot_count, sizeof *s->kinds);
+    for (size_t i = 0; i < s->robot_count; i++) {
+        senses_robot_init(s, i);
+    }
+    senses_memory_take(&s->memory);
+    senses_memory_share(s);
+    senses_forget(s);
+    const struct grid_layer *still = &scene->grid->still;
+    const struct grid_layer *moving = &scene->grid->moving;
+    gather_init(&s->gather, still->solids, still->count, moving->solids, moving->count);
+    (void)fan_kernel(); /* chosen before there are threads */
+    s->pool = s->robot_count < SENSES_POOL_MIN ? NULL : pool_open(scene->threads);
+    senses_workers_init(s);
+    return s;
+}
+
+void senses_close(struct senses *s)
+{
+    pool_close(s->pool);
+}
+
+void senses_place(struct senses *s, size_t robot, const struct frame *frame)
+{
+    s->robots[robot].frame = *frame;
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+/* A period begins anew at each multiple of it, so that sensors of one period read together. */
+static bool senses_due(const struct senses_robot *r, enum world_sensor sensor, uint64_t now_ns)
+{
+    uint64_t period_ns = r->period_ns[sensor];
+    uint64_t read_ns = r->record->read_ns[sensor];
+    return period_ns == 0 || read_ns == SENSES_NEVER || now_ns / period_ns != read_ns / period_ns;
+}
+
+/* @return the sensors that are read now; each counts as read */
+static uint32_t senses_take_due(const struct senses *s, struct senses_robot *r, uint32_t wanted)
+{
+    uint64_t now_ns = s->step * s->scene.step_ns;
+    uint32_t due = 0;
+    for (uint32_t k = 0; k < WORLD_SENSORS; k++) {
+        if ((wanted & r->kind->has & (1u << k)) && senses_due(r, (enum world_sensor)k, now_ns)) {
+            due |= 1u << k;
+            r->record->read_ns[k] = now_ns;
+        }
+    }
+    return due;
+}
+
+static uint64_t senses_key(const struct senses *s, size_t robot, enum draw_use use)
+{
+    return draw_key(s->scene.seed, robot, use, s->step);
+}
+
+static void senses_read_sonars(const struct senses *s, size_t i, struct senses_worker *worker)
+{
+    const struct senses_robot *r = &s->robots[i];
+    struct sonar_place place = {r->frame, (int32_t)i, senses_key(s, i, DRAW_SONAR)};
+    const struct sonar_ring *ring = &r->kind->sonars;
+    if (ring->mirrors ||
+        !sonar_read_near(ring, &s->gather, &place, &worker->rays, worker->list.found, r->sonar_m)) {
+        sonar_read(ring, s->scene.grid, &place, r->sonar_m);
+    }
+}
+
+static void senses_read_laser(const struct senses *s, size_t i, const struct senses_worker *worker)
+{
+    const struct senses_robot *r = &s->robots[i];
+    struct laser_scene scene = {.robot = r->frame,
+                                .self = (int32_t)i,
+                                .grid = s->scene.grid,
+                                .near = &worker->list.solids,
+                                .range_m = worker->range_m,
+                                .key = senses_key(s, i, DRAW_LASER),
+                                .angle_key = senses_key(s, i, DRAW_LASER_ANGLE)};
+    laser_read(&r->kind->laser, &scene, r->laser_m);
+}
+
+static void senses_read_camera(const struct senses *s, size_t i, const struct senses_worker *worker)
+{
+    struct senses_robot *r = &s->robots[i];
+    struct camera_scene scene = {.robot = r->frame,
+                                 .gather = &s->gather,
+                                 .near = &worker->list.solids,
+                                 .range_m = worker->range_m,
+                                 .hit = worker->hit};
+    r->record->blob_count = camera_read(&r->kind->camera, &scene, r->blobs);
+}
+
+static void senses_read_finder(const struct senses *s, size_t i, const struct senses_worker *worker)
+{
+    struct senses_robot *r = &s->robots[i];
+    struct fiducials_scene scene = {.robot = r->frame,
+                                    .self = (int32_t)i,
+                                    .grid = s->scene.grid,
+                                    .gather = &s->gather,
+                                    .near = &worker->list.solids};
+    r->record->fiducial_count = fiducials_read(&r->kind->finder, &scene, r->fiducials);
+}
+
+static void senses_read_robot(const struct senses *s, size_t i, uint32_t wanted,
+                              struct senses_worker *worker)
+{
+    struct senses_robot *r = &s->robots[i];
+    uint32_t due = senses_take_due(s, r, wanted);
+    if (due & SENSES_NEAR) {
+        struct gather_circle circle = {r->frame.x, r->frame.y, r->kind->reach_m};
+        gather_near(&s->gather, &circle, (int32_t)i, &worker->list);
+    }
+    if (due & (1u << WORLD_SONAR)) {
+        senses_read_sonars(s, i, worker);
+    }
+    if (due & (1u << WORLD_LASER)) {
+        senses_read_laser(s, i, worker);
+    }
+    if (due & (1u << WORLD_CAMERA)) {
+        senses_read_camera(s, i, worker);
+    }
+    if (due & (1u << WORLD_FIDUCIALS)) {
+        senses_read_finder(s, i, worker);
+    }
+}
+
+static void senses_read_piece(void *context, size_t worker, size_t piece)
+{
+    struct senses *s = context;
+    size_t begin = piece * SENSES_PIECE;
+    size_t end = begin + SENSES_PIECE < s->robot_count ? begin + SENSES_PIECE : s->robot_count;
+    for (size_t i = begin; i < end; i++) {
+        senses_read_robot(s, i, s->wanted[i], &s->workers[worker]);
+    }
+}
+
+static bool senses_any_gathered(const struct senses *s, const uint32_t wanted[])
+{
+    uint32_t any = 0;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        any |= wanted[i] & s->robots[i].kind->has;
+    }
+    return any & SENSES_GATHERED;
+}
+
+void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
+{
+    s->wanted = wanted;
+    s->step = step;
+    if (senses_any_gathered(s, wanted)) {
+        gather_update(&s->gather);
+    }
+    size_t pieces = (s->robot_count + SENSES_PIECE - 1) / SENSES_PIECE;
+    pool_run(s->pool, pieces, senses_read_piece, s);
+}
+
+void senses_read(struct senses *s, size_t robot, uint32_t wanted, uint64_t step)
+{
+    s->step = step;
+    if (wanted & s->robots[robot].kind->has & SENSES_GATHERED) {
+        gather_update(&s->gather);
+    }
+    senses_read_robot(s, robot, wanted, &s->workers[0]);
+}
+
+void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct engine_percept *out)
+{
+    const struct senses_robot *r = &s->robots[robot];
+    uint32_t told = wanted & r->kind->has;
+    if (told & (1u << WORLD_SONAR)) {
+        out->sonar_m = r->sonar_m;
+        out->sonar_count = r->kind->sonars.count;
+    }
+    if (told & (1u << WORLD_LASER)) {
+        out->laser_m = r->laser_m;
+        out->laser_count = r->kind->laser.table.count;
+    }
+    if (told & (1u << WORLD_CAMERA)) {
+        out->blobs = r->blobs;
+        out->blob_count = r->record->blob_count;
+    }
+    if (told & (1u << WORLD_FIDUCIALS)) {
+        out->fiducials = r->fiducials;
+        out->fiducial_count = r->record->fiducial_count;
+    }
+}

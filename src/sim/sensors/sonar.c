@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/sensors/sonar.h"
+
+#include "muster/memory.h"
+
+#define SONAR_SLACK_M 1e-6 /* rounding must not leave out what is just in reach */
+
+static uint32_t sonar_rays(const struct world_sonar *sonar)
+{
+    return sonar->rays > 1 ? sonar->rays : 1;
+}
+
+static void sonar_aim(struct sonar_ray *rays, const struct world_sonar *from)
+{
+    uint32_t count = sonar_rays(from);
+    for (uint32_t k = 0; k < count; k++) {
+        double off = count > 1 ? from->fov_rad * ((double)k / (count - 1) - 0.5) : 0;
+        double heading = from->pose.heading_rad + off;
+        rays[k] = (struct sonar_ray){cos(heading), sin(heading)};
+    }
+}
+
+void sonar_init(struct sonar_ring *ring, const struct world_robot *robot)
+{
+    uint32_t rays = 0;
+    for (size_t i = 0; i < robot->sonar_count; i++) {
+        rays += sonar_rays(&robot->sonars[i]);
+    }
+    *ring = (struct sonar_ring){.count = robot->sonar_count, .ray_count = rays};
+    ring->sonars = mu_startup_array(ring->count, sizeof *ring->sonars);
+    ring->rays = mu_startup_array(rays, sizeof *ring->rays);
+    uint32_t first = 0;
+    for (size_t i = 0; i < ring->count; i++) {
+        const struct world_sonar *from = &robot->sonars[i];
+        ring->sonars[i] = (struct sonar){.x = from->pose.x_m,
+                                         .y = from->pose.y_m,
+                                         .range = {from->range_min_m, from->range_max_m},
+                                         .noise = from->noise,
+                                         .first_ray = first,
+                                         .ray_count = sonar_rays(from)};
+        if (from->specular_rad > 0) {
+            ring->sonars[i].least_cos = cos(from->specular_rad);
+            ring->mirrors = ring->mirrors || ring->sonars[i].least_cos > 0;
+        }
+        ring->reach_m =
+            fmax(ring->reach_m, from->range_max_m + hypot(from->pose.x_m, from->pose.y_m));
+        sonar_aim(ring->rays + first, from);
+        first += sonar_rays(from);
+    }
+}
+
+/* Sound that comes in too flat goes on instead of coming back. */
+static bool sonar_is_lost(const struct sonar *sonar, const struct solid *hit, const double from[2],
+                          const double along[2], double range)
+{
+    if (!hit || range <= 0) {
+        return false;
+    }
+    const double at[2] = {from[0] + range * along[0], from[1] + range * along[1]};
+    double normal[2];
+    solid_normal(hit, at, normal);
+    return -(along[0] * normal[0] + along[1] * normal[1]) < sonar->least_cos;
+}
+
+static double sonar_cast(const struct sonar *sonar, const struct grid *grid, int32_t self,
+                         const double from[2], const double along[2])
+{
+    if (sonar->least_cos <= 0) {
+        return grid_ray(grid, self, from, along, sonar->range.max_m);
+    }
+    const struct solid *hit;
+    struct grid_eye eye = {self, SOLID_ECHOES};
+    double range = grid_find(grid, eye, from, along, sonar->range.max_m, &hit);
+    return sonar_is_lost(sonar, hit, from, along, range) ? sonar->range.max_m : range;
+}
+
+static void sonar_at(const struct sonar *sonar, const struct frame *robot, double from[2])
+{
+    from[0] = robot->x + robot->c * sonar->x - robot->s * sonar->y;
+    from[1] = robot->y + robot->s * sonar->x + robot->c * sonar->y;
+}
+
+static void sonar_along(const struct sonar_ring *ring, size_t i, const struct sonar_place *place,
+                        uint32_t k, double along[2])
+{
+    const struct sonar *sonar = &ring->sonars[i];
+    const struct sonar_ray *ray = &ring->rays[k];
+    const struct frame *robot = &place->robot;
+    along[0] = robot->c * ray->x - robot->s * ray->y;
+    along[1] = robot->s * ray->x + robot->c * ray->y;
+    if (sonar->noise.angle_rad > 0) { /* the whole cone is turned */
+        noise_turn(&sonar->noise, along, draw_bits(place->key, i + MU_SONARS_MAX));
+    }
+}
+
+static double sonar_hear(const struct sonar_ring *ring, size_t i, const struct grid *grid,
+                         const struct sonar_place *place)
+{
+    const struct sonar *sonar = &ring->sonars[i];
+    double from[2];
+    double along[2];
+    double nearest = sonar->range.max_m;
+    sonar_at(sonar, &place->robot, from);
+    for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
+        sonar_along(ring, i, place, k, along);
+        double range = sonar_cast(sonar, grid, place->self, from, along);
+        nearest = range < nearest ? range : nearest;
+    }
+    return nearest;
+}
+
+/* What a sonar says of the nearest echo. */
+static float sonar_tell(const struct sonar_ring *ring, size_t i, const struct sonar_place *place,
+                        double range)
+{
+    const struct sonar *sonar = &ring->sonars[i];
+    if (!noise_is_exact(&sonar->noise)) {
+        range = noise_range(&sonar->noise, &sonar->range, range, draw_bits(place->key, i));
+    }
+    return (float)noise_clip(&sonar->range, range);
+}
+
+void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
+                const struct sonar_place *place, float range_m[])
+{
+    for (size_t i = 0; i < ring->count; i++) {
+        range_m[i] = sonar_tell(ring, i, place, sonar_hear(ring, i, grid, place));
+    }
+}
+
+static void sonar_put_ray(struct fan_rays *rays, size_t k, const double from[2],
+                          const double along[2], double range_m)
+{
+    rays->from_x[k] = from[0];
+    rays->from_y[k] = from[1];
+    rays->along_x[k] = along[0];
+    rays->along_y[k] = along[1];
+    rays->range_m[k] = range_m;
+}
+
+static void sonar_put_rays(const struct sonar_ring *ring, const struct sonar_place *place,
+                           struct fan_rays *rays)
+{
+    double from[2] = {0, 0};
+    double along[2] = {1, 0};
+    for (size_t i = 0; i < ring->count; i++) {
+        const struct sonar *sonar = &ring->sonars[i];
+        sonar_at(sonar, &place->robot, from);
+        for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
+            sonar_along(ring, i, place, k, along);
+            sonar_put_ray(rays, k, from, along, sonar->range.max_m);
+        }
+    }
+    for (size_t k = ring->ray_count; k % FAN_PAD != 0; k++) {
+        sonar_put_ray(rays, k, from, along, 0);
+    }
+    rays->count = ring->ray_count;
+    rays->returns = SOLID_ECHOES;
+}
+
+bool sonar_read_near(const struct sonar_ring *ring, const struct gather *gather,
+                     const struct sonar_place *place, struct fan_rays *rays, uint32_t *found,
+                     float range_m[])
+{
+    struct gather_circle circle = {place->robot.x, place->robot.y, ring->reach_m + SONAR_SLACK_M};
+    sonar_put_rays(ring, place, rays);
+    if (!gather_cast(gather, &circle, place->self, rays, found)) {
+        return false;
+    }
+    for (size_t i = 0; i < ring->count; i++) {
+        const struct sonar *sonar = &ring->sonars[i];
+        double nearest = sonar->range.max_m;
+        for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
+            nearest = rays->range_m[k] < nearest ? rays->range_m[k] : nearest;
+        }
+        range_m[i] = sonar_tell(ring, i, place, nearest);
+    }
+    return true;
+}

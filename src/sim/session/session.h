@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file session.h
+ * A run, seen from the simulator: who controls which robot, and one step after the other.
+ *
+ * docs/lockstep.md has the protocol.  The order of a step is fixed: senses out, answers in,
+ * commands in the order of the robots, hash, record, physics.
+ */
+#ifndef MUSTER_SIM_SESSION_H
+#define MUSTER_SIM_SESSION_H
+
+#include "bus/bus.h"
+#include "core/table.h"
+#include "sim/engine/engine.h"
+#include "sim/session/guests.h"
+#include "sim/record/orders.h"
+#include "sim/record/recorder.h"
+#include "sim/record/runhash.h"
+#include "sim/session/script.h"
+#include "sim/record/view.h"
+#include "wire.h"
+
+#include <signal.h>
+
+/* The dead-man, in control steps and, in free running, by the wall. */
+enum { SESSION_QUIET_STEPS = 10 };
+
+struct session_robot {
+    const char *name;
+    bool controlled;             /* the run waits for its controller; else it is an obstacle */
+    int32_t process;             /* index of the process that controls it; -1: none */
+    int32_t next_process;        /* from the next step on; -1: the same */
+    uint32_t slot;               /* of its controller in that process */
+    muster_State state;          /* of its controller, by its last word */
+    char goal[MU_FIELD_MAX + 1]; /* likewise: what it wants */
+    bool drives;                 /* of the last answer: a speed was set */
+    double forward_m_s, turn_rad_s;
+    double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
+    int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
+    uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
+    uint32_t off;          /* of them, those that somebody has switched off */
+    uint32_t quiet_steps;  /* since a speed was set */
+    unsigned char digest[RUNHASH_BYTES];
+    uint64_t firings, mails_sent, mails_received, mails_duplicated;
+    bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
+    struct engine_percept percept;
+};
+
+struct session_process {
+    char name[MU_PROCESS_MAX + 1];
+    char broker[MU_NAME_MAX + 1]; /* of its agents */
+    struct bus_writer sense;
+    bool watches; /* it sees all bodies, and has none */
+    bool onlooks; /* watches, and all its agents are special: it may die, as nobody needs it */
+    bool hosts;   /* it takes in robots: it belongs to the run, whether it has any or not, */
+    char host[MU_NAME_MAX + 1]; /* under this name */
+    bool left_out;              /* nobody waits for it */
+    bool lost;                  /* it is dead, or was stopped, in the middle of a lock step */
+    bool followed;              /* another one wants to take its place, */
+    bool let_go;                /* which it may: this one has no part in the run any more */
+    bool comes;                 /* instead of one that died; it has no step yet */
+    bool ready;                 /* it has matched all that it needs */
+    bool heard;                 /* a sample of it has come */
+    bool greeted;               /* a Sense with nothing in it has gone to it */
+    int64_t answered;           /* the last step that it has answered */
+    uint64_t answered_wall_ns;
+    muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
+    bool sample_pending; /* the network has refused it: try again */
+};
+
+/* For whom a Frame is made: bits. */
+enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
+
+/*
+ * Who wants every Frame inside this process, and how the run ended, such as a recording: the
+ * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
+ */
+struct session_listener {
+    void *self;
+    void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
+    void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
+    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
+    bool without_percepts; /* its bytes of Frames leave them out */
+};
+
+struct session_options {
+    uint64_t seed;
+    uint64_t step_ns;
+    uint64_t duration_ns;             /* 0: no end */
+    double rate;                      /* times real time; 0: as fast as it goes */
+    bool free;                        /* no lock step */
+    const char *broker;               /* of the robots of a lock step; NULL: the first robot's */
+    bool waits_for_go;                /* the first step waits for a RunCommand, */
+    uint32_t watchers;                /* and for so many processes that watch, */
+    uint32_t hosts;                   /* and for so many that take in robots */
+    const struct mu_network *network; /* how long to wait for the broker */
+    int saves;                        /* the open folder that states are saved in */
+    uint64_t silence_ns;              /* wall time after which a silent controller is a fault */
+    uint64_t return_ns; /* wall time that a lock step waits for one that died to be started again;
+                           0: that is a fault at once */
+};
+
+struct session {
+    struct session_options options;
+    const struct world *world;
+    struct engine *engine;
+    struct recorder *recorder; /* NULL: no record */
+    struct runhash *hash;
+    struct bus bus;
+    char name[MU_PROCESS_MAX + 1]; /* also its partition */
+    struct bus_writer roster, status, answers;
+    struct bus_writer scenes, every, latest; /* for who looks: docs/observing.md */
+    struct bus_reader registrations, ups, deliveries, commands;
+    struct session_robot *robots;
+    size_t robot_count;
+    struct guests *guests;
+    uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
+    struct mu_table robot_names, process_names;
+    struct session_process *processes; /* MU_PROCESSES_MAX */
+    uint32_t process_count;
+    muster_Percept *percepts; /* one for each robot, in order of process */
+    muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
+    muster_RobotTotals *totals;
+    muster_ObjectPlace *places; /* of the objects */
+    int64_t step;
+    int64_t mail_step; /* the last step whose Delivery is in */
+    /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
+     */
+    unsigned char outside[2][RUNHASH_BYTES];
+    uint32_t answers_missing;
+    int64_t sent_step;       /* the last step that went out */
+    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
+    bool held;               /* the lock step waits for a process that is being started again */
+    unsigned char *snapshot; /* room for one */
+    struct orders *orders;   /* that wait for the end of this step */
+    struct script *script;   /* those that wait for later, and events */
+    struct condition_names body_names;
+    int64_t pace_step; /* since when, and since which step, it goes at this rate */
+    uint64_t pace_wall_ns;
+    bool paced_anew; /* the rate has changed while the run waited for its time */
+    uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
+    uint64_t skipped;
+    bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
+    bool roster_due;         /* the network has refused it */
+    uint32_t roster_readers; /* that it had found when it was told, in free running */
+    struct session_listener listener;
+    muster_Scene *scene;
+    struct view *view;
+    struct tally *tallies;       /* of each robot */
+    struct bus_bytes view_bytes; /* of what the listener was told last */
+    bool end_told;               /* to the listener */
+    unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
+    uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
+    uint64_t frames_lost;        /* that the network did not take */
+    bool go, end;
+    bool interrupted; /* a signal has ended the run before its time */
+    char waits_for[1024];
+    char hash_text[RUNHASH_TEXT];
+};
+
+/** Opens the topics.  The bus is open already. */
+MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
+                                   const struct world *world, struct engine *engine,
+                                   struct recorder *recorder);
+
+/** Has somebody told of the Scene and of every Frame, from session_gather on. */
+void session_listen(struct session *s, const struct session_listener *listener);
+
+/**
+ * Waits until every robot has a controller that is ready and, if asked, for the word to go.
+ *
+ * @return MU_OK; MU_TIMEOUT: no broker answers; MU_DONE: ended before it began
+ */
+MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came);
+
+/**
+ * Runs to the end, and says how it ended.  Who has started the run is waited for until that has
+ * come; a signal behind the end says that it has.
+ *
+ * @return MU_OK; MU_TIMEOUT: a controller or the broker was silent for too long, and waits_for
+ *         says which
+ */
+MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came);
+
+/* session_steps.c and session_return.c share with session.c: */
+
+/** Takes what has come on every topic. */
+void session_take(struct session *s);
+
+/** Takes an order from outside: one that changes the world waits for session_orders_apply. */
+void session_order_take(struct session *s, const muster_RunCommand *c);
+
+/** Answers that an order is not carried out. */
+void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why);
+
+/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
+long session_body_find(const struct session *s, const char *name);
+
+/* Agents without a body, session_guests.c. */
+
+/** Takes what one of them did; of another, nothing. */
+void session_guest_act(struct session *s, const muster_Act *act, int32_t process);
+
+/** The broker has given a name to that process: it lives there from the next step on. */
+void session_guest_seat(struct session *s, const char *name, int32_t process);
+
+/** Folds what each of them did into the hash. */
+void session_guests_fold(struct session *s);
+
+/** @return whether one of them lives in that process */
+bool session_guests_live_in(const struct session *s, uint32_t process);
+
+/** Those of that process have done nothing in this step. */
+void session_guests_pass(struct session *s, uint32_t process);
+
+/* What waits for later, session_script.c. */
+
+/** Takes memory. */
+void session_script_open(struct session *s);
+
+/** Notes what an agent did. */
+void session_script_act(struct session *s, size_t robot, const muster_Act *act);
+
+/** Looks whose time has come, at the end of a step. */
+void session_script_look(struct session *s);
+
+/** Has the sensors of an order with a time come back after that. */
+void session_script_undo(struct session *s, const muster_RunCommand *c);
+
+/** In lock step, waits for the word to go on. */
+void session_script_hold(struct session *s);
+
+/** Carries out what came from outside since the last step, and answers for it. */
+void session_orders_apply(struct session *s);
+
+/** Tells the broker which processes make the lock step, or that there is none any more. */
+MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
+
+/** @return whether a process watches, and all its agents are special: what they say is mail from
+ * outside, in its turn */
+bool session_onlooks(const muster_Registration *r);
+
+/** Takes who controls or watches what, and who has gone. */
+void session_register(struct session *s, const muster_Registration *r, enum bus_life life);
+
+/** Greets the processes that have come.  @return whether everybody is there; waits_for says who is
+ * not */
+bool session_is_complete(struct session *s);
+
+/** Drops the processes that neither control nor watch anything. */
+void session_prune(struct session *s);
+
+/** Lays the percepts out so that each process's robots stand together. */
+void session_lay_out(struct session *s);
+
+/** Puts the samples of a step together. */
+void session_fill_senses(struct session *s, bool last);
+
+/** Writes a process's sample.  @return false: the network is busy, and it is tried again */
+bool session_write_sense(struct session_process *p);
+
+/* session_return.c: */
+
+/** While steps of a lock step run: notes who dies and, while it is held, who comes. */
+void session_return_hear(struct session *s, const muster_Registration *r, enum bus_life life);
+
+/** @return how long a step may wait for whoever is silent, by the wall */
+uint64_t session_return_patience_ns(const struct session *s);
+
+/** @return whether this step waits for a process that has died and was started again */
+bool session_return_due(const struct session *s);
+
+/**
+ * Holds the lock step until all that died are there again, and gives them this step.
+ *
+ * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for says who; MU_DONE:
+ *         the run was ended
+ */
+MU_MUST_USE mu_result session_return_await(struct session *s,
+                                           const volatile sig_atomic_t *signal_came);
+/** Between two steps: those who have moved are with their new processes. */
+void session_change_processes(struct session *s);
+
+/** What those have done whose process is no more, and who were disposed of: nothing. */
+void session_rest(struct session *s, uint32_t process);
+
+/** Goes on without those who are gone, have no robot and have not answered. */
+void session_leave_out(struct session *s);
+
+/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
+void session_percept_fill(muster_Percept *to, const struct engine_percept *from);
+
+/* What observers see, session_view.c: each is called at its place in a step. */
+
+/** Opens topics and takes memory. */
+MU_MUST_USE mu_result session_view_open(struct session *s);
+
+/** Says once what stands in the world. */
+void session_view_scene(struct session *s);
+
+/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
+ * follows */
+void session_view_begin(struct session *s, bool last);
+
+void session_view_act(struct session *s, size_t robot, const muster_Act *act);
+void session_view_outside(struct session *s, const muster_Delivery *d);
+void session_view_order(struct session *s, const muster_RunCommand *order);
+
+/** Tells the listener how the run has ended, once. */
+void session_view_status(struct session *s, const muster_RunStatus *status);
+
+/** Ends the Frame, before the world moves on, and tells who wants it. */
+void session_view_finish(struct session *s);
+
+/** Waits a little until the last Frames have arrived, and says if some were cut. */
+void session_view_close(struct session *s);
+
+/** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
+bool session_tell(struct session *s, muster_RunState state, bool always);
+
+#endif

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file builder.h
+ * What the files that turn a parsed world into struct world share: properties with their checks,
+ * units, warnings, frames.
+ */
+#ifndef MUSTER_WORLD_BUILDER_H
+#define MUSTER_WORLD_BUILDER_H
+
+#include "world/world.h"
+#include "world/parse/worldfile.h"
+
+enum {
+    BUILDER_SHAPES_MAX = 65536,
+    BUILDER_MODELS_MAX = 65536, /* with those that definitions bring along */
+    BUILDER_NESTING_MAX = 32,
+    BUILDER_WARNINGS_MAX = 128 /* further ones are not printed */
+};
+
+#define BUILDER_POSE_MAX_M 1e5 /* farther out, a millimetre gets lost in a raster */
+
+/* What moves must not be so small or large that its inertia leaves the numbers. */
+#define BUILDER_BODY_MIN_M 1e-3
+#define BUILDER_BODY_MAX_M 1e3
+
+/* What a property belongs to: a bit each. */
+enum builder_kind {
+    BUILDER_WORLD = 1,
+    BUILDER_SOLID = 2,
+    BUILDER_ROBOT = 4,
+    BUILDER_PART = 8, /* a model on a robot */
+    BUILDER_RANGER = 16,
+    BUILDER_SENSOR = 32,
+    BUILDER_CAMERA = 64,
+    BUILDER_FINDER = 128,
+    BUILDER_GRIPPER = 256,
+    BUILDER_BLOCK = 512,
+    BUILDER_DISTRIBUTE = 1024
+};
+
+struct builder {
+    struct world *world;
+    struct mu_fault *fault;
+    const struct mu_fault_listener *listener; /* NULL: the first mistake ends the work */
+    bool quiet;
+    uint64_t seed;         /* of random places */
+    double unit_length_m;  /* of the file's lengths */
+    double unit_angle_deg; /* and angles */
+    size_t model_count;
+    struct builder_mistake {
+        int line, column;
+        uint64_t text;                  /* its hash */
+    } mistakes[WORLDFILE_MISTAKES_MAX]; /* that the listener was told of */
+    size_t mistake_count;
+    bool ended;     /* a limit was passed: whoever wants all mistakes has to do with these */
+    bool misplaced; /* the body that was read last: where it stands is not known */
+    const char *warned[BUILDER_WARNINGS_MAX];
+    size_t warned_count;
+};
+
+/** Prints one warning about a word, the first time that it comes. */
+void builder_warn(struct builder *b, const struct worldfile_place *at, const char *word,
+                  const char *what);
+
+/**
+ * Warns of the properties that a model of this kind has and muster does not know.
+ *
+ * For a listener, one that looks like a slip of the hand is a mistake.
+ */
+void builder_warn_unknown(struct builder *b, const struct worldfile_entity *entity,
+                          enum builder_kind kind);
+
+/** Fills a fault at a place of the file.  @return MU_FAULT_FILE */
+mu_result builder_fault(struct builder *b, const struct worldfile_place *at, const char *format,
+                        ...) __attribute__((format(printf, 3, 4)));
+
+/** The same for what passes a limit: nothing goes on behind it. */
+mu_result builder_full(struct builder *b, const struct worldfile_place *at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/** Tells the listener, if there is one, of the fault that ended all. */
+void builder_tell_end(struct builder *b);
+
+/** Counts a model.  @return MU_OK, or MU_FAULT_FILE when there are too many or one is too deep */
+MU_MUST_USE mu_result builder_count_model(struct builder *b, const struct worldfile_entity *entity,
+                                          int depth);
+
+/**
+ * Passes a result on; but where a listener wants all mistakes, it is told of this one, and the
+ * work goes on without what was wrong.
+ *
+ * @return MU_OK then, else the result
+ */
+MU_MUST_USE mu_result builder_go_on(struct builder *b, mu_result result);
+
+/**
+ * Warns of a model that Stage knows and muster does not.
+ *
+ * @return MU_OK, or MU_FAULT_FILE when Stage does not know it either
+ */
+MU_MUST_USE mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity);
+
+/**
+ * How many numbers a property has; where it is not given, they stay as they are.
+ *
+ * units: one letter a number, 'l' a length, which becomes metres, 'a' an angle, which becomes
+ * degrees; NULL, or what it is too short for: a plain number
+ */
+struct builder_numbers {
+    const char *key;
+    double *to;
+    size_t min, max;
+    const char *units;
+};
+
+MU_MUST_USE mu_result builder_numbers(struct builder *b, const struct worldfile_entity *entity,
+                                      struct builder_numbers wanted);
+
+/** Reads one number between two limits, both included. */
+MU_MUST_USE mu_result builder_number(struct builder *b, const struct worldfile_entity *entity,
+                                     struct builder_numbers wanted, double min, double max);
+
+/** Reads a whole number from 0 up to a limit. */
+MU_MUST_USE mu_result builder_count(struct builder *b, const struct worldfile_entity *entity,
+                                    const char *key, double max, uint32_t *to);
+
+/** Reads 0 or another number as a truth. */
+MU_MUST_USE mu_result builder_flag(struct builder *b, const struct worldfile_entity *entity,
+                                   const char *key, bool *to);
+
+/** Reads a text into *text; stays as it is where it is not given. */
+MU_MUST_USE mu_result builder_text(struct builder *b, const struct worldfile_entity *entity,
+                                   const char *key, const char **text);
+
+/** Reads Stage's pose [x y z heading_deg], within a frame. */
+MU_MUST_USE mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
+                                   struct world_pose frame, struct world_pose *pose);
+
+/** Reads Stage's size [x y z]; refuses what is not above 0. */
+MU_MUST_USE mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
+                                   double size_m[2]);
+
+/** Checks the sides of what moves. */
+MU_MUST_USE mu_result builder_check_body(struct builder *b, const struct worldfile_entity *entity,
+                                         double length_m, double width_m);
+
+/** @return where a property stands, else where the model stands */
+struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key);
+
+/** @return the pose, given in a frame, in the frame's own frame; heading in (-pi, pi] */
+struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose);
+
+/** @return a pose of the frame's own frame as it is seen from the frame */
+struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose);
+
+/** Visits the models inside a model: first those of what it derives from. */
+MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
+                                       mu_result (*visit)(void *context,
+                                                          const struct worldfile_entity *child),
+                                       void *context);
+
+/** Adds a static shape.  at: whose it is, for the fault when there is no room. */
+MU_MUST_USE mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
+                                        const struct worldfile_place *at);
+
+/** Reads how a model looks: its colour and its returns, with Stage's defaults. */
+MU_MUST_USE mu_result look_read(struct builder *b, const struct worldfile_entity *entity,
+                                struct world_look *look);
+
+/** Reads a colour's name (X11) or "#rrggbb".  @return false when it is neither */
+bool look_color(const char *text, uint32_t *rgb);
+
+/** @return the name of an X11 colour that was meant; NULL: none is near */
+const char *look_color_near(const char *text);
+
+/** Builds what a static model is made of: its box, its blocks, its bitmap, its boundary. */
+MU_MUST_USE mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
+                                  struct world_pose pose);
+
+/** @return whether a model at the top of the file is a thing that can be moved */
+bool object_is(const struct worldfile_entity *entity);
+
+/** Adds a thing that can be moved; without a name of its own it stays nameless. */
+MU_MUST_USE mu_result object_build(struct builder *b, const struct worldfile_entity *entity,
+                                   struct world_pose pose);
+
+/** Reads a robot's body; its name is "" where the file gives none. */
+MU_MUST_USE mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
+                                struct world_pose frame, struct world_robot *robot);
+
+/** Sets what a robot's odometer reads at the start, which may depend on where it stands. */
+MU_MUST_USE mu_result body_read_start(struct builder *b, const struct worldfile_entity *entity,
+                                      struct world_robot *robot);
+
+/** Reads what is mounted on a robot: sensors, gripper, parts. */
+MU_MUST_USE mu_result device_read_all(struct builder *b, const struct worldfile_entity *entity,
+                                      struct world_robot *robot);
+
+/** Puts robots and things at random free places, as each `distribute` of the file says. */
+MU_MUST_USE mu_result distribute_all(struct builder *b);
+
+/** @return whether a robot or a thing bears the name */
+bool world_name_taken(const struct world *world, const char *name);
+
+/** Does the work of world_check_places; listener: may be NULL. */
+MU_MUST_USE mu_result place_check(const struct world *world,
+                                  const struct mu_fault_listener *listener, struct mu_fault *fault);
+
+/** @return the box around a robot's outline and its gripper */
+struct world_shape place_room(const struct world_robot *robot);
+
+#define PLACE_NOBODY SIZE_MAX
+
+/** @return whether nothing that stops bodies overlaps a shape; but for one robot, which may */
+bool place_is_free(const struct world *world, const struct world_shape *shape, size_t robot);
+
+/** Does the work of world_robot_fits. */
+bool place_fits(const struct world *world, size_t robot, double clear_m);
+
+#endif
