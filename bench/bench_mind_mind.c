@@ -3,8 +3,8 @@
  * A robot's mind alone: percepts and a mail in, the library's following rules, a speed out.
  *   bench_mind_mind RULES_FOLDER FILE COUNT    prints microseconds a cycle
  */
-#include "mind/mind.h"
 #include "core/clock.h"
+#include "mind/mind.h"
 #include "muster/limits.h"
 
 #include <stdio.h>

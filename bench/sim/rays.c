@@ -8,8 +8,8 @@
  */
 #include "muster/memory.h"
 #include "sim/engine/engine.h"
-#include "sim/sensors/fan.h"
 #include "sim/geometry/grid.h"
+#include "sim/sensors/fan.h"
 #include "wander.h"
 
 #include <math.h>

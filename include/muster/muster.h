@@ -13,8 +13,8 @@
 #include "muster/limits.h"
 #include "muster/memory.h"
 #include "muster/monitor.h"
-#include "muster/resolver.h"
 #include "muster/refusal.h"
+#include "muster/resolver.h"
 #include "muster/result.h"
 #include "muster/stats.h"
 

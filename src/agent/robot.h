@@ -12,9 +12,9 @@
 
 #include "agent/aside.h"
 #include "agent/checkpoint.h"
-#include "mind/mind.h"
 #include "agent/settings.h"
 #include "agent/trip.h"
+#include "mind/mind.h"
 #include "muster/muster.h"
 #include "runtime/glances.h"
 

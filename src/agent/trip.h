@@ -9,8 +9,8 @@
 #ifndef MUSTER_AGENT_TRIP_H
 #define MUSTER_AGENT_TRIP_H
 
-#include "mind/mind.h"
 #include "core/text.h"
+#include "mind/mind.h"
 #include "muster/muster.h"
 #include "wire.h"
 

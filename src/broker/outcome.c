@@ -11,8 +11,7 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !presence_is_paced(b, sender) &&
-           pacer_holds(&b->pacer, sender, b->clock.now_ns);
+    return bad && !presence_is_paced(b, sender) && pacer_holds(&b->pacer, sender, b->clock.now_ns);
 }
 
 void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,

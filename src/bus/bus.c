@@ -118,9 +118,9 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
     dds_return_t code = DDS_RETCODE_ERROR;
     dds_set_log_sink(log_nothing, NULL);
     int index = 0;
-    for (int i = 0; code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
-                    code != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY &&
-                    (index = index_try(options->place, i)) >= 0;
+    for (int i = 0;
+         code < 0 && code != DDS_RETCODE_PRECONDITION_NOT_MET &&
+         code != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY && (index = index_try(options->place, i)) >= 0;
          i++) {
         code = is_taken(options, index) ? DDS_RETCODE_ERROR : domain_create(options, index);
     }

@@ -41,20 +41,19 @@ struct mu_network {
     }
 
 /* The same for programs whose agents live with a broker. */
-#define MU_JOIN_OPTIONS(network)                                              \
-    MU_NETWORK_OPTIONS(network),                                              \
-    {.name = "broker",                                                        \
-     .kind = MU_OPTION_STRING,                                                \
-     .unit = "NAME",                                                          \
-     .environment = "MUSTER_BROKER",                                          \
-     .help = "broker to begin with (default: the first one of this host, "    \
-             "else of another)",                                              \
-     .target = &(network).broker},                                            \
-    {                                                                         \
-        .name = "wait-broker", .kind = MU_OPTION_REAL, .unit = "S",           \
-        .environment = MU_NETWORK_WAIT,                                       \
-        .help = "wait so long for a broker (default: 2.5)",                   \
-        .target = &(network).wait_broker_s, .min = 0, .max = 1e9              \
+#define MU_JOIN_OPTIONS(network)                                                            \
+    MU_NETWORK_OPTIONS(network),                                                            \
+        {.name = "broker",                                                                  \
+         .kind = MU_OPTION_STRING,                                                          \
+         .unit = "NAME",                                                                    \
+         .environment = "MUSTER_BROKER",                                                    \
+         .help = "broker to begin with (default: the first one of this host, "              \
+                 "else of another)",                                                        \
+         .target = &(network).broker},                                                      \
+    {                                                                                       \
+        .name = "wait-broker", .kind = MU_OPTION_REAL, .unit = "S",                         \
+        .environment = MU_NETWORK_WAIT, .help = "wait so long for a broker (default: 2.5)", \
+        .target = &(network).wait_broker_s, .min = 0, .max = 1e9                            \
     }
 
 /* A run's children are told by it to wait for ever: they end with the run. */

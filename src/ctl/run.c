@@ -145,10 +145,9 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     if (outcome == MU_MAIL_STORED) {
         r->directives_kept += last_seq - first_seq + 1;
     } else if (outcome != MU_MAIL_DELIVERED) {
-        run_undone_note(r, "a command of the observer is not delivered: %s%s",
-                        mu_outcome_text(outcome),
-                        outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all"
-                                                   : "");
+        run_undone_note(
+            r, "a command of the observer is not delivered: %s%s", mu_outcome_text(outcome),
+            outcome == MU_MAIL_REFUSED ? "; the policy needs: allow observer direct all" : "");
         r->command_refused = r->command_refused || outcome == MU_MAIL_REFUSED;
         r->command_unknown = r->command_unknown || outcome == MU_MAIL_UNKNOWN_NAME;
     }

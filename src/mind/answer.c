@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions of one word that deffunctions answer: (ask-one red status) calls (answer-status). */
-#include "mind/functions/send.h"
 #include "mind/engine/value.h"
+#include "mind/functions/send.h"
 
 #include <string.h>
 

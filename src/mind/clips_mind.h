@@ -6,9 +6,9 @@
 #ifndef MUSTER_AGENT_CLIPS_MIND_H
 #define MUSTER_AGENT_CLIPS_MIND_H
 
+#include "core/random.h"
 #include "mind/engine/syntax.h"
 #include "mind/mind.h"
-#include "core/random.h"
 #include "muster/limits.h"
 
 #include <clips.h>

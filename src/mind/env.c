@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
-#include "mind/facts/sensors.h"
-#include "mind/engine/value.h"
 #include "core/name.h"
+#include "mind/engine/value.h"
+#include "mind/facts/sensors.h"
 #include "muster/memory.h"
 
 #include <stdio.h>

@@ -3,8 +3,8 @@
  * Lines that only look, answered between two steps.  A run in which somebody looks is the run in
  * which nobody does: what looking needs is put back as it was.
  */
-#include "mind/engine/value.h"
 #include "core/glance.h"
+#include "mind/engine/value.h"
 
 #include <string.h>
 

@@ -9,11 +9,11 @@
 #ifndef MUSTER_AGENT_MIND_H
 #define MUSTER_AGENT_MIND_H
 
-#include "planner/route.h"
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
 #include "muster/result.h"
+#include "planner/route.h"
 
 #include <stdbool.h>
 #include <stddef.h>

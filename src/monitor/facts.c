@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/facts.h"
 
-#include "mind/engine/syntax.h"
 #include "core/log.h"
+#include "mind/engine/syntax.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -6,8 +6,8 @@
 #ifndef MUSTER_MONITOR_FACTS_H
 #define MUSTER_MONITOR_FACTS_H
 
-#include "mind/mind.h"
 #include "core/text.h"
+#include "mind/mind.h"
 #include "muster/stats.h"
 
 enum { FACTS_TEXT = 2 * MU_CONTENT_MAX + 4096 };

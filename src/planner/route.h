@@ -9,8 +9,8 @@
 #ifndef MUSTER_AGENT_ROUTE_H
 #define MUSTER_AGENT_ROUTE_H
 
-#include "planner/map.h"
 #include "muster/result.h"
+#include "planner/map.h"
 
 enum { ROUTE_POINTS_MAX = 64 };
 
@@ -18,7 +18,7 @@ struct router;
 
 struct route {
     double points_m[ROUTE_POINTS_MAX][2]; /* without the start; the last one is where it ends */
-    size_t count; /* of a way that was found 1 or more */
+    size_t count;                         /* of a way that was found 1 or more */
     size_t looked; /* cells that the search has looked at: what it has cost */
 };
 

@@ -256,8 +256,7 @@ static unsigned expect_follow(const struct report_data *data, unsigned i, size_t
     return e->expect[i].sequence_count;
 }
 
-static void expect_sequence_text(const struct experiment_expectation *expect,
-                                 struct mu_text *text)
+static void expect_sequence_text(const struct experiment_expectation *expect, struct mu_text *text)
 {
     for (unsigned k = 0; k < expect->sequence_count; k++) {
         mu_text_format(text, "%s%s", k ? ", then " : "", expect->sequence[k]);
@@ -287,9 +286,9 @@ static void expect_judge_sequence(const struct report_data *data, unsigned i)
         if (first_s >= expect->from_s - 1e-6) {
             came = expect_follow(data, i, places);
             best = came > best ? came : best;
-            met = came == all && (expect->within_s <= 0 ||
-                                  (double)events->at[places[all - 1]].time_s - first_s <=
-                                      expect->within_s + 1e-6);
+            met = came == all &&
+                  (expect->within_s <= 0 ||
+                   (double)events->at[places[all - 1]].time_s - first_s <= expect->within_s + 1e-6);
         }
         places[0] += !met;
     }

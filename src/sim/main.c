@@ -7,8 +7,8 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "sim/record/runfile.h"
-#include "sim/session/session.h"
 #include "sim/record/snapshot.h"
+#include "sim/session/session.h"
 
 #include <fcntl.h>
 #include <inttypes.h>

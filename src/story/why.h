@@ -13,13 +13,13 @@
 
 /* Where a chain ends. */
 enum why_end {
-    WHY_SENSED = 1,  /* a percept */
-    WHY_MAIL = 2,    /* a mail of somebody without a diary */
-    WHY_LINE = 4,    /* somebody's line */
-    WHY_EVENT = 8,   /* something in the agent's life, such as on-run */
-    WHY_RULES = 16,  /* what the rule file says at the start */
-    WHY_UNKNOWN = 32, /* the diary had no room for it */
-    WHY_INTERVENTION = 64     /* a push, a placement, a sensor that was switched off */
+    WHY_SENSED = 1,       /* a percept */
+    WHY_MAIL = 2,         /* a mail of somebody without a diary */
+    WHY_LINE = 4,         /* somebody's line */
+    WHY_EVENT = 8,        /* something in the agent's life, such as on-run */
+    WHY_RULES = 16,       /* what the rule file says at the start */
+    WHY_UNKNOWN = 32,     /* the diary had no room for it */
+    WHY_INTERVENTION = 64 /* a push, a placement, a sensor that was switched off */
 };
 
 struct why {

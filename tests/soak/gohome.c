@@ -8,8 +8,8 @@
  * end, when a robot without a way does not say so and stand, when a rule errs, or when the body was
  * ever in something that stands.
  */
-#include "mind/mind.h"
 #include "core/random.h"
+#include "mind/mind.h"
 #include "muster/memory.h"
 #include "sim/engine/engine.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Percepts as facts, in the units of the paper: millimetres, mm/s, degrees. */
-#include "mind/functions/motion.h"
-#include "mind/facts/sensors.h"
 #include "mind/engine/value.h"
+#include "mind/facts/sensors.h"
+#include "mind/functions/motion.h"
 
 #include <math.h>
 

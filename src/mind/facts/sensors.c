@@ -2,9 +2,9 @@
 /* Sensors and gripper as functions, and which sensors the rules look at. */
 #include "mind/facts/sensors.h"
 
-#include "mind/functions/table.h"
-#include "mind/functions/motion.h"
 #include "mind/engine/value.h"
+#include "mind/functions/motion.h"
+#include "mind/functions/table.h"
 
 #include <stdio.h>
 #include <string.h>

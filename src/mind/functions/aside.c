@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines that are set aside, as rules and people at a console see them. */
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 void clips_aside_list(void *env, DATA_OBJECT *out)
 {

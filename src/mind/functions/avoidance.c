@@ -4,9 +4,9 @@
  * obstacle avoidance that is arithmetic over the whole ring, each step; what to make of the answer
  * is the matter of rules/avoid.clp.
  */
-#include "mind/functions/table.h"
-#include "mind/functions/motion.h"
 #include "mind/engine/value.h"
+#include "mind/functions/motion.h"
+#include "mind/functions/table.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Groups and the yellow pages, as rules see them. */
-#include "mind/functions/table.h"
-#include "mind/functions/send.h"
-#include "mind/engine/value.h"
 #include "core/attributes.h"
 #include "core/name.h"
+#include "mind/engine/value.h"
+#include "mind/functions/send.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

@@ -3,9 +3,9 @@
  * Handlers of layers, written in rules: deffunctions that see a mail before it becomes a fact. They
  * are known by name, so that a deffunction may be defined anew, or go.
  */
-#include "mind/functions/table.h"
-#include "mind/engine/value.h"
 #include "core/performatives.h"
+#include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

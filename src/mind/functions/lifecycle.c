@@ -3,8 +3,8 @@
  * What a line, or a rule, says of the agent's own life: run, step, suspend, and stopping before a
  * rule.  Nothing changes here; the robot asks what was wished when the line or the step is over.
  */
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

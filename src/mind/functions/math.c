@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Arithmetic of rules: degrees, geometry, random numbers, division that cannot end the process. */
-#include "mind/functions/table.h"
-#include "mind/functions/motion.h"
 #include "mind/engine/value.h"
+#include "mind/functions/motion.h"
+#include "mind/functions/table.h"
 
 #include <limits.h>
 #include <math.h>

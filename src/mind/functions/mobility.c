@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* (moveTo), (clone), (dispose): where a mind is to go when its step is over. */
-#include "mind/functions/table.h"
-#include "mind/engine/value.h"
 #include "core/name.h"
 #include "core/text.h"
+#include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 /* The name that an argument is.  @return false: it is none, and the call has ended in an error */
 static bool name_take(void *env, const char *function, int index, char name[MU_NAME_MAX + 1])

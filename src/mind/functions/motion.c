@@ -2,8 +2,8 @@
 /* The body: what rules sense, and how they drive. */
 #include "mind/functions/motion.h"
 
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* (plan x y): a way over the map of what stands in the world. */
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <math.h>
 

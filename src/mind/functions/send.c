@@ -2,9 +2,9 @@
 /* Mail that rules send. */
 #include "mind/functions/send.h"
 
-#include "mind/functions/table.h"
-#include "mind/engine/value.h"
 #include "core/name.h"
+#include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What rules ask about themselves and the other agents. */
-#include "mind/functions/table.h"
 #include "mind/engine/value.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail with its envelope: (speak), (send-layer). */
-#include "mind/functions/table.h"
-#include "mind/functions/send.h"
-#include "mind/engine/value.h"
 #include "core/performatives.h"
+#include "mind/engine/value.h"
+#include "mind/functions/send.h"
+#include "mind/functions/table.h"
 
 #include <string.h>
 

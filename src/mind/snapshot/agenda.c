@@ -4,9 +4,9 @@
  * asserted in another mind, everything is activated again.  So each activation has a key that is
  * the same in both, and what is not in the list is taken off.
  */
-#include "mind/snapshot/snapshot.h"
-#include "mind/engine/value.h"
 #include "core/hash.h"
+#include "mind/engine/value.h"
+#include "mind/snapshot/snapshot.h"
 
 #include <string.h>
 

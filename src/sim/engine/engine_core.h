@@ -12,15 +12,15 @@
 
 #include "sim/devices/battery.h"
 #include "sim/devices/drive.h"
+#include "sim/devices/gps.h"
+#include "sim/devices/gripper.h"
+#include "sim/devices/odometer.h"
 #include "sim/engine/engine.h"
 #include "sim/engine/fence.h"
-#include "sim/geometry/frame.h"
-#include "sim/devices/gps.h"
-#include "sim/geometry/grid.h"
-#include "sim/devices/gripper.h"
-#include "sim/geometry/narrow.h"
 #include "sim/engine/ode_world.h"
-#include "sim/devices/odometer.h"
+#include "sim/geometry/frame.h"
+#include "sim/geometry/grid.h"
+#include "sim/geometry/narrow.h"
 #include "sim/sensors/senses.h"
 
 enum { ENGINE_NO_BEARER = -1 };

@@ -7,8 +7,8 @@
 #define MUSTER_SIM_CAMERA_H
 
 #include "sim/engine/engine.h"
-#include "sim/sensors/fan.h"
 #include "sim/geometry/frame.h"
+#include "sim/sensors/fan.h"
 
 struct camera {
     struct frame place; /* in the robot's frame */

@@ -8,8 +8,8 @@
 
 #include "sim/engine/engine.h"
 #include "sim/geometry/frame.h"
-#include "sim/sensors/gather.h"
 #include "sim/geometry/grid.h"
+#include "sim/sensors/gather.h"
 
 struct fiducials {
     struct frame place; /* in the robot's frame */

@@ -6,9 +6,9 @@
 #ifndef MUSTER_SIM_SONAR_H
 #define MUSTER_SIM_SONAR_H
 
-#include "sim/sensors/fan.h"
 #include "sim/geometry/frame.h"
 #include "sim/geometry/grid.h"
+#include "sim/sensors/fan.h"
 #include "sim/sensors/noise.h"
 
 struct sonar_ray {

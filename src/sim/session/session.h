@@ -12,12 +12,12 @@
 #include "bus/bus.h"
 #include "core/table.h"
 #include "sim/engine/engine.h"
-#include "sim/session/guests.h"
 #include "sim/record/orders.h"
 #include "sim/record/recorder.h"
 #include "sim/record/runhash.h"
-#include "sim/session/script.h"
 #include "sim/record/view.h"
+#include "sim/session/guests.h"
+#include "sim/session/script.h"
 #include "wire.h"
 
 #include <signal.h>

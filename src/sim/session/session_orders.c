@@ -3,8 +3,8 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/text.h"
-#include "sim/session/session.h"
 #include "sim/record/snapshot.h"
+#include "sim/session/session.h"
 
 #include <errno.h>
 #include <stdio.h>

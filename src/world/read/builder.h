@@ -7,8 +7,8 @@
 #ifndef MUSTER_WORLD_BUILDER_H
 #define MUSTER_WORLD_BUILDER_H
 
-#include "world/world.h"
 #include "world/parse/worldfile.h"
+#include "world/world.h"
 
 enum {
     BUILDER_SHAPES_MAX = 65536,

@@ -28,8 +28,8 @@
  * as a robot's rule file, then its comments are done in order. Output that no expect: names is a
  * failure.
  */
-#include "mind/mind.h"
 #include "core/attributes.h"
+#include "mind/mind.h"
 #include "muster/limits.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/beacons.h"
 #include "samples.h"
 #include "suite.h"
-#include "broker/beacons.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes of groups and services in another agent's name. */
-#include "pages_story.h"
 #include "broker/parts.h"
+#include "pages_story.h"
 
 static void team(void)
 {

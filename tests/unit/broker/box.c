@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Boxes: priorities, limits and what happens at them, fair shares, time to live. */
-#include "broker_story.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 static uint64_t seqs[26]; /* of each agent, by its first letter */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker_story.h"
 #include "broker/changes.h"
+#include "broker_story.h"
 #include "core/random.h"
 
 enum { LINES = 40 };

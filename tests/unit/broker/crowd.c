@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Processes with many agents: parts, slots, and what one Delivery holds. */
-#include "broker_story.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 enum { CROWD = 10000 };
 

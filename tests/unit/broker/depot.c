@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker_story.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 #define S 1000000000ull
 

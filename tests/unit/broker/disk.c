@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The store itself: a file in a temporary folder, written by one broker and read by the next. */
-#include "broker_story.h"
-#include "capture.h"
 #include "broker/disk.h"
 #include "broker/parts.h"
+#include "broker_story.h"
+#include "capture.h"
 
 #include <dirent.h>
 #include <sys/stat.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that pours into one process, while others exchange a mail now and then. */
-#include "broker_story.h"
 #include "broker/floods.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 static uint64_t red_seq, blue_seq, green_seq;
 

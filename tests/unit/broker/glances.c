@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines that only look pass beside all mail: outside of steps, and with the policy's leave. */
-#include "broker_story.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 /* An Up of a process with a glance in it. */
 static void say(const char *process, muster_GlanceWord word, const char *asker, uint64_t number,

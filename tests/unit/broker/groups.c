@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/parts.h"
 #include "garble.h"
 #include "pages_story.h"
-#include "broker/parts.h"
 
 static void team(void)
 {

@@ -8,8 +8,8 @@
  * Each history is a process of its own, so that one that trips an assertion is one that failed.
  */
 #include "history/history.h"
-#include "suite.h"
 #include "core/clock.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <signal.h>

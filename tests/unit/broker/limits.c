@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker_story.h"
 #include "broker/parts.h"
+#include "broker_story.h"
 
 static char largest[MU_CONTENT_MAX + 1];
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a broker has from another one, and what it tells it: a neighbour that says what a test
  * makes it say, and a disk. */
+#include "broker/liaison.h"
 #include "disk_story.h"
 #include "lockstep_story.h"
-#include "broker/liaison.h"
 
 static uint64_t life = 3; /* of beta, that is heard */
 

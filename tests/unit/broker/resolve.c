@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Addresses that an agent resolves: who is asked, who waits, what an answer may be. */
-#include "pages_story.h"
-#include "broker/counters.h"
 #include "broker/resolve.h"
+#include "broker/counters.h"
+#include "pages_story.h"
 
 #define SECOND (1000 * MS)
 

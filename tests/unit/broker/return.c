@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Names and processes that come back: after a move, after a lock step, from another broker, and in
  * the same place. */
+#include "broker/parts.h"
 #include "lockstep_story.h"
 #include "pages_story.h"
-#include "broker/parts.h"
 
 /* --- after a move ----------------------------------------------------------------------------- */
 

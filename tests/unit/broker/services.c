@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "pages_story.h"
 #include "broker/parts.h"
+#include "pages_story.h"
 
 static void team(void)
 {

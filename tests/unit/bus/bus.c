@@ -3,12 +3,12 @@
  * The network, on loopback: readers and writers of one participant, and another process that holds
  * the simulator's place.
  */
-#include "hush.h"
-#include "samples.h"
-#include "suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
+#include "hush.h"
 #include "muster/limits.h"
+#include "samples.h"
+#include "suite.h"
 #include "wire.h"
 
 #include <arpa/inet.h>

@@ -3,11 +3,11 @@
  * The border, topic by topic: a whole sample passes, and each of its fields is spoilt once in every
  * way that its kind knows.
  */
-#include "suite.h"
-#include "bus/bus.h"
 #include "bus/check.h"
+#include "bus/bus.h"
 #include "bus/topics.h"
 #include "muster/limits.h"
+#include "suite.h"
 #include "wire.h"
 
 #include <CUnit/Basic.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
 #include "bus/config.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

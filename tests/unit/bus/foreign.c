@@ -3,8 +3,6 @@
  * Types that we were not compiled with, for this test some of ours under other names: a type as
  * bytes is a topic again, damaged bytes are none, and readers find what they ask for.
  */
-#include "samples.h"
-#include "suite.h"
 #include "bus/feed.h"
 #include "bus/offer.h"
 #include "bus/tap.h"
@@ -12,6 +10,8 @@
 #include "bus/type_bytes.h"
 #include "core/clock.h"
 #include "core/random.h"
+#include "samples.h"
+#include "suite.h"
 #include "wire.h"
 
 #include <stdlib.h>

@@ -3,9 +3,9 @@
  * Who waits lends its turn to the thread that brings a sample.  Here that is a second thread of the
  * test, which writes: DDS hands a sample to the readers of its own process where it was written.
  */
+#include "bus/bus.h"
 #include "samples.h"
 #include "suite.h"
-#include "bus/bus.h"
 #include "wire.h"
 
 #include <CUnit/Basic.h>

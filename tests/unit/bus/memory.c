@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What others leave behind: a thousand writers' instances come and go, and a reader's memory stays
  * what it was. */
-#include "suite.h"
 #include "bus/bus.h"
 #include "core/clock.h"
+#include "suite.h"
 #include "wire.h"
 
 #include <CUnit/Basic.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Types as text: what recordings say of our topics, and of types that cannot be said. */
-#include "suite.h"
-#include "bus/bus.h"
 #include "bus/schema.h"
+#include "bus/bus.h"
+#include "suite.h"
 #include "wire.h"
 
 static char name_bytes[256], text_bytes[16384];

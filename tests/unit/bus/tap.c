@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Samples as bytes, on loopback: what a feed writes, a tap hears; what is no sample is refused. */
-#include "samples.h"
-#include "suite.h"
-#include "bus/feed.h"
 #include "bus/tap.h"
+#include "bus/feed.h"
 #include "core/clock.h"
 #include "core/random.h"
+#include "samples.h"
+#include "suite.h"
 #include "wire.h"
 
 #include <dds/dds.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/attributes.h"
 #include "garble.h"
 #include "suite.h"
-#include "core/attributes.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How things end and what is said about it: exit codes, words for results, faults, log, memory. */
-#include "capture.h"
-#include "suite.h"
-#include "core/clock.h"
 #include "core/exits.h"
+#include "capture.h"
+#include "core/clock.h"
 #include "core/fault.h"
 #include "core/log.h"
 #include "muster/memory.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <signal.h>
@@ -21,10 +21,10 @@ static void test_every_result_has_its_exit_code(void)
         mu_result result;
         int code;
     } table[] = {
-        {MU_OK, 0},         {MU_DONE, 0},      {MU_FAULT_USAGE, 2}, {MU_FAULT_FILE, 3},
+        {MU_OK, 0},         {MU_DONE, 0},       {MU_FAULT_USAGE, 2}, {MU_FAULT_FILE, 3},
         {MU_MALFORMED, 3},  {MU_FAULT_DDS, 11}, {MU_BUSY, 4},        {MU_TIMEOUT, 4},
-        {MU_NAME_HELD, 4},  {MU_REFUSED, 6},   {MU_ABSENT, 7},      {MU_EXISTS, 8},
-        {MU_FULL, 8},       {MU_DUPLICATE, 8}, {MU_FAULT_OS, 9},    {(mu_result)-99, 5},
+        {MU_NAME_HELD, 4},  {MU_REFUSED, 6},    {MU_ABSENT, 7},      {MU_EXISTS, 8},
+        {MU_FULL, 8},       {MU_DUPLICATE, 8},  {MU_FAULT_OS, 9},    {(mu_result)-99, 5},
         {(mu_result)99, 5},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {

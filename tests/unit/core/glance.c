@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which lines only look: by their first word, and with nothing but literals behind it. */
-#include "suite.h"
 #include "core/glance.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

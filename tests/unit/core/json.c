@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
 #include "core/json.h"
 #include "core/utf8.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <float.h>

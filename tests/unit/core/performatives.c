@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The words of KQML and FIPA: each is found, nothing else is, and the answers are marked. */
-#include "suite.h"
 #include "core/performatives.h"
 #include "muster/kind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
-#include "core/random.h"
 #include "core/sort.h"
+#include "core/random.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which known word somebody may have meant. */
-#include "suite.h"
 #include "core/spell.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
-#include "core/random.h"
 #include "core/text.h"
+#include "core/random.h"
 #include "core/utf8.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

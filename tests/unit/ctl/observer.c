@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the observer's console makes of a line. */
-#include "suite.h"
 #include "ctl/observer.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

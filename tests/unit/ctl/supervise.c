@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Real children, all of them /bin/sh: an absolute path stands for itself. */
-#include "capture.h"
-#include "suite.h"
-#include "core/clock.h"
 #include "ctl/supervise.h"
+#include "capture.h"
+#include "core/clock.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <signal.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What `muster top` shows: order, columns, names that would do harm to a terminal. */
-#include "suite.h"
 #include "ctl/top_table.h"
 #include "muster/memory.h"
+#include "suite.h"
 
 #include <ctype.h>
 #include <CUnit/Basic.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What people type: words, receivers, envelopes. */
-#include "suite.h"
+#include "ctl/words.h"
 #include "ctl/envelope.h"
 #include "ctl/receivers.h"
-#include "ctl/words.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

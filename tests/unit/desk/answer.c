@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
 #include "desk/answer.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 

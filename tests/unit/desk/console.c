@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a console makes of what is typed: forms, and words that are completed. */
-#include "suite.h"
 #include "desk/complete.h"
 #include "desk/forms.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

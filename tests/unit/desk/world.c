@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Orders to the world, in words. */
-#include "suite.h"
 #include "desk/world_words.h"
 #include "muster/agent.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -3,13 +3,13 @@
  * Who comes to a host, without a network: the process is put together in memory, and nobody gives
  * names away, so that each who is taken in waits for its name.
  */
-#include "samples.h"
-#include "suite.h"
-#include "mind/clips_mind.h"
 #include "core/log.h"
 #include "host/host.h"
+#include "mind/clips_mind.h"
 #include "runtime/process.h"
 #include "runtime/trips.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <dirent.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Recordings: what is written is read again, whatever becomes of the file in between. */
 #include "capture.h"
-#include "suite.h"
 #include "mcap/mcap_read.h"
 #include "mcap/mcap_write.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -492,8 +492,7 @@ static void test_attached_from_the_disk(void)
     static char text[1 << 16];
     write_begin();
     CU_ASSERT_EQUAL(mcap_writer_attach_file(w, "x", "text/plain", "/nowhere"), MU_ABSENT);
-    CU_ASSERT_EQUAL(mcap_writer_attach_file(w, "me", "text/x-c", "tests/unit/mcap/file.c"),
-                    MU_OK);
+    CU_ASSERT_EQUAL(mcap_writer_attach_file(w, "me", "text/x-c", "tests/unit/mcap/file.c"), MU_OK);
     write_end();
     read_begin(path);
     uint32_t index = mcap_reader_attachment_find(r, "me");

@@ -7,10 +7,10 @@
  * times as MUSTER_ROUNDS says.  Half of the wounds have their checksums mended, so that they get
  * behind them.
  */
-#include "suite.h"
-#include "wound.h"
 #include "mcap/mcap_read.h"
 #include "mcap/mcap_write.h"
+#include "suite.h"
+#include "wound.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Recordings whose summary leaves something out, or does not say what their chunks say. */
-#include "suite.h"
-#include "wound.h"
 #include "mcap/mcap_format.h"
 #include "mcap/mcap_read.h"
 #include "mcap/mcap_write.h"
+#include "suite.h"
+#include "wound.h"
 
 #include <stdlib.h>
 #include <sys/stat.h>

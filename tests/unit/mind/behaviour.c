@@ -3,9 +3,9 @@
  * The library's behaviours in a closed loop: four minds drive discs on wheels on a walled floor
  * with boxes and pillars.  No physics: a move into something does not happen, and stalls the robot.
  */
-#include "suite.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Minds that want more memory or time than they may have: they are gone, and what they had is given
  * back. */
-#include "suite.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
@@ -145,10 +145,9 @@ static void test_a_broken_mind_answers_that_it_is(void)
 }
 
 /* A fact completes 10^10 matches, and the engine looks at nothing else before it has tried them. */
-static const char tries[] =
-    "(defrule tries (go) (m ?a) (m ?b) (m ?c) (m ?d) (m ?e)"
-    " (test (> (+ ?a ?b ?c ?d ?e) 1000000)) =>)"
-    "(loop-for-count (?i 100) (assert (m ?i))) (assert (go))";
+static const char tries[] = "(defrule tries (go) (m ?a) (m ?b) (m ?c) (m ?d) (m ?e)"
+                            " (test (> (+ ?a ?b ?c ?d ?e) 1000000)) =>)"
+                            "(loop-for-count (?i 100) (assert (m ?i))) (assert (go))";
 
 static void test_what_goes_on_when_it_is_stopped_is_left(void)
 {
@@ -163,10 +162,9 @@ static void test_what_goes_on_when_it_is_stopped_is_left(void)
 }
 
 /* The same, of patterns in which there is nothing to count. */
-static const char compares[] =
-    "(defrule compares (m 1 ?x) (m ?k ?y) (m ? ?z) (n ?n&~?k ?) =>)"
-    "(loop-for-count (?i 30000) (assert (n 1 ?i)))"
-    "(loop-for-count (?i 100) (assert (m 1 ?i)))";
+static const char compares[] = "(defrule compares (m 1 ?x) (m ?k ?y) (m ? ?z) (n ?n&~?k ?) =>)"
+                               "(loop-for-count (?i 30000) (assert (n 1 ?i)))"
+                               "(loop-for-count (?i 100) (assert (m 1 ?i)))";
 
 static unsigned stuck_ms;
 

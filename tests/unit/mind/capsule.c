@@ -3,11 +3,11 @@
  * A mind that is written down and made again goes on as the one that was not: the same rules in the
  * same order, the same mail, and at the end the same capsule.
  */
-#include "suite.h"
-#include "mind/mind.h"
 #include "core/random.h"
+#include "mind/mind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

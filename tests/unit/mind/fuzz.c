@@ -4,8 +4,8 @@
  * damaged rules: whatever they do, the mind answers the next line, or says that its rules are gone.
  * MUSTER_SEED and MUSTER_ROUNDS choose others and more: make soak-minds.
  */
-#include "mind/mind.h"
 #include "garble.h"
+#include "mind/mind.h"
 #include "muster/limits.h"
 #include "suite.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The text that minds are fed, damaged: the readers of clips_text.c end, and stay inside it. */
 #include "garble.h"
-#include "suite.h"
 #include "mind/engine/syntax.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <float.h>

@@ -3,11 +3,11 @@
  * A mind that is looked at all the time and one that is not: the same rules in the same order, the
  * same mail and diary, what is watched is shown alike, and at the end the same capsule.
  */
-#include "suite.h"
-#include "mind/mind.h"
 #include "core/glance.h"
 #include "core/random.h"
+#include "mind/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

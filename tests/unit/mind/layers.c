@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Handlers of layers, events and refusals from C: their limits, and what a robot has without them.
  */
-#include "suite.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The mind from C: its limits, its globals, and the fragment of rules that the paper publishes. */
-#include "suite.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

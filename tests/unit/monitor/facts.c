@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a monitor's mind is told: units, words that are no symbols, and a real mind that reads it.
  */
-#include "suite.h"
-#include "mind/mind.h"
-#include "core/paths.h"
 #include "monitor/facts.h"
+#include "core/paths.h"
+#include "mind/mind.h"
 #include "muster/memory.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <limits.h>

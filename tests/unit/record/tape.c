@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a tape makes of what taps hear: channels by topic, partitions and quality of service, what
  * has gone beside them; and what is too long leaves no channel. */
-#include "samples.h"
-#include "suite.h"
+#include "record/tape.h"
 #include "bus/feed.h"
 #include "bus/topics.h"
 #include "core/clock.h"
 #include "mcap/mcap_read.h"
-#include "record/tape.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <unistd.h>

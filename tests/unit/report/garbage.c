@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Experiments, overrides and records that are damaged: refused with their place, or read. */
-#include "garble.h"
-#include "suite.h"
 #include "experiment/experiment.h"
+#include "garble.h"
 #include "report/compare.h"
 #include "report/report_data.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "suite.h"
 #include "report/interval.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An answer to a step is written down in one life of a process, and said again in the next. */
+#include "runtime/answer.h"
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "runtime/answer.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Robots that the world has no body for live through the steps of their process, too. */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/choice.h"
 #include "samples.h"
 #include "suite.h"
-#include "runtime/choice.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

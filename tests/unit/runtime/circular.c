@@ -3,10 +3,10 @@
  * A process that does not look for a while, and what of mail to many it finds then.  This test is
  * its broker: the writers share the participant of the process under test.
  */
-#include "samples.h"
-#include "suite.h"
 #include "core/clock.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

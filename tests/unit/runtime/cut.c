@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that the network had lost for a while, and that is accepted again. */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -4,11 +4,11 @@
  * and what agents send lies in their outboxes.
  */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/random.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

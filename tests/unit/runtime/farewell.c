@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Agents that leave, and others that have their names or their places after them. */
 #include "capture.h"
+#include "runtime/process.h"
 #include "samples.h"
 #include "suite.h"
-#include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -5,14 +5,14 @@
  * to a watch of a program.  From another seed where MUSTER_SEED names one, and so many times as
  * MUSTER_ROUNDS says: make soak-strangers.
  */
-#include "rich.h"
-#include "suite.h"
-#include "wound.h"
 #include "bus/feed.h"
 #include "muster/monitor.h"
 #include "muster/stats.h"
+#include "rich.h"
 #include "runtime/process.h"
 #include "runtime/watch.h"
+#include "suite.h"
+#include "wound.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -3,9 +3,9 @@
  * Questions that only look, as their asker's process keeps them, without a network: which are out,
  * and what becomes of them when somebody leaves or a broker goes.
  */
+#include "runtime/process.h"
 #include "samples.h"
 #include "suite.h"
-#include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -4,11 +4,11 @@
  * share the participant of the process under test, so that what is written has come.
  */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/random.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <poll.h>

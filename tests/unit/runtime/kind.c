@@ -4,9 +4,9 @@
  * network.  What happens is one line of text, and answers are read from the outbox.
  */
 #include "capture.h"
-#include "suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <signal.h>

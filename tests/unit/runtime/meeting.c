@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How a watch meets a simulator and misses it: its writers become known one after the other. */
-#include "rich.h"
-#include "suite.h"
 #include "bus/bus.h"
+#include "rich.h"
 #include "runtime/process.h"
 #include "runtime/watch.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

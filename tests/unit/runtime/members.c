@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "runtime/members.h"
+#include "core/random.h"
 #include "samples.h"
 #include "suite.h"
-#include "core/random.h"
-#include "runtime/members.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a program may get wrong with the library: refused by name, and nothing else happens. */
 #include "hush.h"
-#include "suite.h"
 #include "muster/muster.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <limits.h>

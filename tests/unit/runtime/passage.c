@@ -4,9 +4,9 @@
  * far it had come, when it may go, and what it leaves; and what it says of itself meanwhile.
  */
 #include "capture.h"
+#include "runtime/process.h"
 #include "samples.h"
 #include "suite.h"
-#include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

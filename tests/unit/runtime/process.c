@@ -3,11 +3,11 @@
  * A process on a real network, loopback alone.  This test is the broker and the simulator: its
  * readers and writers share the participant of the process under test.
  */
-#include "samples.h"
-#include "suite.h"
+#include "runtime/process.h"
 #include "core/clock.h"
 #include "core/text.h"
-#include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <signal.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An agent that resolves addresses, and a process that watches, without a network. */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <string.h>
 

@@ -4,9 +4,9 @@
  * all of them are.
  */
 #include "capture.h"
+#include "runtime/process.h"
 #include "samples.h"
 #include "suite.h"
-#include "runtime/process.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -4,8 +4,8 @@
  * gripper is to do; without a network.
  */
 #include "capture.h"
-#include "suite.h"
 #include "runtime/process.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

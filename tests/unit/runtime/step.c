@@ -4,10 +4,10 @@
  * memory, its writers are not open, and what handlers hear is one line of text.
  */
 #include "capture.h"
-#include "samples.h"
-#include "suite.h"
 #include "core/text.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

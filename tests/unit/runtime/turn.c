@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A process that turns from one life of its broker to the next, or from one lock step, with the
  * samples of both unread: this test is the others, in the participant of the process. */
-#include "samples.h"
-#include "suite.h"
 #include "core/clock.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a stranger's program sees of samples: all that is there, and never more than there is room
  * for. */
-#include "suite.h"
-#include "muster/memory.h"
 #include "runtime/watch.h"
+#include "muster/memory.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

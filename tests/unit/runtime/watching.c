@@ -3,11 +3,11 @@
  * A watch and a run that comes, goes on and ends, on loopback: the simulator's writers belong to
  * the watch's own process.
  */
-#include "samples.h"
-#include "suite.h"
 #include "core/clock.h"
 #include "muster/monitor.h"
 #include "runtime/process.h"
+#include "samples.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <poll.h>

@@ -5,9 +5,9 @@
  * MUSTER_WORLDS: how many, instead of 24.
  */
 #include "capture.h"
+#include "core/random.h"
 #include "physics.h"
 #include "suite.h"
-#include "core/random.h"
 
 #define HALF_M 2.5
 

@@ -4,8 +4,8 @@
  * MUSTER_SECONDS make the last one larger (make soak-crush).
  */
 #include "physics.h"
-#include "suite.h"
 #include "sim/geometry/narrow.h"
+#include "suite.h"
 
 #define OVERLAP_MAX_M 0.010
 #define ROOM_M2       1.6 /* for each robot, so that it takes a while until they meet */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Noise: its distribution, and that its streams know nothing of one another. */
-#include "suite.h"
 #include "sim/geometry/draw.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Driving, pushing, stalling and seeing, in worlds small enough to compute by hand. */
+#include "sim/engine/engine.h"
 #include "physics.h"
 #include "suite.h"
-#include "sim/engine/engine.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

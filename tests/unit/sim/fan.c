@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Fans of beams against single rays and against looking at everything; the vector units against
  * one another; what a collection must not miss. */
-#include "suite.h"
+#include "sim/sensors/fan.h"
 #include "core/hash.h"
 #include "core/random.h"
-#include "sim/sensors/fan.h"
 #include "sim/geometry/grid.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which worlds have an outside, and where it begins. */
-#include "suite.h"
 #include "sim/engine/fence.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

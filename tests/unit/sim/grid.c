@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays and neighbours through the grid, against looking at everything. */
-#include "suite.h"
-#include "core/random.h"
 #include "sim/geometry/grid.h"
+#include "core/random.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Agents without a body that begin, move and end while a run goes on. */
-#include "suite.h"
 #include "sim/session/guests.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

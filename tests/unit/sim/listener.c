@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* For whom a Frame is made: nobody, a listener in the process, readers of the latest, of every. */
+#include "core/clock.h"
 #include "physics.h"
 #include "samples.h"
-#include "suite.h"
-#include "core/clock.h"
 #include "sim/session/session.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts: hand-computed ones, and thousands of any pairs against libccd. */
-#include "suite.h"
-#include "core/random.h"
 #include "sim/geometry/narrow.h"
+#include "core/random.h"
+#include "suite.h"
 
 #include <ccd/ccd.h>
 #include <ccd/vec3.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Who is listed as near whom, against a look at everybody. */
 #include "physics.h"
-#include "suite.h"
 #include "sim/engine/engine_core.h"
+#include "suite.h"
 
 enum { HEAP = 100 };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes from outside wait in one order, whatever the one of their arrival, and only so many. */
-#include "suite.h"
 #include "sim/record/orders.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Threads that share a job: each piece is done once, whoever comes late. */
-#include "suite.h"
 #include "sim/sensors/pool.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdatomic.h>

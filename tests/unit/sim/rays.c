@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A million rays through the grid, against ODE's own, which know nothing of grids. */
-#include "suite.h"
 #include "core/random.h"
 #include "sim/geometry/grid.h"
+#include "suite.h"
 
 #include <math.h>
 #include <ode/ode.h>

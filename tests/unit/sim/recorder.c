@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/record/recorder.h"
 #include "capture.h"
 #include "suite.h"
-#include "sim/record/recorder.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a run's recording says of how the run was made; the run itself is in tests/system. */
-#include "capture.h"
-#include "suite.h"
-#include "mcap/mcap_read.h"
 #include "sim/record/runfile.h"
+#include "capture.h"
+#include "mcap/mcap_read.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "sim/record/runhash.h"
 #include "samples.h"
 #include "suite.h"
-#include "sim/record/runhash.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sonar cones, laser, camera and fiducial finder in scenes small enough to compute by hand; what is
  * read when; noise; threads. */
-#include "suite.h"
 #include "sim/sensors/senses.h"
+#include "suite.h"
 
 #include "core/hash.h"
 #include "core/random.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Robots drive in worlds that were not made for this test: muster's own, and Stage's. */
 #include "garble.h"
-#include "suite.h"
 #include "sim/engine/engine.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <glob.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Two Frames are equal until any value of one is another. */
-#include "suite.h"
 #include "story/differ.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A recorded run read back: its steps, its minds, and when its robots were stalled. */
-#include "suite.h"
 #include "bus/bus.h"
 #include "core/text.h"
 #include "mcap/mcap_write.h"
 #include "story/differ.h"
 #include "story/stalls.h"
+#include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scenes, frames and runs as the page reads them, with names from hell. */
+#include "muster/memory.h"
 #include "samples.h"
 #include "suite.h"
-#include "muster/memory.h"
 #include "web/beams.h"
 #include "web/frame_json.h"
 #include "web/mind_json.h"

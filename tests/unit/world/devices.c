@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What stands on robots and how things look: sensors, grippers, batteries, colours, units. */
 #include "suite.h"
-#include "world_text.h"
 #include "world/read/builder.h"
+#include "world_text.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The grammar of world files: what is read, what is refused and where, and that garbage ends. */
+#include "core/random.h"
 #include "hush.h"
 #include "suite.h"
-#include "core/random.h"
 #include "world/parse/worldfile.h"
 
 #include <CUnit/Basic.h>

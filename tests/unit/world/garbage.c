@@ -5,11 +5,11 @@
  * The files of tests/corpus/world are wounded at random, from another seed where MUSTER_SEED names
  * one, and so many times as MUSTER_ROUNDS says.
  */
+#include "core/hash.h"
 #include "garble.h"
 #include "suite.h"
-#include "world_text.h"
-#include "core/hash.h"
 #include "world/read/builder.h"
+#include "world_text.h"
 
 #include <glob.h>
 #include <math.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
 #include "suite.h"
-#include "world_text.h"
-#include "world/world.h"
 #include "world/parse/worldfile.h"
+#include "world/world.h"
+#include "world_text.h"
 
 #include <CUnit/Basic.h>
 #include <fcntl.h>

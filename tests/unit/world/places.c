@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where robots and things may stand, and random places. */
 #include "suite.h"
-#include "world_text.h"
 #include "world/read/builder.h"
+#include "world_text.h"
 
 #include <glob.h>
 #include <math.h>
