@@ -3,7 +3,7 @@
  * @file gripper.h
  * Two paddles at the front of a robot: how they move, and where they are.
  *
- * Which thing they take and whether there is room is the engine's to say (engine_grip.c).
+ * Which thing they take and whether there is room is the engine's to say (engine/grip.c).
  */
 #ifndef MUSTER_SIM_GRIPPER_H
 #define MUSTER_SIM_GRIPPER_H

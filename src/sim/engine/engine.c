@@ -45,16 +45,16 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     engine_start_neighbours(e);
 }
 
-static void engine_build_fence(struct engine *e)
+static void engine_build_bounds(struct engine *e)
 {
     double gap_m = INFINITY; /* what is narrower lets no body through */
     for (size_t b = 0; b < e->body_count; b++) {
         size_t part = b < e->robot_count ? b : engine_object_part(e, b - e->robot_count);
         gap_m = fmin(gap_m, 2 * fmin(e->outlines[part].half_x, e->outlines[part].half_y));
     }
-    fence_measure(&e->fence, e->shapes, e->world->shape_count, isfinite(gap_m) ? gap_m : 0);
+    bounds_measure(&e->bounds, e->shapes, e->world->shape_count, isfinite(gap_m) ? gap_m : 0);
     for (size_t b = 0; b < e->body_count; b++) {
-        fence_include(&e->fence, e->bodies[b].motion.x, e->bodies[b].motion.y);
+        bounds_include(&e->bounds, e->bodies[b].motion.x, e->bodies[b].motion.y);
     }
 }
 
@@ -75,10 +75,14 @@ struct engine *engine_open(const struct world *world, const struct engine_option
     }
     ode_world_open(e->body_count);
     engine_add_bodies(e);
+    for (size_t b = 0; b < e->body_count; b++) {
+        engine_follow(e, b);
+        e->bodies[b].last_good = e->bodies[b].motion;
+    }
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_start_devices(e, i);
     }
-    engine_build_fence(e);
+    engine_build_bounds(e);
     grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
     e->senses = senses_open(&(struct senses_scene){.world = world,
                                                    .grid = &e->grid,
@@ -187,14 +191,6 @@ void engine_step(struct engine *e)
         gps_walk(&e->robots[i].gps, &now);
     }
     engine_feel_grippers(e);
-}
-
-void engine_fresh_grid(struct engine *e)
-{
-    if (e->grid_is_old) {
-        grid_update(&e->grid);
-        e->grid_is_old = false;
-    }
 }
 
 /* --- what comes out --------------------------------------------------------------------------- */

@@ -15,8 +15,8 @@
 #include "sim/devices/gps.h"
 #include "sim/devices/gripper.h"
 #include "sim/devices/odometer.h"
+#include "sim/engine/bounds.h"
 #include "sim/engine/engine.h"
-#include "sim/engine/fence.h"
 #include "sim/engine/ode_world.h"
 #include "sim/geometry/frame.h"
 #include "sim/geometry/grid.h"
@@ -116,7 +116,7 @@ struct engine {
     struct engine_pair *pairs; /* that are near each other in this substep */
     size_t pair_count, pairs_max;
     size_t awake_end; /* no object from this part on is awake */
-    struct fence fence;
+    struct bounds bounds;
     struct grid grid;
     bool grid_is_old; /* something has moved since it was built */
     struct engine_neighbours neighbours;
@@ -126,36 +126,30 @@ struct engine {
     char reason[160];                /* of the last refusal */
 };
 
-/* engine.c: */
-
-/** Lays the grid anew if something has moved: before each look at it. */
-void engine_fresh_grid(struct engine *e);
-
-/* engine_bodies.c: */
+/* bodies.c: */
 
 /** Adds the bodies of all robots and objects, in that order. */
 void engine_add_bodies(struct engine *e);
 
-/** Takes over where a body is now, and moves its parts there. */
-void engine_follow(struct engine *e, size_t body);
+/** Starts a robot's devices as the file has them. */
+void engine_start_devices(struct engine *e, size_t robot);
 
-/** Pushes what is pushed from outside, and lets the floor rub on the objects. */
-void engine_load_forces(struct engine *e);
-
-/** Finds all contacts of this substep, in a fixed order. */
-void engine_collide(struct engine *e);
-
-/** Takes over where the bodies are after a substep. */
-void engine_settle(struct engine *e);
-
-/** Puts a body somewhere, at rest. */
-void engine_put(struct engine *e, size_t body, struct world_pose pose);
+/** Takes over where a body is now, and moves its own part there; what it carries stays. */
+void bodies_follow(struct engine *e, size_t body);
 
 /** @return the number of an object's part */
 size_t engine_object_part(const struct engine *e, size_t object);
 
 /** @return where a body is in the plane, as its own frame */
 struct gripper_frame engine_frame(const struct engine *e, size_t body);
+
+/** @return whether a body is a thing that a robot holds */
+bool engine_is_held(const struct engine *e, size_t body);
+
+/* space.c: */
+
+/** Lays the grid anew if something has moved: before each look at it. */
+void engine_fresh_grid(struct engine *e);
 
 /**
  * Looks for what would stop a solid that belongs to a body.
@@ -166,7 +160,7 @@ struct gripper_frame engine_frame(const struct engine *e, size_t body);
 const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
                             double tolerance_m);
 
-/* engine_near.c: */
+/* neighbours.c: */
 
 /** Takes memory for the lists. */
 void engine_start_neighbours(struct engine *e);
@@ -185,15 +179,7 @@ const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, 
  *          after a substep */
 bool engine_is_near(const struct engine *e, size_t part, const struct solid *other);
 
-/* engine_apart.c: */
-
-/** Notes a pair that may be deep after the step; beyond pairs_max it is the solver's alone. */
-void engine_note_near(struct engine *e, const struct engine_pair *pair);
-
-/** Moves the pairs that were noted apart, after the solver's step. */
-void engine_draw_apart(struct engine *e);
-
-/* engine_grip.c: */
+/* grip.c: */
 
 /** Moves a robot's gripper for one substep.  @return whether anything moved */
 bool engine_run_gripper(struct engine *e, size_t robot);
@@ -207,26 +193,45 @@ void engine_let_go(struct engine *e, size_t robot);
 /** Takes again what a robot has just let go; neither has moved since. */
 void engine_take_back(struct engine *e, size_t robot, size_t object);
 
-/** @return whether a body is a thing that a robot holds */
-bool engine_is_held(const struct engine *e, size_t body);
-
 /** Takes over, from a snapshot, what a robot's gripper holds. */
 void engine_resume_grip(struct engine *e, size_t robot);
 
 /** Looks what the grippers feel, for the percepts. */
 void engine_feel_grippers(struct engine *e);
 
-/* engine_feel.c: */
+/* motion.c: */
+
+/** Takes over where a body is now, and moves all its parts there. */
+void engine_follow(struct engine *e, size_t body);
+
+/** Puts a body somewhere, at rest. */
+void engine_put(struct engine *e, size_t body, struct world_pose pose);
+
+/** Takes over where the bodies are after a substep. */
+void engine_settle(struct engine *e);
+
+/** Lets the floor rub on an object in the next substep. */
+void engine_rub(struct engine *e, size_t object);
+
+/** Pushes what is pushed from outside, and lets the floor rub on the objects. */
+void engine_load_forces(struct engine *e);
+
+/* contacts.c: */
+
+/** Finds all contacts of this substep, in a fixed order. */
+void engine_collide(struct engine *e);
+
+/* separate.c: */
+
+/** Moves the pairs that were noted apart, after the solver's step. */
+void engine_draw_apart(struct engine *e);
+
+/* percept.c: */
 
 /** Fills in what a robot knows of itself: all but what it sees.  Changes nothing. */
 void engine_feel(const struct engine *e, size_t robot, struct engine_percept *out);
 
-/* engine_change.c: */
-
-/** Starts a robot's devices as the file has them. */
-void engine_start_devices(struct engine *e, size_t robot);
-
-/* engine_guard.c: */
+/* sanity.c: */
 
 /** Puts each body that left the numbers or the world back to where it was, at rest. */
 void engine_guard(struct engine *e);

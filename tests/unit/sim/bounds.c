@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which worlds have an outside, and where it begins. */
-#include "sim/engine/fence.h"
+#include "sim/engine/bounds.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -9,7 +9,7 @@
 
 enum { WALLS = 4 };
 
-static struct fence fence;
+static struct bounds bounds;
 
 /* Four walls around 10 by 6 m; the one on the right ends `gap` short. */
 static uint32_t returns = SOLID_ALL; /* of the wall on the right */
@@ -23,31 +23,31 @@ static void measure(double gap, double body_m, size_t count)
         solid_box((struct world_pose){5.1, -gap / 2, 0}, 0.1, 3 - gap / 2),
     };
     walls[3].returns = returns;
-    fence_measure(&fence, walls, count, body_m);
+    bounds_measure(&bounds, walls, count, body_m);
 }
 
 static void test_four_walls_close_a_world(void)
 {
     measure(0, 0.1, WALLS);
-    CU_ASSERT_TRUE(fence.closed);
-    CU_ASSERT_TRUE(fence_holds(&fence, 5.1, -3.1));
-    CU_ASSERT_FALSE(fence_holds(&fence, 5.21, 0));
-    CU_ASSERT_FALSE(fence_holds(&fence, 0, -3.21));
-    CU_ASSERT_FALSE(fence_holds(&fence, (double)NAN, 0));
-    CU_ASSERT_FALSE(fence_holds(&fence, 0, (double)INFINITY));
+    CU_ASSERT_TRUE(bounds.closed);
+    CU_ASSERT_TRUE(bounds_holds(&bounds, 5.1, -3.1));
+    CU_ASSERT_FALSE(bounds_holds(&bounds, 5.21, 0));
+    CU_ASSERT_FALSE(bounds_holds(&bounds, 0, -3.21));
+    CU_ASSERT_FALSE(bounds_holds(&bounds, (double)NAN, 0));
+    CU_ASSERT_FALSE(bounds_holds(&bounds, 0, (double)INFINITY));
     measure(0.3, 0.38, WALLS); /* no way out for what is wider */
-    CU_ASSERT_TRUE(fence.closed);
+    CU_ASSERT_TRUE(bounds.closed);
 }
 
 static void test_a_way_out_opens_it(void)
 {
     measure(0.5, 0.38, WALLS);
-    CU_ASSERT_FALSE(fence.closed);
-    CU_ASSERT_TRUE(fence_holds(&fence, 900, 900));
-    CU_ASSERT_FALSE(fence_holds(&fence, 1e9, 0));
+    CU_ASSERT_FALSE(bounds.closed);
+    CU_ASSERT_TRUE(bounds_holds(&bounds, 900, 900));
+    CU_ASSERT_FALSE(bounds_holds(&bounds, 1e9, 0));
     for (size_t count = 0; count < WALLS; count++) {
         measure(0, 0.38, count);
-        CU_ASSERT_FALSE(fence.closed && count != 1); /* one wall alone is a box, all full */
+        CU_ASSERT_FALSE(bounds.closed && count != 1); /* one wall alone is a box, all full */
     }
 }
 
@@ -55,19 +55,19 @@ static void test_a_wall_that_stops_nobody_is_a_way_out(void)
 {
     returns = SOLID_ECHOES | SOLID_SHOWS;
     measure(0, 0.1, WALLS);
-    CU_ASSERT_FALSE(fence.closed);
-    CU_ASSERT_TRUE(fence_holds(&fence, 6, 0));
+    CU_ASSERT_FALSE(bounds.closed);
+    CU_ASSERT_TRUE(bounds_holds(&bounds, 6, 0));
     returns = SOLID_ALL;
 }
 
 static void test_who_starts_outside_opens_it(void)
 {
     measure(0, 0.1, WALLS);
-    fence_include(&fence, 4, 2);
-    CU_ASSERT_TRUE(fence.closed);
-    fence_include(&fence, 7, 2);
-    CU_ASSERT_FALSE(fence.closed);
-    CU_ASSERT_TRUE(fence_holds(&fence, 7, 2));
+    bounds_include(&bounds, 4, 2);
+    CU_ASSERT_TRUE(bounds.closed);
+    bounds_include(&bounds, 7, 2);
+    CU_ASSERT_FALSE(bounds.closed);
+    CU_ASSERT_TRUE(bounds_holds(&bounds, 7, 2));
 }
 
 int main(void)
@@ -79,5 +79,5 @@ int main(void)
         {"who starts outside opens it", test_who_starts_outside_opens_it},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("sim/fence", tests);
+    return suite_run("sim/bounds", tests);
 }

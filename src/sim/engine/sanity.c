@@ -8,7 +8,7 @@
 static bool engine_is_sound(const struct engine *e, const struct ode_motion *m)
 {
     double sum = m->x + m->y + m->c + m->s + m->vx + m->vy + m->turn;
-    return isfinite(sum) && fence_holds(&e->fence, m->x, m->y);
+    return isfinite(sum) && bounds_holds(&e->bounds, m->x, m->y);
 }
 
 static void engine_put_back(struct engine *e, size_t body)

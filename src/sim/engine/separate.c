@@ -20,13 +20,6 @@
 
 enum { ENGINE_SWEEPS = 32 };
 
-void engine_note_near(struct engine *e, const struct engine_pair *pair)
-{
-    if (e->pair_count < e->pairs_max) {
-        e->pairs[e->pair_count++] = *pair;
-    }
-}
-
 static double engine_lightness(const struct engine *e, int32_t body)
 {
     return body == ODE_WORLD_STANDS ? 0 : 1 / e->bodies[body].mass_kg;

@@ -54,7 +54,7 @@ static void engine_carry_object(struct engine *e, size_t robot, size_t object)
     double heading = atan2(m->s * o->c + m->c * o->s, m->c * o->c - m->s * o->s);
     ode_world_put(body, m->x + x, m->y + y, heading);
     ode_world_set_velocity(body, m->vx - m->turn * y, m->vy + m->turn * x, m->turn);
-    engine_follow(e, body);
+    bodies_follow(e, body);
     e->outlines[engine_object_part(e, object)].away = gripper_is_up(&e->robots[robot].gripper);
 }
 
@@ -134,11 +134,6 @@ void engine_take_back(struct engine *e, size_t robot, size_t object)
 {
     engine_bind(e, robot, object);
     engine_carry(e, robot);
-}
-
-bool engine_is_held(const struct engine *e, size_t body)
-{
-    return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
 }
 
 /* Whether what is held up can be let down here. */

@@ -118,8 +118,8 @@ static void engine_walk_counter(struct block *b, uint32_t *counter)
 
 static void engine_walk_place(const struct engine *e, struct block *b, double *x, double *y)
 {
-    block_double(b, x, e->fence.min_x, e->fence.max_x);
-    block_double(b, y, e->fence.min_y, e->fence.max_y);
+    block_double(b, x, e->bounds.min_x, e->bounds.max_x);
+    block_double(b, y, e->bounds.min_y, e->bounds.max_y);
 }
 
 /* Height, roll and pitch are 0, of either sign. */

@@ -22,21 +22,6 @@ static mu_result engine_refuse(struct engine *e, const char **reason, const char
     return MU_REFUSED;
 }
 
-void engine_start_devices(struct engine *e, size_t robot)
-{
-    const struct world_robot *make = &e->world->robots[robot];
-    struct engine_robot *r = &e->robots[robot];
-    double none = 0;
-    double step_s = e->dt_s * e->substeps_per_step;
-    drive_halt(&r->drive);
-    drive_aim(&r->drive, &none, &none);
-    odometer_init(&r->odometer, make, e->seed, (uint32_t)robot);
-    gps_init(&r->gps, make, step_s);
-    battery_init(&r->battery, make);
-    gripper_init(&r->gripper, make);
-    r->bumpers = 0;
-}
-
 static struct world_pose engine_start_pose(const struct engine *e, size_t body)
 {
     return body < e->robot_count ? e->world->robots[body].pose
@@ -100,7 +85,7 @@ static mu_result engine_check_free(struct engine *e, size_t body, const char **r
 mu_result engine_place(struct engine *e, size_t body, struct world_pose pose, const char **reason)
 {
     MU_ASSERT(body < e->body_count);
-    if (!isfinite(pose.heading_rad) || !fence_holds(&e->fence, pose.x_m, pose.y_m)) {
+    if (!isfinite(pose.heading_rad) || !bounds_holds(&e->bounds, pose.x_m, pose.y_m)) {
         return engine_refuse(e, reason, "%s: %g %g is outside the world", e->bodies[body].name,
                              pose.x_m, pose.y_m);
     }

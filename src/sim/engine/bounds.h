@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file fence.h
+ * @file bounds.h
  * How far a body of a world can get.
  */
-#ifndef MUSTER_SIM_FENCE_H
-#define MUSTER_SIM_FENCE_H
+#ifndef MUSTER_SIM_BOUNDS_H
+#define MUSTER_SIM_BOUNDS_H
 
 #include "sim/geometry/solid.h"
 
-struct fence {
+struct bounds {
     double min_x, min_y, max_x, max_y;
     bool closed; /* what stands leaves no way out */
 };
@@ -17,12 +17,12 @@ struct fence {
  * Measures it: the box around what stands and stops bodies, if that closes each side but for gaps
  * of gap_m, else so far out that only what was flung gets there.
  */
-void fence_measure(struct fence *fence, const struct solid *still, size_t count, double gap_m);
+void bounds_measure(struct bounds *bounds, const struct solid *still, size_t count, double gap_m);
 
 /** Opens it if a place where something starts lies outside. */
-void fence_include(struct fence *fence, double x, double y);
+void bounds_include(struct bounds *bounds, double x, double y);
 
 /** @return whether a place is finite and inside */
-bool fence_holds(const struct fence *fence, double x, double y);
+bool bounds_holds(const struct bounds *bounds, double x, double y);
 
 #endif
