@@ -84,11 +84,11 @@ struct engine *engine_open(const struct world *world, const struct engine_option
     }
     engine_build_bounds(e);
     grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
-    e->senses = senses_open(&(struct senses_scene){.world = world,
-                                                   .grid = &e->grid,
-                                                   .seed = options->seed,
-                                                   .step_ns = options->step_ns,
-                                                   .threads = options->threads});
+    e->sensors = sensors_open(&(struct sensors_scene){.world = world,
+                                                      .grid = &e->grid,
+                                                      .seed = options->seed,
+                                                      .step_ns = options->step_ns,
+                                                      .threads = options->threads});
     engine_feel_grippers(e);
     return e;
 }
@@ -96,7 +96,7 @@ struct engine *engine_open(const struct world *world, const struct engine_option
 void engine_close(struct engine *e)
 {
     if (e) {
-        senses_close(e->senses);
+        sensors_close(e->sensors);
         ode_world_close();
     }
 }
@@ -195,23 +195,23 @@ void engine_step(struct engine *e)
 
 /* --- what comes out --------------------------------------------------------------------------- */
 
-static void engine_place_senses(struct engine *e, size_t robot)
+static void engine_place_sensors(struct engine *e, size_t robot)
 {
     const struct ode_motion *m = &e->bodies[robot].motion;
-    senses_place(e->senses, robot, &(struct frame){m->x, m->y, m->c, m->s});
+    sensors_place(e->sensors, robot, &(struct frame){m->x, m->y, m->c, m->s});
 }
 
 const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[])
 {
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_place_senses(e, i);
+        engine_place_sensors(e, i);
     }
     engine_fresh_grid(e);
-    senses_read_all(e->senses, wanted, e->steps);
+    sensors_read_all(e->sensors, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_feel(e, i, &e->percepts[i]);
         e->bodies[i].placed = false;
-        senses_tell(e->senses, i, wanted[i], &e->percepts[i]);
+        sensors_tell(e->sensors, i, wanted[i], &e->percepts[i]);
     }
     return e->percepts;
 }
@@ -219,11 +219,11 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
 void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
 {
     MU_ASSERT(robot < e->robot_count);
-    engine_place_senses(e, robot);
+    engine_place_sensors(e, robot);
     engine_fresh_grid(e);
-    senses_read(e->senses, robot, ENGINE_ALL_SENSES, e->steps);
+    sensors_read(e->sensors, robot, ENGINE_ALL_SENSES, e->steps);
     engine_feel(e, robot, out);
-    senses_tell(e->senses, robot, ENGINE_ALL_SENSES, out);
+    sensors_tell(e->sensors, robot, ENGINE_ALL_SENSES, out);
 }
 
 size_t engine_body_count(const struct engine *e)

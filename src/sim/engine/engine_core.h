@@ -21,7 +21,6 @@
 #include "sim/geometry/frame.h"
 #include "sim/geometry/grid.h"
 #include "sim/geometry/narrow.h"
-#include "sim/sensors/senses.h"
 
 enum { ENGINE_NO_BEARER = -1 };
 
@@ -121,7 +120,7 @@ struct engine {
     bool grid_is_old; /* something has moved since it was built */
     struct engine_neighbours neighbours;
     struct grid_near near;
-    struct senses *senses;
+    struct sensors *sensors;
     struct engine_percept *percepts; /* of engine_sense_all */
     char reason[160];                /* of the last refusal */
 };

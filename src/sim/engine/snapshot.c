@@ -286,7 +286,7 @@ static void engine_rebuild(struct engine *e)
         engine_follow(e, i);
     }
     e->grid_is_old = true;
-    senses_forget(e->senses);
+    sensors_forget(e->sensors);
     engine_feel_grippers(e);
 }
 

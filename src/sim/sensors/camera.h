@@ -6,9 +6,9 @@
 #ifndef MUSTER_SIM_CAMERA_H
 #define MUSTER_SIM_CAMERA_H
 
-#include "sim/engine/engine.h"
 #include "sim/geometry/frame.h"
 #include "sim/sensors/fan.h"
+#include "sim/sensors/sensors.h"
 
 struct camera {
     struct frame place; /* in the robot's frame */

@@ -6,10 +6,10 @@
 #ifndef MUSTER_SIM_FIDUCIALS_H
 #define MUSTER_SIM_FIDUCIALS_H
 
-#include "sim/engine/engine.h"
 #include "sim/geometry/frame.h"
 #include "sim/geometry/grid.h"
 #include "sim/sensors/gather.h"
+#include "sim/sensors/sensors.h"
 
 struct fiducials {
     struct frame place; /* in the robot's frame */

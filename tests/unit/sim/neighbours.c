@@ -169,5 +169,5 @@ int main(void)
         {"a heap too dense for the lists", test_a_heap_that_is_too_dense_for_the_lists},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("sim/near", tests);
+    return suite_run("sim/neighbours", tests);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/senses.h"
+#include "sim/sensors/sensors.h"
 
 #include "muster/memory.h"
 #include "muster/result.h"
@@ -12,20 +12,20 @@
 #include <string.h>
 
 enum {
-    SENSES_PIECE = 16,   /* robots that a thread takes at a time */
-    SENSES_POOL_MIN = 32 /* with fewer robots, waking a thread costs more than it does */
+    SENSORS_PIECE = 16,   /* robots that a thread takes at a time */
+    SENSORS_POOL_MIN = 32 /* with fewer robots, waking a thread costs more than it does */
 };
 
-#define SENSES_NEVER UINT64_MAX
+#define SENSORS_NEVER UINT64_MAX
 
 /* Those that work on what gather_near collects. */
-#define SENSES_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
+#define SENSORS_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
 
 /* Those, and who looks through the same tiles. */
-#define SENSES_GATHERED (SENSES_NEAR | (1u << WORLD_SONAR))
+#define SENSORS_GATHERED (SENSORS_NEAR | (1u << WORLD_SONAR))
 
 /* The sensors of robots that have the same. */
-struct senses_kind {
+struct sensors_kind {
     const struct world_robot *model;
     struct sonar_ring sonars;
     struct laser laser;
@@ -36,24 +36,24 @@ struct senses_kind {
 };
 
 /* What changes by reading, beside the readings themselves. */
-struct senses_record {
-    uint64_t read_ns[WORLD_SENSORS]; /* SENSES_NEVER: not yet */
+struct sensors_record {
+    uint64_t read_ns[WORLD_SENSORS]; /* SENSORS_NEVER: not yet */
     size_t blob_count, fiducial_count;
 };
 
-struct senses_robot {
-    const struct senses_kind *kind;
+struct sensors_robot {
+    const struct sensors_kind *kind;
     struct frame frame;
     uint64_t period_ns[WORLD_SENSORS];
-    struct senses_record *record;
-    float *sonar_m, *laser_m; /* these and the next are parts of struct senses_memory */
+    struct sensors_record *record;
+    float *sonar_m, *laser_m; /* these and the next are parts of struct sensors_memory */
     struct engine_blob *blobs;
     struct engine_fiducial *fiducials;
 };
 
 /* The readings of all robots, each kind of them in one piece. */
-struct senses_memory {
-    struct senses_record *records;
+struct sensors_memory {
+    struct sensors_record *records;
     float *ranges_m;
     struct engine_blob *blobs;
     struct engine_fiducial *fiducials;
@@ -61,22 +61,22 @@ struct senses_memory {
 };
 
 /* What one thread works with. */
-struct senses_worker {
+struct sensors_worker {
     struct gather_list list;
     struct fan_rays rays;
     double *range_m;
     int64_t *hit;
 };
 
-struct senses {
-    struct senses_scene scene;
+struct sensors {
+    struct sensors_scene scene;
     struct gather gather;
-    struct senses_kind *kinds;
+    struct sensors_kind *kinds;
     size_t kind_count;
-    struct senses_robot *robots;
+    struct sensors_robot *robots;
     size_t robot_count;
-    struct senses_memory memory;
-    struct senses_worker *workers;
+    struct sensors_memory memory;
+    struct sensors_worker *workers;
     struct pool *pool;
     /* Of the job that is being done: */
     const uint32_t *wanted;
@@ -85,21 +85,21 @@ struct senses {
 
 /* --- start ------------------------------------------------------------------------------------ */
 
-static bool senses_same_ring(const struct world_robot *a, const struct world_robot *b)
+static bool sensors_same_ring(const struct world_robot *a, const struct world_robot *b)
 {
     return a->sonar_count == b->sonar_count &&
            (a->sonar_count == 0 || a->sonars == b->sonars ||
             memcmp(a->sonars, b->sonars, a->sonar_count * sizeof a->sonars[0]) == 0);
 }
 
-static bool senses_alike(const struct world_robot *a, const struct world_robot *b)
+static bool sensors_alike(const struct world_robot *a, const struct world_robot *b)
 {
-    return senses_same_ring(a, b) && memcmp(&a->laser, &b->laser, sizeof a->laser) == 0 &&
+    return sensors_same_ring(a, b) && memcmp(&a->laser, &b->laser, sizeof a->laser) == 0 &&
            memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 &&
            memcmp(&a->finder, &b->finder, sizeof a->finder) == 0;
 }
 
-static void senses_kind_init(struct senses_kind *kind, const struct world_robot *model)
+static void sensors_kind_init(struct sensors_kind *kind, const struct world_robot *model)
 {
     kind->model = model;
     sonar_init(&kind->sonars, model);
@@ -116,31 +116,32 @@ static void senses_kind_init(struct senses_kind *kind, const struct world_robot 
                 (finder_m > 0 ? 1u << WORLD_FIDUCIALS : 0);
 }
 
-static const struct senses_kind *senses_kind_of(struct senses *s, const struct world_robot *model)
+static const struct sensors_kind *sensors_kind_of(struct sensors *s,
+                                                  const struct world_robot *model)
 {
     for (size_t k = 0; k < s->kind_count; k++) {
-        if (senses_alike(s->kinds[k].model, model)) {
+        if (sensors_alike(s->kinds[k].model, model)) {
             return &s->kinds[k];
         }
     }
-    senses_kind_init(&s->kinds[s->kind_count], model);
+    sensors_kind_init(&s->kinds[s->kind_count], model);
     return &s->kinds[s->kind_count++];
 }
 
-static void senses_robot_init(struct senses *s, size_t i)
+static void sensors_robot_init(struct sensors *s, size_t i)
 {
-    struct senses_robot *r = &s->robots[i];
+    struct sensors_robot *r = &s->robots[i];
     const struct world_robot *model = &s->scene.world->robots[i];
-    r->kind = senses_kind_of(s, model);
+    r->kind = sensors_kind_of(s, model);
     memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
-    struct senses_memory *m = &s->memory;
+    struct sensors_memory *m = &s->memory;
     m->record_count++;
     m->range_count += r->kind->sonars.count + r->kind->laser.table.count;
     m->blob_count += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
     m->fiducial_count += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
 }
 
-static void senses_memory_take(struct senses_memory *m)
+static void sensors_memory_take(struct sensors_memory *m)
 {
     m->records = mu_startup_array(m->record_count, sizeof *m->records);
     m->ranges_m = mu_startup_array(m->range_count, sizeof *m->ranges_m);
@@ -148,11 +149,11 @@ static void senses_memory_take(struct senses_memory *m)
     m->fiducials = mu_startup_array(m->fiducial_count, sizeof *m->fiducials);
 }
 
-static void senses_memory_share(struct senses *s)
+static void sensors_memory_share(struct sensors *s)
 {
-    struct senses_memory next = s->memory;
+    struct sensors_memory next = s->memory;
     for (size_t i = 0; i < s->robot_count; i++) {
-        struct senses_robot *r = &s->robots[i];
+        struct sensors_robot *r = &s->robots[i];
         r->record = next.records++;
         r->sonar_m = next.ranges_m;
         r->laser_m = r->sonar_m + r->kind->sonars.count;
@@ -164,21 +165,21 @@ static void senses_memory_share(struct senses *s)
     }
 }
 
-void senses_forget(struct senses *s)
+void sensors_forget(struct sensors *s)
 {
     for (size_t i = 0; i < s->robot_count; i++) {
         for (size_t k = 0; k < WORLD_SENSORS; k++) {
-            s->robots[i].record->read_ns[k] = SENSES_NEVER;
+            s->robots[i].record->read_ns[k] = SENSORS_NEVER;
         }
     }
 }
 
-static void senses_workers_init(struct senses *s)
+static void sensors_workers_init(struct sensors *s)
 {
     size_t beams = 0;
     size_t rays = 0;
     for (size_t k = 0; k < s->kind_count; k++) {
-        const struct senses_kind *kind = &s->kinds[k];
+        const struct sensors_kind *kind = &s->kinds[k];
         rays = kind->sonars.ray_count > rays ? kind->sonars.ray_count : rays;
         beams = kind->laser.table.count > beams ? kind->laser.table.count : beams;
         beams = kind->camera.table.count > beams ? kind->camera.table.count : beams;
@@ -193,34 +194,34 @@ static void senses_workers_init(struct senses *s)
     }
 }
 
-struct senses *senses_open(const struct senses_scene *scene)
+struct sensors *sensors_open(const struct sensors_scene *scene)
 {
-    struct senses *s = mu_startup_alloc(sizeof *s);
+    struct sensors *s = mu_startup_alloc(sizeof *s);
     s->scene = *scene;
     s->robot_count = scene->world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
     s->kinds = mu_startup_array(s->robot_count, sizeof *s->kinds);
     for (size_t i = 0; i < s->robot_count; i++) {
-        senses_robot_init(s, i);
+        sensors_robot_init(s, i);
     }
-    senses_memory_take(&s->memory);
-    senses_memory_share(s);
-    senses_forget(s);
+    sensors_memory_take(&s->memory);
+    sensors_memory_share(s);
+    sensors_forget(s);
     const struct grid_layer *still = &scene->grid->still;
     const struct grid_layer *moving = &scene->grid->moving;
     gather_init(&s->gather, still->solids, still->count, moving->solids, moving->count);
     (void)fan_kernel(); /* chosen before there are threads */
-    s->pool = s->robot_count < SENSES_POOL_MIN ? NULL : pool_open(scene->threads);
-    senses_workers_init(s);
+    s->pool = s->robot_count < SENSORS_POOL_MIN ? NULL : pool_open(scene->threads);
+    sensors_workers_init(s);
     return s;
 }
 
-void senses_close(struct senses *s)
+void sensors_close(struct sensors *s)
 {
     pool_close(s->pool);
 }
 
-void senses_place(struct senses *s, size_t robot, const struct frame *frame)
+void sensors_place(struct sensors *s, size_t robot, const struct frame *frame)
 {
     s->robots[robot].frame = *frame;
 }
@@ -228,20 +229,20 @@ void senses_place(struct senses *s, size_t robot, const struct frame *frame)
 /* --- reading ---------------------------------------------------------------------------------- */
 
 /* A period begins anew at each multiple of it, so that sensors of one period read together. */
-static bool senses_due(const struct senses_robot *r, enum world_sensor sensor, uint64_t now_ns)
+static bool sensors_due(const struct sensors_robot *r, enum world_sensor sensor, uint64_t now_ns)
 {
     uint64_t period_ns = r->period_ns[sensor];
     uint64_t read_ns = r->record->read_ns[sensor];
-    return period_ns == 0 || read_ns == SENSES_NEVER || now_ns / period_ns != read_ns / period_ns;
+    return period_ns == 0 || read_ns == SENSORS_NEVER || now_ns / period_ns != read_ns / period_ns;
 }
 
 /* @return the sensors that are read now; each counts as read */
-static uint32_t senses_take_due(const struct senses *s, struct senses_robot *r, uint32_t wanted)
+static uint32_t sensors_take_due(const struct sensors *s, struct sensors_robot *r, uint32_t wanted)
 {
     uint64_t now_ns = s->step * s->scene.step_ns;
     uint32_t due = 0;
     for (uint32_t k = 0; k < WORLD_SENSORS; k++) {
-        if ((wanted & r->kind->has & (1u << k)) && senses_due(r, (enum world_sensor)k, now_ns)) {
+        if ((wanted & r->kind->has & (1u << k)) && sensors_due(r, (enum world_sensor)k, now_ns)) {
             due |= 1u << k;
             r->record->read_ns[k] = now_ns;
         }
@@ -249,15 +250,15 @@ static uint32_t senses_take_due(const struct senses *s, struct senses_robot *r, 
     return due;
 }
 
-static uint64_t senses_key(const struct senses *s, size_t robot, enum draw_use use)
+static uint64_t sensors_key(const struct sensors *s, size_t robot, enum draw_use use)
 {
     return draw_key(s->scene.seed, robot, use, s->step);
 }
 
-static void senses_read_sonars(const struct senses *s, size_t i, struct senses_worker *worker)
+static void sensors_read_sonars(const struct sensors *s, size_t i, struct sensors_worker *worker)
 {
-    const struct senses_robot *r = &s->robots[i];
-    struct sonar_place place = {r->frame, (int32_t)i, senses_key(s, i, DRAW_SONAR)};
+    const struct sensors_robot *r = &s->robots[i];
+    struct sonar_place place = {r->frame, (int32_t)i, sensors_key(s, i, DRAW_SONAR)};
     const struct sonar_ring *ring = &r->kind->sonars;
     if (ring->mirrors ||
         !sonar_read_near(ring, &s->gather, &place, &worker->rays, worker->list.found, r->sonar_m)) {
@@ -265,22 +266,24 @@ static void senses_read_sonars(const struct senses *s, size_t i, struct senses_w
     }
 }
 
-static void senses_read_laser(const struct senses *s, size_t i, const struct senses_worker *worker)
+static void sensors_read_laser(const struct sensors *s, size_t i,
+                               const struct sensors_worker *worker)
 {
-    const struct senses_robot *r = &s->robots[i];
+    const struct sensors_robot *r = &s->robots[i];
     struct laser_scene scene = {.robot = r->frame,
                                 .self = (int32_t)i,
                                 .grid = s->scene.grid,
                                 .near = &worker->list.solids,
                                 .range_m = worker->range_m,
-                                .key = senses_key(s, i, DRAW_LASER),
-                                .angle_key = senses_key(s, i, DRAW_LASER_ANGLE)};
+                                .key = sensors_key(s, i, DRAW_LASER),
+                                .angle_key = sensors_key(s, i, DRAW_LASER_ANGLE)};
     laser_read(&r->kind->laser, &scene, r->laser_m);
 }
 
-static void senses_read_camera(const struct senses *s, size_t i, const struct senses_worker *worker)
+static void sensors_read_camera(const struct sensors *s, size_t i,
+                                const struct sensors_worker *worker)
 {
-    struct senses_robot *r = &s->robots[i];
+    struct sensors_robot *r = &s->robots[i];
     struct camera_scene scene = {.robot = r->frame,
                                  .gather = &s->gather,
                                  .near = &worker->list.solids,
@@ -289,9 +292,10 @@ static void senses_read_camera(const struct senses *s, size_t i, const struct se
     r->record->blob_count = camera_read(&r->kind->camera, &scene, r->blobs);
 }
 
-static void senses_read_finder(const struct senses *s, size_t i, const struct senses_worker *worker)
+static void sensors_read_finder(const struct sensors *s, size_t i,
+                                const struct sensors_worker *worker)
 {
-    struct senses_robot *r = &s->robots[i];
+    struct sensors_robot *r = &s->robots[i];
     struct fiducials_scene scene = {.robot = r->frame,
                                     .self = (int32_t)i,
                                     .grid = s->scene.grid,
@@ -300,71 +304,72 @@ static void senses_read_finder(const struct senses *s, size_t i, const struct se
     r->record->fiducial_count = fiducials_read(&r->kind->finder, &scene, r->fiducials);
 }
 
-static void senses_read_robot(const struct senses *s, size_t i, uint32_t wanted,
-                              struct senses_worker *worker)
+static void sensors_read_robot(const struct sensors *s, size_t i, uint32_t wanted,
+                               struct sensors_worker *worker)
 {
-    struct senses_robot *r = &s->robots[i];
-    uint32_t due = senses_take_due(s, r, wanted);
-    if (due & SENSES_NEAR) {
+    struct sensors_robot *r = &s->robots[i];
+    uint32_t due = sensors_take_due(s, r, wanted);
+    if (due & SENSORS_NEAR) {
         struct gather_circle circle = {r->frame.x, r->frame.y, r->kind->reach_m};
         gather_near(&s->gather, &circle, (int32_t)i, &worker->list);
     }
     if (due & (1u << WORLD_SONAR)) {
-        senses_read_sonars(s, i, worker);
+        sensors_read_sonars(s, i, worker);
     }
     if (due & (1u << WORLD_LASER)) {
-        senses_read_laser(s, i, worker);
+        sensors_read_laser(s, i, worker);
     }
     if (due & (1u << WORLD_CAMERA)) {
-        senses_read_camera(s, i, worker);
+        sensors_read_camera(s, i, worker);
     }
     if (due & (1u << WORLD_FIDUCIALS)) {
-        senses_read_finder(s, i, worker);
+        sensors_read_finder(s, i, worker);
     }
 }
 
-static void senses_read_piece(void *context, size_t worker, size_t piece)
+static void sensors_read_piece(void *context, size_t worker, size_t piece)
 {
-    struct senses *s = context;
-    size_t begin = piece * SENSES_PIECE;
-    size_t end = begin + SENSES_PIECE < s->robot_count ? begin + SENSES_PIECE : s->robot_count;
+    struct sensors *s = context;
+    size_t begin = piece * SENSORS_PIECE;
+    size_t end = begin + SENSORS_PIECE < s->robot_count ? begin + SENSORS_PIECE : s->robot_count;
     for (size_t i = begin; i < end; i++) {
-        senses_read_robot(s, i, s->wanted[i], &s->workers[worker]);
+        sensors_read_robot(s, i, s->wanted[i], &s->workers[worker]);
     }
 }
 
-static bool senses_any_gathered(const struct senses *s, const uint32_t wanted[])
+static bool sensors_any_gathered(const struct sensors *s, const uint32_t wanted[])
 {
     uint32_t any = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         any |= wanted[i] & s->robots[i].kind->has;
     }
-    return any & SENSES_GATHERED;
+    return any & SENSORS_GATHERED;
 }
 
-void senses_read_all(struct senses *s, const uint32_t wanted[], uint64_t step)
+void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step)
 {
     s->wanted = wanted;
     s->step = step;
-    if (senses_any_gathered(s, wanted)) {
+    if (sensors_any_gathered(s, wanted)) {
         gather_update(&s->gather);
     }
-    size_t pieces = (s->robot_count + SENSES_PIECE - 1) / SENSES_PIECE;
-    pool_run(s->pool, pieces, senses_read_piece, s);
+    size_t pieces = (s->robot_count + SENSORS_PIECE - 1) / SENSORS_PIECE;
+    pool_run(s->pool, pieces, sensors_read_piece, s);
 }
 
-void senses_read(struct senses *s, size_t robot, uint32_t wanted, uint64_t step)
+void sensors_read(struct sensors *s, size_t robot, uint32_t wanted, uint64_t step)
 {
     s->step = step;
-    if (wanted & s->robots[robot].kind->has & SENSES_GATHERED) {
+    if (wanted & s->robots[robot].kind->has & SENSORS_GATHERED) {
         gather_update(&s->gather);
     }
-    senses_read_robot(s, robot, wanted, &s->workers[0]);
+    sensors_read_robot(s, robot, wanted, &s->workers[0]);
 }
 
-void senses_tell(const struct senses *s, size_t robot, uint32_t wanted, struct engine_percept *out)
+void sensors_tell(const struct sensors *s, size_t robot, uint32_t wanted,
+                  struct engine_percept *out)
 {
-    const struct senses_robot *r = &s->robots[robot];
+    const struct sensors_robot *r = &s->robots[robot];
     uint32_t told = wanted & r->kind->has;
     if (told & (1u << WORLD_SONAR)) {
         out->sonar_m = r->sonar_m;

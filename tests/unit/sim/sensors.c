@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sonar cones, laser, camera and fiducial finder in scenes small enough to compute by hand; what is
  * read when; noise; threads. */
-#include "sim/sensors/senses.h"
+#include "sim/sensors/sensors.h"
 #include "suite.h"
 
 #include "core/hash.h"
@@ -25,7 +25,7 @@ static struct scene {
     struct solid still[SOLIDS], moving[SOLIDS];
     size_t still_count, moving_count;
     struct grid grid;
-    struct senses *senses;
+    struct sensors *sensors;
 } scenes[60];
 static struct scene *scene = &scenes[0];
 
@@ -66,7 +66,7 @@ static void place_robots(void)
         scene->moving[i].y = frame.y;
         scene->moving[i].c = frame.c;
         scene->moving[i].s = frame.s;
-        senses_place(scene->senses, i, &frame);
+        sensors_place(scene->sensors, i, &frame);
     }
     grid_update(&scene->grid);
 }
@@ -74,19 +74,19 @@ static void place_robots(void)
 static void start(uint64_t seed, size_t threads)
 {
     grid_init(&scene->grid, scene->still, scene->still_count, scene->moving, scene->moving_count);
-    scene->senses = senses_open(&(struct senses_scene){.world = &scene->world,
-                                                       .grid = &scene->grid,
-                                                       .seed = seed,
-                                                       .step_ns = STEP_MS * 1000000ull,
-                                                       .threads = threads});
+    scene->sensors = sensors_open(&(struct sensors_scene){.world = &scene->world,
+                                                          .grid = &scene->grid,
+                                                          .seed = seed,
+                                                          .step_ns = STEP_MS * 1000000ull,
+                                                          .threads = threads});
     place_robots();
 }
 
 static struct engine_percept read(size_t robot, uint32_t wanted, uint64_t step)
 {
     struct engine_percept percept = {0};
-    senses_read(scene->senses, robot, wanted, step);
-    senses_tell(scene->senses, robot, wanted, &percept);
+    sensors_read(scene->sensors, robot, wanted, step);
+    sensors_tell(scene->sensors, robot, wanted, &percept);
     return percept;
 }
 
@@ -94,7 +94,7 @@ static struct engine_percept look(uint32_t wanted)
 {
     start(1, 1);
     struct engine_percept percept = read(0, wanted, 0);
-    senses_close(scene->senses);
+    sensors_close(scene->sensors);
     return percept;
 }
 
@@ -525,11 +525,11 @@ static void test_what_was_forgotten_is_read_anew(void)
         r->pose.x_m = 0.1 * (double)step;
         place_robots();
         if (step == 2) {
-            senses_forget(scene->senses);
+            sensors_forget(scene->sensors);
         }
         near_to((double)read(0, ALL, step).laser_m[0], wanted_m[step]);
     }
-    senses_close(scene->senses);
+    sensors_close(scene->sensors);
 }
 
 static uint64_t bits_of(const struct engine_percept *p)
@@ -573,19 +573,19 @@ static uint64_t bits_of_a_crowd(size_t threads, const char *kernel, const uint32
         }
         place_robots();
         for (size_t i = 0; threads == 0 && i < TEAM; i++) {
-            senses_read(scene->senses, i, wanted[i], step);
+            sensors_read(scene->sensors, i, wanted[i], step);
         }
         if (threads > 0) {
-            senses_read_all(scene->senses, wanted, step);
+            sensors_read_all(scene->sensors, wanted, step);
         }
         for (size_t i = 0; i < TEAM; i++) {
             struct engine_percept p = {0};
-            senses_tell(scene->senses, i, wanted[i], &p);
+            sensors_tell(scene->sensors, i, wanted[i], &p);
             uint64_t bits = bits_of(&p);
             hash = mu_hash_bytes(hash, &bits, sizeof bits);
         }
     }
-    senses_close(scene->senses);
+    sensors_close(scene->sensors);
     return hash;
 }
 
@@ -658,5 +658,5 @@ int main(void)
         {"reading one sensor changes no other", test_reading_one_sensor_changes_no_other},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("sim/senses", tests);
+    return suite_run("sim/sensors", tests);
 }
