@@ -274,7 +274,7 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
-helpers: $(HELPERS) $(O)/test/gohome
+helpers: $(HELPERS) $(O)/test/gohome $(O)/test/way
 programs-test: test-deps all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
 test: programs-test ## every test: tidy, unit, rules, system, and again under the sanitizers (12 minutes)
@@ -423,6 +423,17 @@ $(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,mind)
 $(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,mind) $$(call objs,sim) $$(call objs,bus) $(GEN) $$(call objs,mcap)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
+
+# The broker with each entry and exit of its functions told: tests/system/test_way.py counts them.
+WAY_SOURCES := $(filter-out %/main.c,$(filter src/broker/%,$(CODE)))
+$(O)/way/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps
+	@mkdir -p $(@D); echo "  CC    $< (way)"
+	$(Q)$(CC) $(CPPFLAGS) $(filter-out -O%,$(CFLAGS)) -O0 -finstrument-functions \
+	  -finstrument-functions-exclude-file-list=.h -c -o $@ $<
+$(O)/tests/way/way.o: override CPPFLAGS += -Itests/support/unit
+$(O)/test/way: $(O)/tests/way/way.o $(O)/tests/support/unit/suite.o $(WAY_SOURCES:%.c=$(O)/way/%.o) $$(call objs,bus) $$(call objs,core) $(GEN)
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lcunit $(LIBS_broker)
 
 $(O)/test/sensed: $(O)/tests/soak/sensed.o $$(call module_objs,story)
 	@mkdir -p $(@D); echo "  LINK  $@"
