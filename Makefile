@@ -60,6 +60,7 @@ FORCE:
 CODE    := $(sort $(shell find src -name '*.c'))
 objs     = $(patsubst %.c,$(O)/%.o,$(filter-out %/main.c,$(filter src/$(1)/%,$(CODE))))
 IDL     := $(wildcard idl/*.idl)
+OBJECTS := $(CODE:%.c=$(O)/%.o)
 GEN     := $(IDL:idl/%.idl=$(O)/gen/%.o)
 USES_core    :=
 USES_world   := core
@@ -304,8 +305,8 @@ PYTEST := BUILD=$(BUILD) pytest-3 -n $(shell expr 3 \* `nproc`) --dist loadgroup
 $(UNITS:%=%.ok): %.ok: %
 	@BUILD=$(BUILD) tests/units --fast $(*F) > $@.log || { cat $@.log; false; }
 	@grep '^  $(*F)' $@.log; touch $@
-$(O)/tidy.ok: $(SOURCES) tools/tidy.py
-	@tools/tidy.py && touch $@
+$(O)/tidy.ok: $(SOURCES) $(OBJECTS) $(wildcard tools/*.py)
+	@BUILD=$(BUILD) tools/tidy.py && touch $@
 $(O)/rules.ok: $(O)/test/rules $(wildcard rules/*.clp tests/rules/muster/*.clp tests/rules/muster/*/*.clp)
 	@$< $(wildcard tests/rules/muster/*.clp) && touch $@
 $(O)/system.ok: $(wildcard tests/system/*.py tests/support/system/*.py) | all helpers
@@ -401,8 +402,8 @@ soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in
 soak-capsules: $(O)/test/capsules ## 1200 random programs, each cut somewhere: minds go on from their capsules, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/capsules.py $$RANDOM; done
 
-tidy: test-deps ## the house rules that a compiler cannot check
-	@python3 tools/tidy.py
+tidy: test-deps $(OBJECTS) ## the house rules that a compiler cannot check
+	@BUILD=$(BUILD) tools/tidy.py
 
 asan: ## unit and rule tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory BUILD=asan programs-test

@@ -1,9 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The house rules that a compiler cannot check.  `make tidy`; prints file:line: reason."""
+"""The house rules that a compiler cannot check.  `make tidy`; prints file:line: reason.
+
+Floors are checked by calls, in the objects of a built tree: build/release, or build/$BUILD.
+
+    tools/tidy.py                         all checks
+    tools/tidy.py --floors [MODULE]       what modules that are not in order yet have left
+    tools/tidy.py --graph [MODULE] [--dot]   who calls whom: folders, or files of a module; for Graphviz
+    tools/tidy.py --pointers              pointers through which a lower floor calls a higher one
+"""
+import argparse
+import os
 import pathlib
 import re
 import sys
+
+import floors
+import graph
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FUNCTION_LINES_MAX, FILE_LINES_MAX, LINE_CHARS_MAX, PARAMETERS_MAX = 70, 800, 100, 6
@@ -55,13 +68,16 @@ ALLOCATES = r"\b(malloc|calloc|realloc|strdup|strndup|asprintf|free|qsort|qsort_
 # What takes memory at start-up, and what gives the engine of a mind its own.
 ALLOCATE = {"src/core/memory.c", "src/mind/engine/heap.c"}
 # Functions of ours that bear the names of those of CLIPS in whose place they are.
-ENGINE_OWN = set(re.search(r"^ENGINE_OWN :=((?:.*\\\n)*.*)$", (ROOT / "Makefile").read_text(),
-                           re.M)[1].replace("\\", "").split())
+ENGINE_OWN = set(" ".join(re.findall(r"^ENGINE_OWN :=((?:.*\\\n)*.*)$", (ROOT / "Makefile").read_text(),
+                                     re.M)).replace("\\", "").split())
+BUILD = ROOT / "build" / os.environ.get("BUILD", "release")
 problems = []
+left = []  # the same in modules that are being put in order
 
 
-def bad(path, line, why):
-    problems.append(f"{path.relative_to(ROOT)}:{line}: {why}")
+def bad(path, line, why, module=None):
+    where = left if module in floors.UNFINISHED else problems
+    where.append(f"{path.relative_to(ROOT)}:{line}: {why}")
 
 
 def check_lines(path, lines, module):
@@ -94,6 +110,9 @@ def check_includes(path, lines, module):
         for pattern, where in ONLY_IN.items():
             if re.match(pattern, m[1]) and not re.match(where, rel):
                 bad(path, n, f"<{m[1]}> belongs in {where} only")
+        above = floors.include_problem(rel, m[1])
+        if above:
+            bad(path, n, above[0], above[1])
 
 
 def check_functions(path, text, lines, module):
@@ -132,12 +151,52 @@ def check(path):
         check_functions(path, text, lines, module)
 
 
-def main():
+def check_calls():
+    """Floors by calls: needs objects of all sources."""
+    calls = graph.Graph(ROOT, BUILD)
+    if calls.stale:
+        bad(BUILD, 1, f"{len(calls.stale)} of {len(calls.files)} objects are missing or older than their source "
+                      f"({' '.join(calls.stale[:3])}): run `make`, then floors can be checked by calls")
+        return
+    for file, why, module in floors.call_problems(calls, MAY_INCLUDE):
+        bad(ROOT / file, 1, why, module)
+    for what, modules, is_known, edges in floors.circle_problems(calls):
+        if not is_known:
+            unfinished = modules & floors.UNFINISHED
+            bad(ROOT / "src", 1, "\n    ".join([what, *edges]), min(unfinished) if unfinished else None)
+
+
+def check_all():
     for folder in ("src", "include", "tests", "examples", "bench"):
         for path in sorted((ROOT / folder).rglob("*.[ch]")):
             check(path)
+    for path, why, module in floors.pointer_problems(ROOT):
+        bad(ROOT / path, 1, why, module)
+    check_calls()
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
+    parser.add_argument("module", nargs="?", default="")
+    for option in ("floors", "graph", "dot", "pointers"):
+        parser.add_argument("--" + option, action="store_true")
+    asked = parser.parse_args()
+    if asked.pointers:
+        for path, holder, names in floors.pointers(ROOT):
+            print(f"{path}: {holder}: {' '.join(names)}: {floors.POINTERS.get(holder, (0, '?'))[1]}")
+        return False
+    if asked.graph:
+        calls = graph.Graph(ROOT, BUILD)
+        print("\n".join((graph.dot if asked.dot else graph.text)(calls, asked.module)))
+        return bool(calls.stale)
+    check_all()
+    if asked.floors:
+        print("\n".join(line for line in left if f"src/{asked.module}" in line))
+        return False
     for problem in problems:
         print(problem)
+    if left:
+        print(f"tidy: {len(left)} more in modules that are not in order yet: tools/tidy.py --floors")
     print(f"tidy: {len(problems)} problems" if problems else "tidy: ok")
     print(f"{int(not problems)} passed, {int(bool(problems))} failed")
     return bool(problems)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/tidy.py finds what it is for, in trees that are made up."""
+import os
+import re
+import shutil
+import subprocess
+
+from support import ROOT, check, check_equal, folder
+
+LICENCE = "// SPDX-License-Identifier: Apache-2.0\n"
+
+
+def tidied(out, files, *words, built=True):
+    """What tidy says of a tree of these files, {name below src/: text}; all modules are in
+    order in it, but for a circle of two files in core, which is known."""
+    shutil.copytree(ROOT / "tools", out / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "Makefile", out)
+    (out / "docs").mkdir()
+    shutil.copy(ROOT / "docs/concepts.md", out / "docs")
+    floors = out / "tools/floors.py"
+    text = re.sub(r"^UNFINISHED = .*$", "UNFINISHED = set()", floors.read_text(), flags=re.M)
+    floors.write_text(re.sub(r"^CIRCLES = \{.*?^\}$", 'CIRCLES = {"core": [2]}', text, flags=re.M | re.S))
+    for name, text in files.items():
+        path = out / "src" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(LICENCE + text)
+    for name in files if built else ():
+        made = (out / "build/release/src" / name).with_suffix(".o")
+        made.parent.mkdir(parents=True, exist_ok=True)
+        if name.endswith(".c"):
+            subprocess.run(["cc", "-c", "-fPIC", "-ffunction-sections", "-fdata-sections", f"-I{out}/src", "-o", made,
+                            out / "src" / name], check=True, timeout=60)
+    done = subprocess.run([out / "tools/tidy.py", *words], env={**os.environ, "BUILD": "release"},
+                          capture_output=True, text=True, timeout=60)
+    check_equal(done.stderr, "", "standard error")
+    return done.returncode, done.stdout
+
+
+def calls(name, *others):
+    """A file with a function that calls others."""
+    lines = [f"int {other}(void);" for other in others] + [f"int {name}(void);", f"int {name}(void)", "{",
+             f"    return {' + '.join([f'{other}()' for other in others] + ['1'])};", "}", ""]
+    return "\n".join(lines)
+
+
+ORDERLY = {
+    "core/text.c": calls("text_a"),
+    "world/parse/parser.h": "int parser_a(void);\n",
+    "world/parse/parser.c": calls("parser_a", "text_a"),
+    "planner/path.c": '#include "world/parse/parser.h"\n' + calls("path_a", "parser_a"),
+}
+
+
+def test_a_tree_in_order_passes():
+    with folder() as out:
+        check_equal(tidied(out, ORDERLY), (0, "tidy: ok\n1 passed, 0 failed\n"), "tidy")
+
+
+def test_a_circle_of_files_fails():
+    with folder() as out:
+        code, said = tidied(out, {**ORDERLY, "stats/a.c": calls("a_go", "b_go"), "stats/b.c": calls("b_go", "a_go")})
+        check_equal(code, 1, "the exit code")
+        check("circle of 2 files: src/stats/a.c src/stats/b.c\n" in said, said)
+        check("src/stats/b.c -> src/stats/a.c: a_go\n" in said, f"the calls: {said}")
+
+
+def test_a_circle_of_folders_fails_without_one_of_files():
+    with folder() as out:
+        code, said = tidied(out, {"mind/facts/a.c": calls("a_go", "b_go"), "mind/engine/b.c": calls("b_go"),
+                                  "mind/engine/c.c": calls("c_go", "d_go"), "mind/facts/d.c": calls("d_go")})
+        check_equal(code, 1, "the exit code")
+        check("circle of 2 folders: src/mind/engine src/mind/facts\n" in said, said)
+        check("src/mind/engine/c.c:1: calls up, to src/mind/facts/d.c: d_go\n" in said, said)
+
+
+def test_a_known_circle_may_not_grow():
+    ring = {"core/a.c": calls("a_go", "b_go"), "core/b.c": calls("b_go", "a_go")}
+    larger = {"core/a.c": calls("a_go", "b_go"), "core/b.c": calls("b_go", "c_go"), "core/c.c": calls("c_go", "a_go")}
+    for files, expected in ((ring, 0), (larger, 1)):
+        with folder() as out:
+            code, said = tidied(out, files)
+            check_equal(code, expected, said)
+
+
+def test_a_pointer_in_a_table_is_a_call():
+    table = "int path_a(void);\nextern int (*const parser_go[])(void);\nint (*const parser_go[])(void) = {path_a};\n"
+    with folder() as out:
+        code, said = tidied(out, {"world/parse/parser.c": table, "planner/path.c": calls("path_a")})
+        check_equal(code, 1, "the exit code")
+        check("src/world/parse/parser.c:1: calls src/planner/path.c, and world may not use planner: path_a*\n" in said, said)
+
+
+def test_another_folder_includes_the_public_header_only():
+    with folder() as out:
+        code, said = tidied(out, {**ORDERLY, "world/parse/lexer.h": "int lexer_a(void);\n",
+                                  "planner/map.c": '#include "world/parse/lexer.h"\n' + calls("map_a"),
+                                  "world/parse/up.c": '#include "world/model/world.h"\n' + calls("up_a"),
+                                  "world/model/world.h": "int world_a(void);\n"})
+        check_equal(code, 1, "the exit code")
+        check('src/planner/map.c:2: "world/parse/lexer.h" is for world/parse only\n' in said, said)
+        check("src/world/parse/up.c:2: world/parse stands below world/model\n" in said, said)
+        check("2 problems" in said, said)
+
+
+def test_a_new_pointer_for_calls_upward_needs_a_reason():
+    with folder() as out:
+        code, said = tidied(out, {**ORDERLY, "stats/ask.h": "struct ask {\n    int (*above)(void *self);\n};\n"})
+        check_equal(code, 1, "the exit code")
+        check("src/stats/ask.h:1: struct ask has 1 pointers to functions, not 0" in said, said)
+
+
+def test_a_tree_that_is_not_built_says_what_to_do():
+    with folder() as out:
+        code, said = tidied(out, ORDERLY, built=False)
+        check_equal(code, 1, "the exit code")
+        check("3 of 3 objects are missing or older than their source" in said and "run `make`" in said, said)
+
+
+def test_the_graph_shows_who_calls_whom():
+    with folder() as out:
+        code, said = tidied(out, ORDERLY, "--graph", "planner")
+        check_equal((code, said), (0, "src/planner/path.c\n    src/world/parse/parser.c: parser_a\n"), "as text")
+    with folder() as out:
+        code, said = tidied(out, ORDERLY, "--graph", "--dot")
+        check_equal(code, 0, "the exit code")
+        check('    "src/planner" -> "src/world/parse";\n' in said, said)

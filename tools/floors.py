@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which folder of src/ stands above which, and what may still be out of order.
+
+A folder is a floor: it calls lower floors only, and other folders include its public header only.
+"""
+import collections
+import os
+import pathlib
+import re
+
+import graph
+
+# Bottom first: a folder and its public header, for the modules that have floors.
+FLOORS = {
+    "world/parse": "parser.h",
+    "world/model": "world.h",
+    "world/read": "builder.h",
+    "world": "world_load.h",
+    "planner": "planner.h",
+    "mind/engine": "engine.h",
+    "mind/facts": "facts.h",
+    "mind/functions": "functions.h",
+    "mind/load": "load.h",
+    "mind/snapshot": "snapshot.h",
+    "mind": "mind.h",
+    "agent": "robot.h",
+    "host": None,
+    "monitor": None,
+    "sim/geometry": "geometry.h",
+    "sim/devices": "devices.h",
+    "sim/sensors": "sensors.h",
+    "sim/engine": "engine.h",
+    "sim/record": "record.h",
+    "sim/session": "session.h",
+    "sim": None,
+}
+# Modules with floors that are being put in order: `tools/tidy.py --floors` lists what is left.
+UNFINISHED = {"world", "planner", "mind", "agent", "host", "sim"}
+# Circles of files that later work cures, by module: the sizes may shrink, and never grow.
+CIRCLES = {
+    "broker": [23, 3],
+    "runtime": [11],
+    "ctl": [10, 3, 2],
+    "experiment": [8],
+    "report": [6],
+    "mcap": [2, 2],
+    "bus": [2],
+    "core": [2],
+}
+# Pointers in headers through which a lower floor calls a higher one: holder, how many, why.
+POINTERS = {
+    "struct mu_handlers": (11, "public: the runtime calls an agent's program"),
+    "struct mu_layer_handler": (1, "public: the runtime calls the handlers of a kind of agents"),
+    "struct mu_agent_kind": (1, "public: the runtime calls the hooks of a kind of agents"),
+    "struct mu_watch_handlers": (3, "public: a watch calls the program that looks at a run"),
+    "mu_resolve": (1, "public: the runtime asks a resolver's program"),
+    "mu_process_each_round()": (1, "public: the runtime calls a program after each round"),
+    "struct mu_process": (3, "the runtime calls robots and hosts before and after its samples"),
+    "process_before_up()": (1, "sets one of the process"),
+    "process_see_first()": (1, "sets one of the process"),
+    "struct trips": (3, "the runtime hands words about a migration to the robot's process"),
+    "struct glances_handlers": (2, "the runtime hands probes and their answers to the agent's program"),
+    "glances_answer()": (1, "sets one of the probes' handlers"),
+    "glances_hear()": (1, "sets one of the probes' handlers"),
+    "struct crew": (1, "the robot's process tells a host that an agent has come"),
+    "checkpoint_each()": (1, "a visitor of checkpoints"),
+    "robot_console_answer()": (1, "what asks the mind, for a line or for a probe"),
+    "struct mind_ports": (11, "ports of the mind: it has no process, and acts through them"),
+    "clips_env_each_module()": (1, "a visitor of modules of a mind"),
+    "clips_functions_note()": (1, "CLIPS's own parsers of queries"),
+    "struct fan_kernel": (3, "kernels for the vector units of processors"),
+    "struct session_listener": (3, "the session tells the recording of each step"),
+    "struct condition_names": (1, "conditions read names of any world"),
+    "struct condition_view": (3, "conditions read positions of any world"),
+    "builder_children()": (1, "a visitor of entities of a world's file"),
+    "struct bus": (1, "a reader's thread calls the process that waits"),
+    "bus_wait_lending()": (1, "sets one of the bus"),
+    "tap_watch_look()": (1, "a filter of topics"),
+    "struct topic": (1, "the table of topics: rules of the wire"),
+    "struct counter": (1, "the table of counters: each reads its own"),
+    "struct journal_source": (2, "the journal writes lines of tables that it does not know"),
+    "struct trust_pages": (2, "the policy asks for groups and roles"),
+    "struct mu_fault_listener": (1, "a program writes faults in its own log"),
+    "struct console_edit_hooks": (3, "the line editor asks for prompt and completions"),
+    "struct console_link": (2, "a console's link shows lines to terminal or page"),
+    "struct operator": (1, "a verb hears the answers to its mail"),
+    "struct operator_hooks": (2, "a verb hears mail and receipts"),
+    "struct scheme": (1, "the resolver shows bodies to addresses of places"),
+}
+POINTERS_MOST = 76  # never more than this
+POINTER = re.compile(r"\(\s*\*\s*(?:const\s+)?(\w+)\s*(?:\[[^\]]*\])?\s*\)\s*\(")
+RANK = {folder: i for i, folder in enumerate(FLOORS)}
+FLOORED = {folder.split("/")[0] for folder in FLOORS}
+
+
+def floor_of(file):
+    """@return the folder of a file below src/, as FLOORS has it"""
+    return os.path.dirname(file).removeprefix("src/")
+
+
+def include_problem(file, header):
+    """@return (why a file of src/ may not include this header, the module to blame), or None"""
+    mine, theirs = floor_of(file), os.path.dirname(header)
+    if theirs not in RANK or mine == theirs:
+        return None
+    if os.path.basename(header) != FLOORS[theirs]:
+        return f"\"{header}\" is for {theirs} only", theirs.split("/")[0]
+    if mine in RANK and RANK[theirs] > RANK[mine]:
+        return f"{mine} stands below {theirs}", mine.split("/")[0]
+    return None
+
+
+def call_problems(calls, may_include):
+    """@yield (file, why, module to blame): calls to a higher floor, and between strangers"""
+    for f, to in calls.edges.items():
+        for g, symbols in to.items():
+            a, b = graph.module_of(f), graph.module_of(g)
+            mine, theirs = floor_of(f), floor_of(g)
+            if a != b and b not in may_include[a]:
+                yield f, f"calls {g}, and {a} may not use {b}: {' '.join(symbols)}", a
+            elif RANK.get(theirs, -1) > RANK.get(mine, len(RANK)):
+                yield f, f"calls up, to {g}: {' '.join(symbols)}", a
+
+
+def inner_edges(ring, edges):
+    """The calls that make a circle, as lines."""
+    for f in ring:
+        for g in ring:
+            if g in edges.get(f, ()):
+                yield f"{f} -> {g}: {' '.join(edges[f][g])}"
+
+
+def circle_problems(calls):
+    """@yield (what, modules, whether it is a known one, the calls in it)"""
+    left = {module: list(sizes) for module, sizes in CIRCLES.items()}
+    for ring in graph.circles(calls.targets()):
+        modules = {graph.module_of(f) for f in ring}
+        known = left.get(next(iter(modules)), []) if len(modules) == 1 else []
+        is_known = bool(known) and len(ring) <= known[0]
+        if is_known:
+            known.pop(0)
+        yield f"circle of {len(ring)} files: {' '.join(ring)}", modules, is_known, inner_edges(ring, calls.edges)
+    for ring in graph.circles(calls.folders()):
+        within = [f for f in calls.files if graph.folder_of(f) in ring]
+        apart = {f: {g: s for g, s in calls.edges[f].items() if graph.folder_of(f) != graph.folder_of(g)} for f in within}
+        yield (f"circle of {len(ring)} folders: {' '.join(ring)}", {graph.module_of(f) for f in within}, False,
+               inner_edges(within, apart))
+
+
+def pointers(root):
+    """@yield (header, holder, names): pointers to functions in headers, by what has them"""
+    for folder in ("include", "src"):
+        for path in sorted((root / folder).rglob("*.h")):
+            text = re.sub(r"/\*.*?\*/|//[^\n]*", "", path.read_text(), flags=re.S)
+            text = re.sub(r'^#(?:[^\n]*\\\n)*[^\n]*$|extern "C" \{', "", text, flags=re.M)
+            for holder, names in holders(text):
+                yield path.relative_to(root), holder, names
+
+
+def holders(text):
+    depth = start = 0
+    for i, c in enumerate(text):
+        depth = depth + 1 if c == "{" else max(depth - 1, 0) if c == "}" else depth
+        if c != ";" or depth:
+            continue
+        part, start = text[start:i], i + 1
+        names = POINTER.findall(part)
+        struct = re.match(r"[\s}]*(?:typedef\s+)?struct\s+(\w+)\s*\{", part)
+        if names and struct:
+            yield f"struct {struct[1]}", names
+        elif names and "typedef" in part:
+            yield names[0], names
+        elif names:
+            yield re.search(r"(\w+)\s*\(", part)[1] + "()", names
+
+
+def pointer_problems(root):
+    """@yield (header, why, module to blame)"""
+    count = 0
+    for path, holder, names in pointers(root):
+        count += len(names)
+        module = path.parts[1]
+        most, _ = POINTERS.get(holder, (0, ""))
+        if len(names) > most:
+            yield path, (f"{holder} has {len(names)} pointers to functions, not {most}: return an event or an outcome, "
+                         f"or give the reason in POINTERS of tools/floors.py"), module
+    if count > POINTERS_MOST:
+        yield pathlib.Path("src"), f"{count} pointers to functions in headers, not {POINTERS_MOST}", "core"
