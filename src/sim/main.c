@@ -6,8 +6,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "sim/record/runfile.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/record.h"
 #include "sim/session/session.h"
 
 #include <fcntl.h>
@@ -281,11 +280,11 @@ static void hash_print(const struct session *s)
 
 /* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
  * the disk */
-static int records_close(struct session *s, struct runfile *runfile, int code)
+static int records_close(struct session *s, struct mcap_file *recording, int code)
 {
-    bool tracks = !s->recorder || recorder_close(s->recorder) == MU_OK;
+    bool tracks = !s->tracks || tracks_close(s->tracks) == MU_OK;
     bool events = script_close(s->script) == MU_OK;
-    bool run = !runfile || runfile_close(runfile) == MU_OK;
+    bool run = !recording || mcap_file_close(recording) == MU_OK;
     bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
     return (tracks && events && run) || !counts ? code : MU_EXIT_WRITE;
 }
@@ -295,8 +294,8 @@ struct simulator {
     struct world *world;
     struct engine *engine;
     struct session *session;
-    struct recorder *recorder; /* NULL: no tracks are wanted */
-    struct runfile *runfile;   /* NULL: no recording is */
+    struct tracks *tracks;       /* NULL: no tracks are wanted */
+    struct mcap_file *recording; /* NULL: no recording is */
 };
 
 static int engine_make(struct simulator *sim, uint64_t step_ns)
@@ -304,7 +303,7 @@ static int engine_make(struct simulator *sim, uint64_t step_ns)
     struct engine_options options = {
         .seed = (uint64_t)set.seed, .step_ns = step_ns, .threads = (size_t)set.threads};
     sim->engine = engine_open(sim->world, &options);
-    bool good = !set.restore || snapshot_restore(sim->engine, set.restore) == MU_OK;
+    bool good = !set.restore || snapshot_file_restore(sim->engine, set.restore) == MU_OK;
     return good ? MU_EXIT_DONE : MU_EXIT_FILE;
 }
 
@@ -322,18 +321,18 @@ static const char *command_make(const struct simulator *sim)
 
 static int records_open(struct simulator *sim)
 {
-    struct runfile_options options = {.path = set.record,
-                                      .world = sim->world,
-                                      .files = &set.files,
-                                      .notes = &set.notes,
-                                      .places = &set.places,
-                                      .without_percepts = set.without_percepts,
-                                      .command = set.waits_for_go ? NULL : command_make(sim),
-                                      .free = set.free,
-                                      .seed = (uint64_t)set.seed,
-                                      .duration_s = set.duration_s};
-    bool good = (!set.csv || recorder_open(&sim->recorder, set.csv) == MU_OK) &&
-                (!set.record || runfile_open(&sim->runfile, &options) == MU_OK);
+    struct mcap_file_options options = {.path = set.record,
+                                        .world = sim->world,
+                                        .files = &set.files,
+                                        .notes = &set.notes,
+                                        .places = &set.places,
+                                        .without_percepts = set.without_percepts,
+                                        .command = set.waits_for_go ? NULL : command_make(sim),
+                                        .free = set.free,
+                                        .seed = (uint64_t)set.seed,
+                                        .duration_s = set.duration_s};
+    bool good = (!set.csv || tracks_open(&sim->tracks, set.csv) == MU_OK) &&
+                (!set.record || mcap_file_open(&sim->recording, &options) == MU_OK);
     return good ? MU_EXIT_DONE : MU_EXIT_WRITE;
 }
 
@@ -376,14 +375,15 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .saves = open(set.saves, O_PATH | O_DIRECTORY | O_CLOEXEC),
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
-    if (session_open(s, &options, sim->world, sim->engine, sim->recorder) != MU_OK) {
+    if (session_open(s, &options, sim->world, sim->engine, sim->tracks) != MU_OK) {
         return MU_EXIT_DDS;
     }
     if (!robots_choose(s, &set.robots)) {
         return MU_EXIT_USAGE;
     }
-    if (sim->runfile) {
-        runfile_listen(sim->runfile, s);
+    if (sim->recording) {
+        const struct record_listener listener = mcap_file_listener(sim->recording);
+        session_listen(s, &listener);
     }
     return events_open(s);
 }
@@ -420,7 +420,7 @@ int main(int argc, char **argv)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    code = records_close(sim.session, sim.runfile, session_live(sim.session));
+    code = records_close(sim.session, sim.recording, session_live(sim.session));
     if (code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED) {
         hash_print(sim.session);
     }

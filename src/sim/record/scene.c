@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/scene.h"
+#include "sim/record/record.h"
 
 #include "muster/memory.h"
 #include "world/model/outline.h"

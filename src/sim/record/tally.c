@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/tally.h"
+#include "sim/record/record.h"
 
 #include "core/rounded.h"
 

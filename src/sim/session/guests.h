@@ -11,16 +11,16 @@
 
 #include "muster/limits.h"
 #include "muster/result.h"
-#include "sim/record/runhash.h"
+#include "sim/record/record.h"
 
 #include <stdbool.h>
 
 struct guest {
     char name[MU_NAME_MAX + 1];
-    int32_t process;                     /* index of the one that it lives in; -1: that has died */
-    int32_t next_process;                /* from the next step on; -1: the same */
-    muster_State state;                  /* by its last word */
-    unsigned char digest[RUNHASH_BYTES]; /* of what it did in this step */
+    int32_t process;                      /* index of the one that it lives in; -1: that has died */
+    int32_t next_process;                 /* from the next step on; -1: the same */
+    muster_State state;                   /* by its last word */
+    unsigned char digest[RUN_HASH_BYTES]; /* of what it did in this step */
 };
 
 struct guests {

@@ -89,7 +89,7 @@ mu_result script_put(struct script *s, const muster_RunCommand *command, char *w
     if (!later) {
         return MU_FULL;
     }
-    orders_copy(&later->order, command);
+    order_queue_copy(&later->order, command);
     later->watch = watch;
     later->waits = true;
     later->due = false;

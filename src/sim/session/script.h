@@ -9,7 +9,7 @@
 #ifndef MUSTER_SIM_SCRIPT_H
 #define MUSTER_SIM_SCRIPT_H
 
-#include "sim/record/orders.h"
+#include "sim/record/record.h"
 #include "world/model/condition.h"
 
 struct script;

@@ -29,13 +29,13 @@ static mu_result topics_open(struct session *s)
 }
 
 mu_result session_open(struct session *s, const struct session_options *options,
-                       const struct world *world, struct engine *engine, struct recorder *recorder)
+                       const struct world *world, struct engine *engine, struct tracks *tracks)
 {
     s->options = *options;
     s->world = world;
     s->engine = engine;
-    s->recorder = recorder;
-    s->hash = runhash_open();
+    s->tracks = tracks;
+    s->hash = run_hash_open();
     s->step = s->sent_step = -1;
     s->mail_step = muster_STEP_NOW;
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
@@ -520,7 +520,7 @@ void session_rest(struct session *s, uint32_t process)
                               .state = muster_STATE_ABSENT,
                               .drives = true,
                               .rules = none};
-            runhash_act(s->hash, &act, r->digest);
+            run_hash_act(s->hash, &act, r->digest);
         }
     }
 }
@@ -640,7 +640,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
-    runhash_act(s->hash, act, r->digest);
+    run_hash_act(s->hash, act, r->digest);
     session_script_act(s, (size_t)(r - s->robots), act);
     session_view_act(s, (size_t)(r - s->robots), act);
 }
@@ -731,7 +731,7 @@ static void delivery_take(struct session *s, const muster_Delivery *d)
     }
     s->mail_step = d->step;
     session_view_outside(s, d);
-    runhash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
+    run_hash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
 }
 
 void session_take(struct session *s)

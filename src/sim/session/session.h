@@ -12,10 +12,7 @@
 #include "bus/bus.h"
 #include "core/table.h"
 #include "sim/engine/engine.h"
-#include "sim/record/orders.h"
-#include "sim/record/recorder.h"
-#include "sim/record/runhash.h"
-#include "sim/record/view.h"
+#include "sim/record/record.h"
 #include "sim/session/guests.h"
 #include "sim/session/script.h"
 #include "wire.h"
@@ -40,7 +37,7 @@ struct session_robot {
     uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
     uint32_t off;          /* of them, those that somebody has switched off */
     uint32_t quiet_steps;  /* since a speed was set */
-    unsigned char digest[RUNHASH_BYTES];
+    unsigned char digest[RUN_HASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
     bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
     struct engine_percept percept;
@@ -71,18 +68,6 @@ struct session_process {
 /* For whom a Frame is made: bits. */
 enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
 
-/*
- * Who wants every Frame inside this process, and how the run ended, such as a recording: the
- * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
- */
-struct session_listener {
-    void *self;
-    void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
-    void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
-    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
-    bool without_percepts; /* its bytes of Frames leave them out */
-};
-
 struct session_options {
     uint64_t seed;
     uint64_t step_ns;
@@ -104,8 +89,8 @@ struct session {
     struct session_options options;
     const struct world *world;
     struct engine *engine;
-    struct recorder *recorder; /* NULL: no record */
-    struct runhash *hash;
+    struct tracks *tracks; /* NULL: no record */
+    struct run_hash *hash;
     struct bus bus;
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     struct bus_writer roster, status, answers;
@@ -126,14 +111,14 @@ struct session {
     int64_t mail_step; /* the last step whose Delivery is in */
     /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
      */
-    unsigned char outside[2][RUNHASH_BYTES];
+    unsigned char outside[2][RUN_HASH_BYTES];
     uint32_t answers_missing;
-    int64_t sent_step;       /* the last step that went out */
-    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
-    bool held;               /* the lock step waits for a process that is being started again */
-    unsigned char *snapshot; /* room for one */
-    struct orders *orders;   /* that wait for the end of this step */
-    struct script *script;   /* those that wait for later, and events */
+    int64_t sent_step;          /* the last step that went out */
+    int64_t recorded;           /* the first step that the hash and the tracks do not have yet */
+    bool held;                  /* the lock step waits for a process that is being started again */
+    unsigned char *snapshot;    /* room for one */
+    struct order_queue *orders; /* that wait for the end of this step */
+    struct script *script;      /* those that wait for later, and events */
     struct condition_names body_names;
     int64_t pace_step; /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
@@ -143,9 +128,9 @@ struct session {
     bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
     bool roster_due;         /* the network has refused it */
     uint32_t roster_readers; /* that it had found when it was told, in free running */
-    struct session_listener listener;
+    struct record_listener listener;
     muster_Scene *scene;
-    struct view *view;
+    struct frame_builder *view;
     struct tally *tallies;       /* of each robot */
     struct bus_bytes view_bytes; /* of what the listener was told last */
     bool end_told;               /* to the listener */
@@ -155,16 +140,16 @@ struct session {
     bool go, end;
     bool interrupted; /* a signal has ended the run before its time */
     char waits_for[1024];
-    char hash_text[RUNHASH_TEXT];
+    char hash_text[RUN_HASH_TEXT];
 };
 
 /** Opens the topics.  The bus is open already. */
 MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
                                    const struct world *world, struct engine *engine,
-                                   struct recorder *recorder);
+                                   struct tracks *tracks);
 
 /** Has somebody told of the Scene and of every Frame, from session_gather on. */
-void session_listen(struct session *s, const struct session_listener *listener);
+void session_listen(struct session *s, const struct record_listener *listener);
 
 /**
  * Waits until every robot has a controller that is ready and, if asked, for the word to go.

@@ -13,7 +13,7 @@ void session_guest_act(struct session *s, const muster_Act *act, int32_t process
         return;
     }
     guest->state = act->state;
-    runhash_act(s->hash, act, guest->digest);
+    run_hash_act(s->hash, act, guest->digest);
     session_view_act(s, s->robot_count + (size_t)(guest - s->guests->at), act);
 }
 
@@ -27,7 +27,7 @@ void session_guest_seat(struct session *s, const char *name, int32_t process)
 void session_guests_fold(struct session *s)
 {
     for (uint32_t i = 0; i < s->guests->count; i++) {
-        runhash_fold(s->hash, s->guests->at[i].digest, RUNHASH_BYTES);
+        run_hash_fold(s->hash, s->guests->at[i].digest, RUN_HASH_BYTES);
     }
 }
 

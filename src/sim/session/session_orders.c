@@ -3,7 +3,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/text.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/record.h"
 #include "sim/session/session.h"
 
 #include <errno.h>
@@ -111,7 +111,7 @@ static struct outcome order_save(struct session *s, const muster_RunCommand *c, 
     engine_save(s->engine, s->snapshot);
     size_t size = engine_save_size(s->engine);
     struct outcome o = {.result = muster_ORDER_DONE};
-    if (snapshot_write(s->options.saves, c->file, s->snapshot, size) != MU_OK) {
+    if (snapshot_file_write(s->options.saves, c->file, s->snapshot, size) != MU_OK) {
         bool leads_out = errno == EXDEV || errno == ELOOP;
         o.result = muster_ORDER_NOT_WRITTEN;
         snprintf(o.reason, sizeof o.reason, "%s: %.180s",
@@ -218,7 +218,7 @@ void session_order_take(struct session *s, const muster_RunCommand *c)
     }
     if (c->order == muster_RUN_PACE) {
         o = pace_change(s, c);
-    } else if (orders_put(s->orders, c) == MU_OK) {
+    } else if (order_queue_put(s->orders, c) == MU_OK) {
         return; /* it is answered at the end of the step */
     } else {
         o = outcome_of(muster_ORDER_REFUSED, "too many orders in one step");
@@ -230,10 +230,10 @@ void session_orders_apply(struct session *s)
 {
     const muster_RunCommand *c;
     session_script_look(s);
-    while ((c = orders_take(s->orders))) {
+    while ((c = order_queue_take(s->orders))) {
         struct outcome o = order_run(s, c);
         if (o.result == muster_ORDER_DONE && order_table[c->order].changes) {
-            runhash_order(s->hash, c);
+            run_hash_order(s->hash, c);
         }
         if (o.result == muster_ORDER_DONE) {
             session_view_order(s, c);

@@ -69,7 +69,7 @@ void session_script_look(struct session *s)
     const muster_RunCommand *c;
     script_look(s->script, (uint64_t)s->step * s->options.step_ns, &view);
     while ((c = script_next(s->script))) {
-        if (orders_put(s->orders, c) != MU_OK) {
+        if (order_queue_put(s->orders, c) != MU_OK) {
             session_order_refuse(s, c, "too many orders in one step");
         }
     }

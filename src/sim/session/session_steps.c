@@ -168,7 +168,7 @@ static void body_hash(struct session *s, size_t body)
 {
     double state[ENGINE_STATE_DOUBLES];
     engine_state(s->engine, body, state);
-    runhash_fold(s->hash, state, sizeof state);
+    run_hash_fold(s->hash, state, sizeof state);
 }
 
 /* Hashes and records the world as this step found it; done while the controllers think.  A step
@@ -179,12 +179,12 @@ static void world_record(struct session *s)
         return;
     }
     s->recorded = s->step + 1;
-    runhash_fold_number(s->hash, (uint64_t)s->step);
+    run_hash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
         body_hash(s, r);
-        if (s->recorder && s->robots[r].controlled) {
-            recorder_add(s->recorder, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
-                         &s->robots[r].percept);
+        if (s->tracks && s->robots[r].controlled) {
+            tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
+                       &s->robots[r].percept);
         }
     }
     for (size_t b = s->robot_count; b < engine_body_count(s->engine); b++) {
@@ -233,7 +233,7 @@ static void commands_apply(struct session *s)
         r->command_forward_m_s = forward_m_s;
         r->command_turn_rad_s = turn_rad_s;
         gripper_apply(s, i);
-        runhash_fold(s->hash, r->digest, sizeof r->digest);
+        run_hash_fold(s->hash, r->digest, sizeof r->digest);
     }
     session_guests_fold(s);
 }
@@ -241,7 +241,7 @@ static void commands_apply(struct session *s)
 /* The mails from outside that the step before this one took in. */
 static void outside_fold(struct session *s)
 {
-    runhash_fold(s->hash, s->outside[(s->step - 1) & 1], RUNHASH_BYTES);
+    run_hash_fold(s->hash, s->outside[(s->step - 1) & 1], RUN_HASH_BYTES);
 }
 
 static void step_finish(struct session *s)
@@ -471,7 +471,7 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
         session_view_finish(s);
     }
     senses_send(s, true);
-    runhash_end(s->hash, s->hash_text);
+    run_hash_end(s->hash, s->hash_text);
     last_words(s, ran == MU_OK ? muster_RUN_DONE : muster_RUN_FAULT);
     for (uint32_t i = 0; i < s->process_count; i++) {
         (void)bus_drain(&s->processes[i].sense, 200000000);

@@ -3,7 +3,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "muster/memory.h"
-#include "sim/record/scene.h"
+#include "sim/record/record.h"
 #include "sim/session/session.h"
 
 /* Who shows Frames to people needs no more than 25 in a second. */
@@ -13,14 +13,14 @@ static const int64_t DRAIN_NS = 200000000;
 mu_result session_view_open(struct session *s)
 {
     s->scene = scene_make(s->world);
-    s->view = view_open(s->world, s->name);
+    s->view = frame_open(s->world, s->name);
     s->tallies = mu_startup_array(s->robot_count, sizeof *s->tallies);
     MU_TRY(bus_writer_open(&s->bus, BUS_SCENE, NULL, NULL, &s->scenes));
     MU_TRY(bus_writer_open(&s->bus, BUS_FRAME, "every", NULL, &s->every));
     return bus_writer_open(&s->bus, BUS_FRAME, "latest", NULL, &s->latest);
 }
 
-void session_listen(struct session *s, const struct session_listener *listener)
+void session_listen(struct session *s, const struct record_listener *listener)
 {
     s->listener = *listener;
 }
@@ -66,11 +66,11 @@ static unsigned wanted_by(const struct session *s, bool last)
 static void robot_view(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
-    view_take_body(s->view, robot, &r->percept, &s->tallies[robot]);
+    frame_take_body(s->view, robot, &r->percept, &s->tallies[robot]);
     if (r->controlled && r->process >= 0) {
         muster_Percept percept = {.robot = s->world->robots[robot].name};
         session_percept_fill(&percept, &r->percept);
-        view_add_percept(s->view, &percept);
+        frame_add_percept(s->view, &percept);
     }
 }
 
@@ -81,39 +81,39 @@ void session_view_begin(struct session *s, bool last)
         tally_take(&s->tallies[r], time_ns, s->options.step_ns, &s->robots[r].percept);
     }
     if (!s->options.free) {
-        view_clear(s->view); /* of a step that was broken off */
+        frame_clear(s->view); /* of a step that was broken off */
     }
     s->view_for = wanted_by(s, last);
     if (!s->view_for) {
         return;
     }
-    view_begin(s->view, s->step, time_ns);
+    frame_begin(s->view, s->step, time_ns);
     for (size_t r = 0; r < s->robot_count; r++) {
         robot_view(s, r);
     }
     for (size_t i = 0; i < s->world->object_count; i++) {
-        view_take_object(s->view, i, engine_pose(s->engine, s->robot_count + i));
+        frame_take_object(s->view, i, engine_pose(s->engine, s->robot_count + i));
     }
 }
 
 void session_view_act(struct session *s, size_t robot, const muster_Act *act)
 {
     if (s->view_for) {
-        view_add_act(s->view, robot, act);
+        frame_add_act(s->view, robot, act);
     }
 }
 
 void session_view_outside(struct session *s, const muster_Delivery *d)
 {
     if (s->view_for) {
-        view_add_outside(s->view, d->step + 1, d->outside._buffer, d->outside._length);
+        frame_add_outside(s->view, d->step + 1, d->outside._buffer, d->outside._length);
     }
 }
 
 void session_view_order(struct session *s, const muster_RunCommand *order)
 {
     if (s->view_for) {
-        view_add_order(s->view, order);
+        frame_add_order(s->view, order);
     }
 }
 
@@ -122,7 +122,7 @@ void session_view_order(struct session *s, const muster_RunCommand *order)
 static void robot_finish(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
-    muster_RobotView *v = view_robot(s->view, robot);
+    muster_RobotView *v = frame_robot(s->view, robot);
     bool lives = r->controlled && r->process >= 0;
     v->state = lives ? r->state : muster_STATE_ABSENT;
     v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* nobody writes there */
@@ -160,22 +160,22 @@ static void frame_write(struct session *s, const muster_Frame *frame)
 void session_view_finish(struct session *s)
 {
     if (!s->view_for) {
-        view_clear(s->view);
+        frame_clear(s->view);
         return;
     }
     for (size_t r = 0; r < s->robot_count; r++) {
         robot_finish(s, r);
     }
-    muster_Frame *frame = view_finish(s->view);
+    muster_Frame *frame = frame_finish(s->view);
     frame->wall_ns = mu_clock_ns() - s->first_step_wall_ns;
-    frame->digest = s->options.free ? 0 : runhash_peek(s->hash);
+    frame->digest = s->options.free ? 0 : run_hash_peek(s->hash);
     frame_write(s, frame);
-    view_clear(s->view);
+    frame_clear(s->view);
 }
 
 void session_view_close(struct session *s)
 {
-    uint64_t left_out = view_left_out(s->view);
+    uint64_t left_out = frame_left_out(s->view);
     if (left_out > 0 || s->frames_lost > 0) {
         mu_log(MU_LOG_WARNING, "frames-cut", "left_out=%llu lost=%llu",
                (unsigned long long)left_out, (unsigned long long)s->frames_lost);

@@ -52,7 +52,7 @@ static int begin(void)
     physics_clear();
     physics_robot(0, 0, 0);
     s.world = &physics_world;
-    s.hash = runhash_open();
+    s.hash = run_hash_open();
     s.robot_count = 1;
     s.robots = calloc(1, sizeof *s.robots);
     s.robots[0].controlled = true;
@@ -77,7 +77,7 @@ static void step(bool last)
     s.robots[0].percept = engine_sense_all(s.engine, wanted)[0];
     session_view_begin(&s, last);
     session_view_act(&s, 0, &act);
-    runhash_fold_number(s.hash, (uint64_t)s.step);
+    run_hash_fold_number(s.hash, (uint64_t)s.step);
     session_view_finish(&s);
     engine_step(s.engine);
     s.step++;
@@ -97,7 +97,7 @@ static void test_a_listener_is_told_everything(void)
 {
     static const unsigned char head[] = {0,   1,   0,   0,   12,  0,   0,   0,   's', 'i',
                                          'm', 'u', 'l', 'a', 't', 'o', 'r', '.', '1', 0};
-    const struct session_listener listener = {.self = &heard, .scene = on_scene, .frame = on_frame};
+    const struct record_listener listener = {.self = &heard, .scene = on_scene, .frame = on_frame};
     session_listen(&s, &listener);
     session_view_scene(&s);
     CU_ASSERT_EQUAL(heard.scenes, 1);
@@ -107,13 +107,13 @@ static void test_a_listener_is_told_everything(void)
         CU_ASSERT_EQUAL(heard.frames, i);
         CU_ASSERT_EQUAL(heard.step, i);
         CU_ASSERT_EQUAL(heard.acts, 1);
-        CU_ASSERT_EQUAL(heard.digest, runhash_peek(s.hash));
+        CU_ASSERT_EQUAL(heard.digest, run_hash_peek(s.hash));
         CU_ASSERT_EQUAL(memcmp(heard.bytes, head, sizeof head), 0);
         int64_t number; /* behind the name, at a multiple of 8 from the body's beginning */
         memcpy(&number, heard.bytes + 20, sizeof number);
         CU_ASSERT_EQUAL(number, (int64_t)i);
     }
-    session_listen(&s, &(struct session_listener){0});
+    session_listen(&s, &(struct record_listener){0});
 }
 
 /* Takes a Frame of a reader.  @return its step; -1: there is none */

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a small world: totals, the Scene, a Frame. */
-#include "sim/record/view.h"
 #include "bus/bus.h"
 #include "core/rounded.h"
 #include "muster/memory.h"
 #include "physics.h"
 #include "samples.h"
-#include "sim/record/runhash.h"
-#include "sim/record/scene.h"
-#include "sim/record/tally.h"
+#include "sim/record/record.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -138,18 +135,18 @@ static void test_figures(void)
 
 /* --- a Frame ---------------------------------------------------------------------------------- */
 
-static struct view *view;
+static struct frame_builder *view;
 
-static struct view *view_start(void)
+static struct frame_builder *view_start(void)
 {
-    static struct view *kept[16]; /* so that leak checkers see them */
+    static struct frame_builder *kept[16]; /* so that leak checkers see them */
     static size_t count;
     physics_clear();
     physics_robot(0, 0, 0);
     physics_robot(2, 0, 0);
     physics_object(1, 1, 0.1);
     CU_ASSERT_FATAL(count < sizeof kept / sizeof kept[0]);
-    return kept[count++] = view_open(&physics_world, "simulator.1");
+    return kept[count++] = frame_open(&physics_world, "simulator.1");
 }
 
 static muster_Act act_of(const char *agent, const char *rules, muster_Mail *mails, uint32_t count)
@@ -172,12 +169,12 @@ static void test_bodies_and_percepts(void)
                                           .turn_rad_s = -1,
                                           .stalled = true};
     const struct tally tally = {.distance_m = 12.5, .stalled_s = 0.5, .stalls = 2};
-    view_begin(view, 7, 700000000);
-    view_take_body(view, 1, &moving, &tally);
-    view_take_object(view, 0, (struct world_pose){4, 5, 6});
+    frame_begin(view, 7, 700000000);
+    frame_take_body(view, 1, &moving, &tally);
+    frame_take_object(view, 0, (struct world_pose){4, 5, 6});
     muster_Percept percept = {.robot = words("robot1"), .x_m = 9};
-    view_add_percept(view, &percept);
-    const muster_Frame *f = view_finish(view);
+    frame_add_percept(view, &percept);
+    const muster_Frame *f = frame_finish(view);
     READS(f->simulator, "simulator.1");
     CU_ASSERT_EQUAL(f->step, 7);
     CU_ASSERT_EQUAL(f->time_ns, 700000000);
@@ -192,8 +189,8 @@ static void test_bodies_and_percepts(void)
     CU_ASSERT_EQUAL(f->objects._buffer[0].heading_rad, 6);
     CU_ASSERT_EQUAL_FATAL(f->percepts._length, 1);
     CU_ASSERT_EQUAL(f->percepts._buffer[0].x_m, 9);
-    view_begin(view, 8, 800000000);
-    CU_ASSERT_EQUAL(view_finish(view)->percepts._length, 0);
+    frame_begin(view, 8, 800000000);
+    CU_ASSERT_EQUAL(frame_finish(view)->percepts._length, 0);
 }
 
 /* Whatever order the answers come in, and though their memory is used again at once. */
@@ -205,13 +202,13 @@ static void test_acts_stand_in_the_order_of_the_robots(void)
     muster_Act second = act_of("robot1", rules, mails, 2);
     muster_Act first = act_of("robot0", "wander", NULL, 0);
     muster_Act later = act_of("robot0", "stop", NULL, 0);
-    view_begin(view, 0, 0);
-    view_add_act(view, 1, &second);
+    frame_begin(view, 0, 0);
+    frame_add_act(view, 1, &second);
     rules[0] = content[0] = '?';
     memset(mails, 0, sizeof mails);
-    view_add_act(view, 0, &first);
-    view_add_act(view, 0, &later);
-    const muster_Frame *f = view_finish(view);
+    frame_add_act(view, 0, &first);
+    frame_add_act(view, 0, &later);
+    const muster_Frame *f = frame_finish(view);
     CU_ASSERT_EQUAL_FATAL(f->acts._length, 3);
     READS(f->acts._buffer[0].rules, "wander");
     READS(f->acts._buffer[1].rules, "stop");
@@ -219,9 +216,9 @@ static void test_acts_stand_in_the_order_of_the_robots(void)
     CU_ASSERT_EQUAL_FATAL(f->acts._buffer[2].mails._length, 2);
     READS(f->acts._buffer[2].mails._buffer[0].content, "hello");
     CU_ASSERT_EQUAL(f->acts._buffer[2].mails._buffer[1].seq, 2);
-    view_clear(view);
-    CU_ASSERT_EQUAL(view_finish(view)->acts._length, 0);
-    CU_ASSERT_EQUAL(view_left_out(view), 0);
+    frame_clear(view);
+    CU_ASSERT_EQUAL(frame_finish(view)->acts._length, 0);
+    CU_ASSERT_EQUAL(frame_left_out(view), 0);
 }
 
 /* The broker may be a step ahead of the simulator. */
@@ -230,19 +227,19 @@ static void test_mails_from_outside_come_at_their_step(void)
     view = view_start();
     muster_Mail now = letter("operator", 1, "robot0", "now");
     muster_Mail next = letter("operator", 2, "robot0", "next");
-    view_begin(view, 4, 0);
-    view_add_outside(view, 4, &now, 1);
-    view_add_outside(view, 5, &next, 1);
-    const muster_Frame *f = view_finish(view);
+    frame_begin(view, 4, 0);
+    frame_add_outside(view, 4, &now, 1);
+    frame_add_outside(view, 5, &next, 1);
+    const muster_Frame *f = frame_finish(view);
     CU_ASSERT_EQUAL_FATAL(f->outside._length, 1);
     READS(f->outside._buffer[0].content, "now");
-    view_clear(view);
-    view_begin(view, 5, 0);
-    f = view_finish(view);
+    frame_clear(view);
+    frame_begin(view, 5, 0);
+    f = frame_finish(view);
     CU_ASSERT_EQUAL_FATAL(f->outside._length, 1);
     READS(f->outside._buffer[0].content, "next");
-    view_begin(view, 6, 0);
-    CU_ASSERT_EQUAL(view_finish(view)->outside._length, 0);
+    frame_begin(view, 6, 0);
+    CU_ASSERT_EQUAL(frame_finish(view)->outside._length, 0);
 }
 
 static void test_orders(void)
@@ -256,15 +253,15 @@ static void test_orders(void)
                                .file = words(""),
                                .when = words(""),
                                .x_m = 1.5};
-    view_begin(view, 0, 0);
-    view_add_order(view, &order);
-    const muster_Frame *f = view_finish(view);
+    frame_begin(view, 0, 0);
+    frame_add_order(view, &order);
+    const muster_Frame *f = frame_finish(view);
     CU_ASSERT_EQUAL_FATAL(f->orders._length, 1);
     READS(f->orders._buffer[0].simulator, "simulator.1");
     READS(f->orders._buffer[0].name, "robot0");
     CU_ASSERT_EQUAL(f->orders._buffer[0].x_m, 1.5);
-    view_begin(view, 1, 0);
-    CU_ASSERT_EQUAL(view_finish(view)->orders._length, 0);
+    frame_begin(view, 1, 0);
+    CU_ASSERT_EQUAL(frame_finish(view)->orders._length, 0);
 }
 
 static void test_what_does_not_fit_is_left_out_and_counted(void)
@@ -276,47 +273,47 @@ static void test_what_does_not_fit_is_left_out_and_counted(void)
     muster_Act big = act_of("robot0", text, NULL, 0);
     muster_Act small = act_of("robot1", "wander", NULL, 0);
     uint64_t fitting = MU_FRAME_BYTES_MAX / size - 1; /* its name takes room, too */
-    view_begin(view, 0, 0);
+    frame_begin(view, 0, 0);
     for (uint64_t i = 0; i < fitting + 3; i++) {
-        view_add_act(view, 0, &big);
+        frame_add_act(view, 0, &big);
     }
-    view_add_act(view, 1, &small); /* for which there is room still */
-    CU_ASSERT_EQUAL(view_finish(view)->acts._length, fitting + 1);
-    CU_ASSERT_EQUAL(view_left_out(view), 3);
-    view_clear(view);
+    frame_add_act(view, 1, &small); /* for which there is room still */
+    CU_ASSERT_EQUAL(frame_finish(view)->acts._length, fitting + 1);
+    CU_ASSERT_EQUAL(frame_left_out(view), 3);
+    frame_clear(view);
     for (unsigned i = 0; i < MU_FRAME_ACTS_MAX + 2; i++) {
-        view_add_act(view, 1, &small);
+        frame_add_act(view, 1, &small);
     }
-    CU_ASSERT_EQUAL(view_finish(view)->acts._length, MU_FRAME_ACTS_MAX);
-    CU_ASSERT_EQUAL(view_left_out(view), 5);
+    CU_ASSERT_EQUAL(frame_finish(view)->acts._length, MU_FRAME_ACTS_MAX);
+    CU_ASSERT_EQUAL(frame_left_out(view), 5);
     muster_Mail mail = letter("operator", 1, "robot0", "x");
     for (unsigned i = 0; i < MU_FRAME_MAILS_MAX + 2; i++) {
-        view_add_outside(view, 0, &mail, 1);
+        frame_add_outside(view, 0, &mail, 1);
     }
-    CU_ASSERT_EQUAL(view_finish(view)->outside._length, MU_FRAME_MAILS_MAX);
-    CU_ASSERT_EQUAL(view_left_out(view), 7);
+    CU_ASSERT_EQUAL(frame_finish(view)->outside._length, MU_FRAME_MAILS_MAX);
+    CU_ASSERT_EQUAL(frame_left_out(view), 7);
 }
 
 /* A run that goes on is not changed by who asks. */
 static void test_a_digest_is_how_the_hash_would_begin(void)
 {
-    char text[RUNHASH_TEXT], asked[17];
-    static struct runhash *h[2];
+    char text[RUN_HASH_TEXT], asked[17];
+    static struct run_hash *h[2];
     uint64_t before = 0;
     for (size_t i = 0; i < 2; i++) {
-        h[i] = runhash_open();
-        runhash_fold_number(h[i], 1);
+        h[i] = run_hash_open();
+        run_hash_fold_number(h[i], 1);
         if (i == 1) {
-            before = runhash_peek(h[i]);
+            before = run_hash_peek(h[i]);
         }
-        runhash_fold_number(h[i], 2);
+        run_hash_fold_number(h[i], 2);
     }
-    snprintf(asked, sizeof asked, "%016llx", (unsigned long long)runhash_peek(h[1]));
-    CU_ASSERT(before != runhash_peek(h[1]));
-    runhash_end(h[1], text);
+    snprintf(asked, sizeof asked, "%016llx", (unsigned long long)run_hash_peek(h[1]));
+    CU_ASSERT(before != run_hash_peek(h[1]));
+    run_hash_end(h[1], text);
     CU_ASSERT_EQUAL(strncmp(text, asked, 16), 0);
-    char other[RUNHASH_TEXT];
-    runhash_end(h[0], other);
+    char other[RUN_HASH_TEXT];
+    run_hash_end(h[0], other);
     READS(text, other);
 }
 
@@ -336,5 +333,5 @@ int main(void)
         {"a digest is how the hash would begin", test_a_digest_is_how_the_hash_would_begin},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("sim/view", tests);
+    return suite_run("sim/frame", tests);
 }

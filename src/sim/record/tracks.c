@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/recorder.h"
+#include "sim/record/record.h"
 
 #include "muster/memory.h"
 
@@ -9,23 +9,23 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { RECORDER_BUFFER = 256 * 1024 };
+enum { TRACKS_BUFFER = 256 * 1024 };
 
-struct recorder {
+struct tracks {
     FILE *file, *placements; /* NULL: nobody was placed yet */
     char path[512], placements_path[512];
-    char buffer[RECORDER_BUFFER];
+    char buffer[TRACKS_BUFFER];
 };
 
-static mu_result recorder_fault(const char *path, const char *what)
+static mu_result tracks_fault(const char *path, const char *what)
 {
     fprintf(stderr, "cannot %s %s: %s\n", what, path, strerror(errno));
     return MU_FAULT_OS;
 }
 
-mu_result recorder_open(struct recorder **out, const char *path)
+mu_result tracks_open(struct tracks **out, const char *path)
 {
-    struct recorder *r = mu_startup_alloc(sizeof *r);
+    struct tracks *r = mu_startup_alloc(sizeof *r);
     const char *slash = strrchr(path, '/');
     snprintf(r->path, sizeof r->path, "%s", path);
     snprintf(r->placements_path, sizeof r->placements_path, "%.*splacements.csv",
@@ -33,7 +33,7 @@ mu_result recorder_open(struct recorder **out, const char *path)
     unlink(r->placements_path); /* of another run */
     r->file = fopen(path, "w");
     if (!r->file) {
-        return recorder_fault(path, "create");
+        return tracks_fault(path, "create");
     }
     setvbuf(r->file, r->buffer, _IOFBF, sizeof r->buffer);
     fputs("time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled\n", r->file);
@@ -67,7 +67,7 @@ static char *number_write(char *to, double value)
 }
 
 /* Beside the tracks, when the first one is placed.  A full disk shows there, too. */
-static void placement_add(struct recorder *r, uint64_t time_ns, const char *robot)
+static void placement_add(struct tracks *r, uint64_t time_ns, const char *robot)
 {
     char time[24];
     *number_write(time, (double)time_ns * 1e-9) = '\0';
@@ -80,8 +80,8 @@ static void placement_add(struct recorder *r, uint64_t time_ns, const char *robo
     }
 }
 
-void recorder_add(struct recorder *r, uint64_t time_ns, const char *robot,
-                  const struct engine_percept *p)
+void tracks_add(struct tracks *r, uint64_t time_ns, const char *robot,
+                const struct engine_percept *p)
 {
     char row[8 * 24 + MU_NAME_MAX + 1];
     char *end = number_write(row, (double)time_ns * 1e-9);
@@ -104,12 +104,12 @@ void recorder_add(struct recorder *r, uint64_t time_ns, const char *robot,
     }
 }
 
-mu_result recorder_close(struct recorder *r)
+mu_result tracks_close(struct tracks *r)
 {
     bool whole = !ferror(r->file);
     if (r->placements) {
         fclose(r->placements);
     }
     whole = fclose(r->file) == 0 && whole;
-    return whole ? MU_OK : recorder_fault(r->path, "write");
+    return whole ? MU_OK : tracks_fault(r->path, "write");
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/view.h"
+#include "sim/record/record.h"
 
 #include "muster/limits.h"
 #include "muster/memory.h"
 
 #include <string.h>
 
-enum { VIEW_NONE = -1 };
+enum { FRAME_NONE = -1 };
 
 /* Memory that is handed out from its beginning, and all taken back at once. */
 struct pool_bytes {
@@ -28,7 +28,7 @@ struct outside {
     uint32_t count;
 };
 
-struct view {
+struct frame_builder {
     muster_Frame frame;
     struct pool_bytes text;
     size_t robot_count;
@@ -39,7 +39,7 @@ struct view {
     muster_Act sorted[MU_FRAME_ACTS_MAX];
     uint32_t act_count;
     struct outside outside[2]; /* of even and odd steps */
-    struct orders orders;
+    struct order_queue orders;
     muster_RunCommand orders_out[MU_ORDERS_MAX];
     uint64_t left_out;
 };
@@ -97,17 +97,17 @@ static bool bytes_settle(struct pool_bytes *p, size_t before)
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
-static void chains_clear(struct view *v)
+static void chains_clear(struct frame_builder *v)
 {
     for (size_t i = 0; i < v->chains_count; i++) {
-        v->chains[i] = (struct chain){VIEW_NONE, VIEW_NONE};
+        v->chains[i] = (struct chain){FRAME_NONE, FRAME_NONE};
     }
     v->chains_count = v->robot_count;
     v->act_count = 0;
     v->text.used = 0;
 }
 
-static void lines_open(struct view *v, const struct world *world)
+static void lines_open(struct frame_builder *v, const struct world *world)
 {
     muster_Frame *f = &v->frame;
     f->robots._buffer = mu_startup_array(world->robot_count, sizeof *f->robots._buffer);
@@ -124,9 +124,9 @@ static void lines_open(struct view *v, const struct world *world)
     }
 }
 
-struct view *view_open(const struct world *world, const char *simulator)
+struct frame_builder *frame_open(const struct world *world, const char *simulator)
 {
-    struct view *v = mu_startup_alloc(sizeof *v);
+    struct frame_builder *v = mu_startup_alloc(sizeof *v);
     v->frame.simulator = (char *)(uintptr_t)simulator;
     v->robot_count = world->robot_count;
     v->chains_count = world->robot_count + MU_AGENTS_MAX;
@@ -145,7 +145,7 @@ struct view *view_open(const struct world *world, const char *simulator)
 
 /* --- what comes in ---------------------------------------------------------------------------- */
 
-void view_begin(struct view *v, int64_t step, uint64_t time_ns)
+void frame_begin(struct frame_builder *v, int64_t step, uint64_t time_ns)
 {
     v->frame.step = step;
     v->frame.time_ns = time_ns;
@@ -153,8 +153,8 @@ void view_begin(struct view *v, int64_t step, uint64_t time_ns)
     v->orders.count = 0;
 }
 
-void view_take_body(struct view *v, size_t robot, const struct engine_percept *percept,
-                    const struct tally *tally)
+void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_percept *percept,
+                     const struct tally *tally)
 {
     muster_RobotView *r = &v->frame.robots._buffer[robot];
     r->x_m = percept->pose.x_m;
@@ -170,7 +170,7 @@ void view_take_body(struct view *v, size_t robot, const struct engine_percept *p
     r->stalls = tally->stalls;
 }
 
-void view_take_object(struct view *v, size_t object, struct world_pose pose)
+void frame_take_object(struct frame_builder *v, size_t object, struct world_pose pose)
 {
     muster_ObjectPlace *o = &v->frame.objects._buffer[object];
     o->x_m = pose.x_m;
@@ -178,14 +178,14 @@ void view_take_object(struct view *v, size_t object, struct world_pose pose)
     o->heading_rad = pose.heading_rad;
 }
 
-void view_add_percept(struct view *v, const muster_Percept *percept)
+void frame_add_percept(struct frame_builder *v, const muster_Percept *percept)
 {
     MU_ASSERT(v->frame.percepts._length < v->robot_count);
     v->frame.percepts._buffer[v->frame.percepts._length++] = *percept;
 }
 
 /* @return whether there was room for its texts and mails */
-static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
+static bool act_keep(struct frame_builder *v, muster_Act *copy, const muster_Act *act)
 {
     struct pool_bytes *p = &v->text;
     size_t before = p->used;
@@ -203,7 +203,7 @@ static bool act_keep(struct view *v, muster_Act *copy, const muster_Act *act)
     return bytes_settle(p, before);
 }
 
-void view_add_act(struct view *v, size_t robot, const muster_Act *act)
+void frame_add_act(struct frame_builder *v, size_t robot, const muster_Act *act)
 {
     MU_ASSERT(robot < v->robot_count + MU_AGENTS_MAX);
     v->chains_count = robot < v->chains_count ? v->chains_count : robot + 1;
@@ -214,8 +214,8 @@ void view_add_act(struct view *v, size_t robot, const muster_Act *act)
     }
     struct chain *c = &v->chains[robot];
     v->act_count++;
-    v->next[index] = VIEW_NONE;
-    if (c->first == VIEW_NONE) {
+    v->next[index] = FRAME_NONE;
+    if (c->first == FRAME_NONE) {
         c->first = index;
     } else {
         v->next[c->last] = index;
@@ -223,7 +223,8 @@ void view_add_act(struct view *v, size_t robot, const muster_Act *act)
     c->last = index;
 }
 
-void view_add_outside(struct view *v, int64_t step, const muster_Mail *mails, uint32_t count)
+void frame_add_outside(struct frame_builder *v, int64_t step, const muster_Mail *mails,
+                       uint32_t count)
 {
     struct outside *o = &v->outside[step & 1];
     if (o->step != step) {
@@ -243,23 +244,23 @@ void view_add_outside(struct view *v, int64_t step, const muster_Mail *mails, ui
     }
 }
 
-void view_add_order(struct view *v, const muster_RunCommand *order)
+void frame_add_order(struct frame_builder *v, const muster_RunCommand *order)
 {
-    v->left_out += orders_put(&v->orders, order) != MU_OK;
+    v->left_out += order_queue_put(&v->orders, order) != MU_OK;
 }
 
 /* --- the Frame -------------------------------------------------------------------------------- */
 
-muster_RobotView *view_robot(struct view *v, size_t robot)
+muster_RobotView *frame_robot(struct frame_builder *v, size_t robot)
 {
     return &v->frame.robots._buffer[robot];
 }
 
-static void acts_sort(struct view *v)
+static void acts_sort(struct frame_builder *v)
 {
     uint32_t count = 0;
     for (size_t r = 0; r < v->chains_count; r++) {
-        for (int32_t i = v->chains[r].first; i != VIEW_NONE; i = v->next[i]) {
+        for (int32_t i = v->chains[r].first; i != FRAME_NONE; i = v->next[i]) {
             v->sorted[count++] = v->acts[i];
         }
     }
@@ -267,7 +268,7 @@ static void acts_sort(struct view *v)
         (dds_sequence_muster_Act){._maximum = count, ._length = count, ._buffer = v->sorted};
 }
 
-static void orders_list(struct view *v)
+static void orders_list(struct frame_builder *v)
 {
     uint32_t count = (uint32_t)v->orders.count;
     for (uint32_t i = 0; i < count; i++) {
@@ -278,7 +279,7 @@ static void orders_list(struct view *v)
         ._maximum = count, ._length = count, ._buffer = v->orders_out};
 }
 
-muster_Frame *view_finish(struct view *v)
+muster_Frame *frame_finish(struct frame_builder *v)
 {
     struct outside *o = &v->outside[v->frame.step & 1];
     uint32_t count = o->step == v->frame.step ? o->count : 0;
@@ -290,12 +291,12 @@ muster_Frame *view_finish(struct view *v)
     return &v->frame;
 }
 
-void view_clear(struct view *v)
+void frame_clear(struct frame_builder *v)
 {
     chains_clear(v);
 }
 
-uint64_t view_left_out(const struct view *v)
+uint64_t frame_left_out(const struct frame_builder *v)
 {
     return v->left_out;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes from outside wait in one order, whatever the one of their arrival, and only so many. */
-#include "sim/record/orders.h"
+#include "sim/record/record.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct orders orders;
+static struct order_queue orders;
 
 static void set_up(void)
 {
@@ -22,7 +22,7 @@ static mu_result put(const char *source, uint64_t seq)
     snprintf(name, sizeof name, "n%llu", (unsigned long long)seq);
     muster_RunCommand c = {
         .source = from, .seq = seq, .name = name, .file = file, .when = file, .x_m = 0.5};
-    mu_result r = orders_put(&orders, &c);
+    mu_result r = order_queue_put(&orders, &c);
     memset(from, '?', sizeof from - 1); /* what was given is not kept */
     memset(name, '?', sizeof name - 1);
     return r;
@@ -30,7 +30,7 @@ static mu_result put(const char *source, uint64_t seq)
 
 static void expect(const char *source, uint64_t seq)
 {
-    const muster_RunCommand *c = orders_take(&orders);
+    const muster_RunCommand *c = order_queue_take(&orders);
     CU_ASSERT_PTR_NOT_NULL_FATAL(c);
     char name[16];
     snprintf(name, sizeof name, "n%llu", (unsigned long long)seq);
@@ -51,7 +51,7 @@ static void test_in_order_of_source_and_number(void)
     expect("operator", 8);
     expect("operator", 9);
     expect("red", 1);
-    CU_ASSERT_PTR_NULL(orders_take(&orders));
+    CU_ASSERT_PTR_NULL(order_queue_take(&orders));
 }
 
 static void test_equal_ones_as_they_came(void)
@@ -60,7 +60,7 @@ static void test_equal_ones_as_they_came(void)
     CU_ASSERT_EQUAL(put("a", 1), MU_OK);
     expect("a", 1);
     expect("a", 1);
-    CU_ASSERT_PTR_NULL(orders_take(&orders));
+    CU_ASSERT_PTR_NULL(order_queue_take(&orders));
 }
 
 static void test_limit_orders_of_a_step(void)
@@ -72,7 +72,7 @@ static void test_limit_orders_of_a_step(void)
     for (uint64_t i = 0; i < MU_ORDERS_MAX; i++) {
         expect("a", i);
     }
-    CU_ASSERT_PTR_NULL(orders_take(&orders));
+    CU_ASSERT_PTR_NULL(order_queue_take(&orders));
     CU_ASSERT_EQUAL(put("a", 1), MU_OK);
     expect("a", 1);
 }
@@ -85,6 +85,7 @@ int main(void)
         {"limit: orders of a step", test_limit_orders_of_a_step},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/orders", NULL, NULL, set_up, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"sim/order_queue", NULL, NULL, set_up, NULL, tests},
+                             CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/recorder.h"
 #include "capture.h"
+#include "sim/record/record.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const char head[] = "time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled\n";
-static char folder[] = "/tmp/muster-recorder-XXXXXX";
+static char folder[] = "/tmp/muster-tracks-XXXXXX";
 static char path[64];
 static char text[1 << 16];
 
@@ -27,12 +27,12 @@ static int folder_remove(void)
     return rmdir(folder);
 }
 
-static struct recorder *open_at(const char *where)
+static struct tracks *open_at(const char *where)
 {
-    static struct recorder *all[8]; /* kept, so that leak checkers see them */
+    static struct tracks *all[8]; /* kept, so that leak checkers see them */
     static unsigned count;
-    struct recorder **r = &all[count++ % 8];
-    CU_ASSERT_EQUAL_FATAL(recorder_open(r, where), MU_OK);
+    struct tracks **r = &all[count++ % 8];
+    CU_ASSERT_EQUAL_FATAL(tracks_open(r, where), MU_OK);
     return *r;
 }
 
@@ -50,18 +50,18 @@ static const char *rows(void)
 
 static void test_an_empty_record_has_its_head(void)
 {
-    CU_ASSERT_EQUAL(recorder_close(open_at(path)), MU_OK);
+    CU_ASSERT_EQUAL(tracks_close(open_at(path)), MU_OK);
     CU_ASSERT_STRING_EQUAL(rows(), "");
 }
 
 static void test_rows(void)
 {
-    struct recorder *r = open_at(path);
+    struct tracks *r = open_at(path);
     struct engine_percept p = {.pose = {1.5, -2.25, 0.125}, .forward_m_s = 0.3, .turn_rad_s = -1};
-    recorder_add(r, 0, "red", &p);
+    tracks_add(r, 0, "red", &p);
     p.stalled = true;
-    recorder_add(r, 100000000, "a-name-of-31-bytes-is-the-limit", &p);
-    CU_ASSERT_EQUAL(recorder_close(r), MU_OK);
+    tracks_add(r, 100000000, "a-name-of-31-bytes-is-the-limit", &p);
+    CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
     CU_ASSERT_STRING_EQUAL(
         rows(), "0.000000,red,1.500000,-2.250000,0.125000,0.300000,-1.000000,0\n"
                 "0.100000,a-name-of-31-bytes-is-the-limit,1.500000,-2.250000,0.125000,0.300000,"
@@ -96,13 +96,13 @@ static void test_numbers(void)
         {5e-324, "0.000000"},
     };
     enum { CASES = sizeof cases / sizeof cases[0] };
-    struct recorder *r = open_at(path);
+    struct tracks *r = open_at(path);
     for (size_t i = 0; i < CASES; i++) {
         double v = cases[i].value;
         struct engine_percept p = {.pose = {v, 0, v}, .turn_rad_s = v};
-        recorder_add(r, 0, "red", &p);
+        tracks_add(r, 0, "red", &p);
     }
-    CU_ASSERT_EQUAL(recorder_close(r), MU_OK);
+    CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
     const char *row = rows();
     for (size_t i = 0; i < CASES; i++) {
         char want[256];
@@ -119,12 +119,12 @@ static void test_numbers(void)
 static void test_numbers_as_printf(void)
 {
     enum { FROM = -300, TO = 300 };
-    struct recorder *r = open_at(path);
+    struct tracks *r = open_at(path);
     for (int i = FROM; i <= TO; i++) {
         struct engine_percept p = {.pose = {0, i * 0.370370371 + i * i * 1.1e-5, 0}};
-        recorder_add(r, (uint64_t)(i - FROM) * 123456789u, "b", &p);
+        tracks_add(r, (uint64_t)(i - FROM) * 123456789u, "b", &p);
     }
-    CU_ASSERT_EQUAL(recorder_close(r), MU_OK);
+    CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
     const char *row = rows();
     for (int i = FROM; i <= TO; i++) {
         char want[256];
@@ -140,13 +140,13 @@ static void test_numbers_as_printf(void)
 static void test_limit_numbers(void)
 {
     static const double values[] = {1e13, -1e13, 1e300, -1e300};
-    struct recorder *r = open_at(path);
+    struct tracks *r = open_at(path);
     for (size_t i = 0; i < 4; i++) {
         double v = values[i];
         struct engine_percept p = {.pose = {v, v, v}, .forward_m_s = v, .turn_rad_s = v};
-        recorder_add(r, UINT64_MAX, "a-name-of-31-bytes-is-the-limit", &p);
+        tracks_add(r, UINT64_MAX, "a-name-of-31-bytes-is-the-limit", &p);
     }
-    CU_ASSERT_EQUAL(recorder_close(r), MU_OK);
+    CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
     const char *at = rows();
     unsigned commas = 0;
     CU_ASSERT_EQUAL(strncmp(at, "18446744073.709", 15), 0);
@@ -159,20 +159,20 @@ static void test_limit_numbers(void)
 static void test_a_full_disk_shows_at_the_close(void)
 {
     struct engine_percept p = {.pose = {1, 2, 3}};
-    struct recorder *little = open_at("/dev/full");
+    struct tracks *little = open_at("/dev/full");
     capture_begin();
-    recorder_add(little, 0, "red", &p);
-    mu_result little_closed = recorder_close(little);
+    tracks_add(little, 0, "red", &p);
+    mu_result little_closed = tracks_close(little);
     capture_end();
     CU_ASSERT_EQUAL(little_closed, MU_FAULT_OS);
     CU_ASSERT(said("cannot write /dev/full: No space left on device"));
 
-    struct recorder *much = open_at("/dev/full");
+    struct tracks *much = open_at("/dev/full");
     capture_begin();
     for (int i = 0; i < 10000; i++) { /* more than the buffer holds */
-        recorder_add(much, 0, "red", &p);
+        tracks_add(much, 0, "red", &p);
     }
-    mu_result much_closed = recorder_close(much);
+    mu_result much_closed = tracks_close(much);
     capture_end();
     CU_ASSERT_EQUAL(much_closed, MU_FAULT_OS);
     CU_ASSERT(said("cannot write /dev/full: "));
@@ -180,9 +180,9 @@ static void test_a_full_disk_shows_at_the_close(void)
 
 static void test_a_folder_that_is_not_there(void)
 {
-    struct recorder *r = NULL;
+    struct tracks *r = NULL;
     capture_begin();
-    mu_result opened = recorder_open(&r, "/tmp/muster-nowhere/run.csv");
+    mu_result opened = tracks_open(&r, "/tmp/muster-nowhere/run.csv");
     capture_end();
     CU_ASSERT_EQUAL(opened, MU_FAULT_OS);
     CU_ASSERT_PTR_NULL(r);
@@ -201,7 +201,7 @@ int main(void)
         {"a folder that is not there", test_a_folder_that_is_not_there},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/recorder", folder_make, folder_remove, NULL, NULL, tests},
+    CU_SuiteInfo suites[] = {{"sim/tracks", folder_make, folder_remove, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/snapshot.h"
+#include "sim/record/record.h"
 
 #include "muster/memory.h"
 
@@ -20,7 +20,8 @@ static int file_make(int folder, const char *path)
     return (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
 }
 
-mu_result snapshot_write(int folder, const char *path, const unsigned char *bytes, size_t count)
+mu_result snapshot_file_write(int folder, const char *path, const unsigned char *bytes,
+                              size_t count)
 {
     int fd = file_make(folder, path);
     if (fd < 0) {
@@ -46,27 +47,27 @@ mu_result snapshot_write(int folder, const char *path, const unsigned char *byte
     return MU_OK;
 }
 
-static mu_result snapshot_fault(const char *path, const char *why)
+static mu_result snapshot_file_fault(const char *path, const char *why)
 {
     fprintf(stderr, "%s: %s\n", path, why);
     return MU_FAULT_FILE;
 }
 
-mu_result snapshot_restore(struct engine *e, const char *path)
+mu_result snapshot_file_restore(struct engine *e, const char *path)
 {
     const char *reason = NULL;
     size_t size = engine_save_size(e);
     unsigned char *bytes = mu_startup_alloc(size + 1);
     FILE *f = fopen(path, "rb");
     if (!f) {
-        return snapshot_fault(path, strerror(errno));
+        return snapshot_file_fault(path, strerror(errno));
     }
     size_t count = fread(bytes, 1, size + 1, f); /* one more than there should be */
     bool failed = ferror(f);
     fclose(f);
     if (failed) {
-        return snapshot_fault(path, "cannot be read");
+        return snapshot_file_fault(path, "cannot be read");
     }
     mu_result restored = engine_restore(e, bytes, count, &reason);
-    return restored == MU_OK ? MU_OK : snapshot_fault(path, reason);
+    return restored == MU_OK ? MU_OK : snapshot_file_fault(path, reason);
 }

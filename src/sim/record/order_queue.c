@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/orders.h"
+#include "sim/record/record.h"
 
 #include "core/text.h"
 
 #include <string.h>
 
-void orders_copy(struct order *to, const muster_RunCommand *command)
+void order_queue_copy(struct order *to, const muster_RunCommand *command)
 {
     *to = (struct order){.command = *command};
     mu_text_copy(to->source, sizeof to->source, command->source);
@@ -19,12 +19,12 @@ void orders_copy(struct order *to, const muster_RunCommand *command)
     to->command.when = to->when;
 }
 
-mu_result orders_put(struct orders *o, const muster_RunCommand *command)
+mu_result order_queue_put(struct order_queue *o, const muster_RunCommand *command)
 {
     if (o->count == MU_ORDERS_MAX) {
         return MU_FULL;
     }
-    orders_copy(&o->at[o->count++], command);
+    order_queue_copy(&o->at[o->count++], command);
     return MU_OK;
 }
 
@@ -34,7 +34,7 @@ static bool order_is_before(const struct order *a, const struct order *b)
     return order < 0 || (order == 0 && a->command.seq < b->command.seq);
 }
 
-const muster_RunCommand *orders_take(struct orders *o)
+const muster_RunCommand *order_queue_take(struct order_queue *o)
 {
     struct order *next = NULL;
     for (size_t i = 0; i < o->count; i++) {

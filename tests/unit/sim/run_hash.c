@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/runhash.h"
 #include "samples.h"
+#include "sim/record/record.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>
 
-static struct runhash *hash; /* static: leak checkers see its memory */
+static struct run_hash *hash; /* static: leak checkers see its memory */
 
 static int begin(void)
 {
-    hash = runhash_open();
+    hash = run_hash_open();
     return hash == NULL;
 }
 
@@ -43,9 +43,9 @@ static muster_Act act_make(void)
     return act;
 }
 
-static void text_of(const unsigned char digest[RUNHASH_BYTES], char text[RUNHASH_TEXT])
+static void text_of(const unsigned char digest[RUN_HASH_BYTES], char text[RUN_HASH_TEXT])
 {
-    for (size_t i = 0; i < RUNHASH_BYTES; i++) {
+    for (size_t i = 0; i < RUN_HASH_BYTES; i++) {
         snprintf(text + 2 * i, 3, "%02x", digest[i]);
     }
 }
@@ -53,22 +53,22 @@ static void text_of(const unsigned char digest[RUNHASH_BYTES], char text[RUNHASH
 /* Hashes of old runs depend on these: computed by another program from the order of the fields. */
 static void test_hashes_stay_what_they_were(void)
 {
-    unsigned char digest[RUNHASH_BYTES];
-    char text[RUNHASH_TEXT];
+    unsigned char digest[RUN_HASH_BYTES];
+    char text[RUN_HASH_TEXT];
     muster_Act act = act_make();
-    runhash_act(hash, &act, digest);
+    run_hash_act(hash, &act, digest);
     text_of(digest, text);
     CU_ASSERT_STRING_EQUAL(text, "a7768b63f7205c261bb118170bc81e5f"
                                  "dfe3481d8a8df12d094a3b26c41acccb");
-    runhash_outside(hash, mails, 2, digest);
+    run_hash_outside(hash, mails, 2, digest);
     text_of(digest, text);
     CU_ASSERT_STRING_EQUAL(text, "75645f83193b3d146554f33a0ce98c4e"
                                  "aac191dc93bf836b762a7c31ff8bbead");
 
-    struct runhash *run = runhash_open();
-    runhash_fold_number(run, 0x0102030405060708);
-    runhash_fold(run, "abc", 3);
-    runhash_end(run, text);
+    struct run_hash *run = run_hash_open();
+    run_hash_fold_number(run, 0x0102030405060708);
+    run_hash_fold(run, "abc", 3);
+    run_hash_end(run, text);
     CU_ASSERT_STRING_EQUAL(text, "a95f9b6766a7808b67c164180904f51e"
                                  "22562775f5307c9c323725f53b9a50ca");
 }
@@ -76,14 +76,14 @@ static void test_hashes_stay_what_they_were(void)
 /* FIPS 180-2, B.1, and the digest of nothing. */
 static void test_it_is_sha256(void)
 {
-    char text[RUNHASH_TEXT];
-    struct runhash *nothing = runhash_open();
-    runhash_end(nothing, text);
+    char text[RUN_HASH_TEXT];
+    struct run_hash *nothing = run_hash_open();
+    run_hash_end(nothing, text);
     CU_ASSERT_STRING_EQUAL(text, "e3b0c44298fc1c149afbf4c8996fb924"
                                  "27ae41e4649b934ca495991b7852b855");
-    struct runhash *abc = runhash_open();
-    runhash_fold(abc, "abc", 3);
-    runhash_end(abc, text);
+    struct run_hash *abc = run_hash_open();
+    run_hash_fold(abc, "abc", 3);
+    run_hash_end(abc, text);
     CU_ASSERT_STRING_EQUAL(text, "ba7816bf8f01cfea414140de5dae2223"
                                  "b00361a396177a9cb410ff61f20015ad");
 }
@@ -185,39 +185,39 @@ static void change(muster_Act *act, const struct change *c)
 
 static void test_each_change_shows(void)
 {
-    unsigned char digests[CHANGES + 1][RUNHASH_BYTES];
+    unsigned char digests[CHANGES + 1][RUN_HASH_BYTES];
     for (int i = 0; i <= CHANGES; i++) {
-        unsigned char again[RUNHASH_BYTES];
+        unsigned char again[RUN_HASH_BYTES];
         muster_Act act = act_make();
         if (i < CHANGES) { /* the last is the act as it is */
             change(&act, &changes[i]);
         }
-        runhash_act(hash, &act, digests[i]);
-        runhash_act(hash, &act, again);
-        CU_ASSERT_EQUAL(memcmp(again, digests[i], RUNHASH_BYTES), 0);
+        run_hash_act(hash, &act, digests[i]);
+        run_hash_act(hash, &act, again);
+        CU_ASSERT_EQUAL(memcmp(again, digests[i], RUN_HASH_BYTES), 0);
         for (int k = 0; k < i; k++) {
-            CU_ASSERT_NOT_EQUAL(memcmp(digests[k], digests[i], RUNHASH_BYTES), 0);
+            CU_ASSERT_NOT_EQUAL(memcmp(digests[k], digests[i], RUN_HASH_BYTES), 0);
         }
     }
 }
 
 /* The hash of a run of these two acts, in this order. */
-static void run_of(muster_Act *first, muster_Act *second, char text[RUNHASH_TEXT])
+static void run_of(muster_Act *first, muster_Act *second, char text[RUN_HASH_TEXT])
 {
-    struct runhash *run = runhash_open();
-    unsigned char digest[RUNHASH_BYTES];
-    runhash_act(run, first, digest);
-    runhash_fold(run, digest, sizeof digest);
-    runhash_act(run, second, digest);
-    runhash_fold(run, digest, sizeof digest);
-    runhash_end(run, text);
+    struct run_hash *run = run_hash_open();
+    unsigned char digest[RUN_HASH_BYTES];
+    run_hash_act(run, first, digest);
+    run_hash_fold(run, digest, sizeof digest);
+    run_hash_act(run, second, digest);
+    run_hash_fold(run, digest, sizeof digest);
+    run_hash_end(run, text);
 }
 
 static void test_the_order_of_a_run_matters(void)
 {
-    char there[RUNHASH_TEXT];
-    char back[RUNHASH_TEXT];
-    char again[RUNHASH_TEXT];
+    char there[RUN_HASH_TEXT];
+    char back[RUN_HASH_TEXT];
+    char again[RUN_HASH_TEXT];
     muster_Act red = act_make();
     muster_Act blue = red;
     blue.agent = words("blue");
@@ -226,59 +226,59 @@ static void test_the_order_of_a_run_matters(void)
     run_of(&red, &blue, again);
     CU_ASSERT_STRING_EQUAL(there, again);
     CU_ASSERT_STRING_NOT_EQUAL(there, back);
-    CU_ASSERT_EQUAL(strlen(there), RUNHASH_TEXT - 1);
-    CU_ASSERT_EQUAL(strspn(there, "0123456789abcdef"), RUNHASH_TEXT - 1);
+    CU_ASSERT_EQUAL(strlen(there), RUN_HASH_TEXT - 1);
+    CU_ASSERT_EQUAL(strspn(there, "0123456789abcdef"), RUN_HASH_TEXT - 1);
 }
 
 /* Digests of acts are made whenever answers arrive: they leave no trace in the run. */
 static void test_when_an_act_is_digested_does_not_matter(void)
 {
-    char one[RUNHASH_TEXT];
-    char other[RUNHASH_TEXT];
-    unsigned char red_digest[RUNHASH_BYTES];
-    unsigned char outside[RUNHASH_BYTES];
+    char one[RUN_HASH_TEXT];
+    char other[RUN_HASH_TEXT];
+    unsigned char red_digest[RUN_HASH_BYTES];
+    unsigned char outside[RUN_HASH_BYTES];
     muster_Act red = act_make();
     run_of(&red, &red, one);
-    struct runhash *run = runhash_open();
-    runhash_act(run, &red, red_digest);
-    runhash_outside(run, mails, 2, outside);
-    runhash_fold(run, red_digest, sizeof red_digest);
-    runhash_outside(run, mails, 1, outside);
-    runhash_fold(run, red_digest, sizeof red_digest);
-    runhash_end(run, other);
+    struct run_hash *run = run_hash_open();
+    run_hash_act(run, &red, red_digest);
+    run_hash_outside(run, mails, 2, outside);
+    run_hash_fold(run, red_digest, sizeof red_digest);
+    run_hash_outside(run, mails, 1, outside);
+    run_hash_fold(run, red_digest, sizeof red_digest);
+    run_hash_end(run, other);
     CU_ASSERT_STRING_EQUAL(one, other);
 }
 
 static void test_mails_from_outside(void)
 {
-    unsigned char none[RUNHASH_BYTES];
-    unsigned char one[RUNHASH_BYTES];
-    unsigned char two[RUNHASH_BYTES];
-    unsigned char swapped[RUNHASH_BYTES];
+    unsigned char none[RUN_HASH_BYTES];
+    unsigned char one[RUN_HASH_BYTES];
+    unsigned char two[RUN_HASH_BYTES];
+    unsigned char swapped[RUN_HASH_BYTES];
     (void)act_make();
-    runhash_outside(hash, NULL, 0, none);
-    runhash_outside(hash, mails, 1, one);
-    runhash_outside(hash, mails, 2, two);
+    run_hash_outside(hash, NULL, 0, none);
+    run_hash_outside(hash, mails, 1, one);
+    run_hash_outside(hash, mails, 2, two);
     muster_Mail turned[2] = {mails[1], mails[0]};
-    runhash_outside(hash, turned, 2, swapped);
-    CU_ASSERT_NOT_EQUAL(memcmp(none, one, RUNHASH_BYTES), 0);
-    CU_ASSERT_NOT_EQUAL(memcmp(one, two, RUNHASH_BYTES), 0);
-    CU_ASSERT_NOT_EQUAL(memcmp(two, swapped, RUNHASH_BYTES), 0);
+    run_hash_outside(hash, turned, 2, swapped);
+    CU_ASSERT_NOT_EQUAL(memcmp(none, one, RUN_HASH_BYTES), 0);
+    CU_ASSERT_NOT_EQUAL(memcmp(one, two, RUN_HASH_BYTES), 0);
+    CU_ASSERT_NOT_EQUAL(memcmp(two, swapped, RUN_HASH_BYTES), 0);
 }
 
 /* The hash of a run of one order. */
-static void order_hash(const muster_RunCommand *order, char text[RUNHASH_TEXT])
+static void order_hash(const muster_RunCommand *order, char text[RUN_HASH_TEXT])
 {
-    struct runhash *run = runhash_open();
-    runhash_order(run, order);
-    runhash_end(run, text);
+    struct run_hash *run = run_hash_open();
+    run_hash_order(run, order);
+    run_hash_end(run, text);
 }
 
 static void test_an_order_is_what_it_does(void)
 {
     muster_RunCommand base = {.source = words("a"), .name = words("red"), .file = words("")};
     muster_RunCommand changed[14];
-    char texts[14][RUNHASH_TEXT], same[RUNHASH_TEXT];
+    char texts[14][RUN_HASH_TEXT], same[RUN_HASH_TEXT];
     for (size_t i = 0; i < 14; i++) {
         changed[i] = base;
     }
@@ -319,6 +319,6 @@ int main(void)
         {"an order is what it does", test_an_order_is_what_it_does},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/runhash", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"sim/run_hash", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/runfile.h"
+#include "sim/record/record.h"
 
 #include "core/clock.h"
 #include "core/paths.h"
@@ -18,7 +18,7 @@
 
 enum { PAIRS_MAX = 2 * MU_OPTION_LIST_MAX + 24, NAME_SIZE = 1024, SCHEMA_SIZE = 64 * 1024 };
 
-struct runfile {
+struct mcap_file {
     struct mcap_writer *file;
     bool without_percepts;
     uint32_t scenes, frames, states; /* channels */
@@ -72,7 +72,7 @@ static const char *word_split(const char *word, struct mu_text *name)
     return word + (*word == '=');
 }
 
-static void file_attach(struct runfile *f, const struct mu_text *said, const char *path)
+static void file_attach(struct mcap_file *f, const struct mu_text *said, const char *path)
 {
     char bytes[NAME_SIZE];
     struct mu_text name;
@@ -86,7 +86,7 @@ static void file_attach(struct runfile *f, const struct mu_text *said, const cha
     }
 }
 
-static void files_attach(struct runfile *f, const struct mu_option_list *files)
+static void files_attach(struct mcap_file *f, const struct mu_option_list *files)
 {
     char bytes[NAME_SIZE];
     struct mu_text name;
@@ -98,7 +98,7 @@ static void files_attach(struct runfile *f, const struct mu_option_list *files)
 }
 
 /* Likewise, of a world. */
-static void world_attach(struct runfile *f, const struct world_file *world)
+static void world_attach(struct mcap_file *f, const struct world_file *world)
 {
     char bytes[NAME_SIZE];
     struct mu_text name;
@@ -111,7 +111,7 @@ static void world_attach(struct runfile *f, const struct world_file *world)
 }
 
 /* Splits "KEY=VALUE"; what has no key is left out. */
-static size_t notes_fill(struct runfile *f, const struct mu_option_list *notes, size_t count)
+static size_t notes_fill(struct mcap_file *f, const struct mu_option_list *notes, size_t count)
 {
     for (size_t i = 0; i < notes->count && count < PAIRS_MAX; i++) {
         size_t key = strcspn(notes->items[i], "=");
@@ -125,7 +125,7 @@ static size_t notes_fill(struct runfile *f, const struct mu_option_list *notes, 
 }
 
 /* By hand nobody else says where robots were put. */
-static size_t places_fill(struct runfile *f, const struct mu_option_list *places, size_t count)
+static size_t places_fill(struct mcap_file *f, const struct mu_option_list *places, size_t count)
 {
     for (size_t i = 0; i < places->count; i++) {
         snprintf(f->keys[count], sizeof f->keys[0], "place.%zu", i + 1);
@@ -135,7 +135,7 @@ static size_t places_fill(struct runfile *f, const struct mu_option_list *places
     return count;
 }
 
-static void table_write(struct runfile *f, const struct runfile_options *options)
+static void table_write(struct mcap_file *f, const struct mcap_file_options *options)
 {
     char began[24], seed[24], duration[32], here[PATH_MAX];
     snprintf(began, sizeof began, "%" PRIu64, mu_clock_wall_ns());
@@ -166,7 +166,7 @@ static void table_write(struct runfile *f, const struct runfile_options *options
 
 /* --- channels --------------------------------------------------------------------------------- */
 
-static uint32_t channel_add(struct runfile *f, enum bus_topic topic)
+static uint32_t channel_add(struct mcap_file *f, enum bus_topic topic)
 {
     static char schema_bytes[SCHEMA_SIZE];
     char name_bytes[NAME_SIZE], profile_bytes[NAME_SIZE];
@@ -190,9 +190,9 @@ static uint32_t channel_add(struct runfile *f, enum bus_topic topic)
     return channel;
 }
 
-mu_result runfile_open(struct runfile **out, const struct runfile_options *options)
+mu_result mcap_file_open(struct mcap_file **out, const struct mcap_file_options *options)
 {
-    struct runfile *f = mu_startup_alloc(sizeof *f);
+    struct mcap_file *f = mu_startup_alloc(sizeof *f);
     f->file = mcap_writer_create();
     f->without_percepts = options->without_percepts;
     MU_TRY(mcap_writer_open(f->file, options->path, "muster " MU_VERSION));
@@ -210,7 +210,7 @@ mu_result runfile_open(struct runfile **out, const struct runfile_options *optio
 
 /* --- the run ---------------------------------------------------------------------------------- */
 
-static void message_add(struct runfile *f, uint32_t channel, uint64_t time_ns,
+static void message_add(struct mcap_file *f, uint32_t channel, uint64_t time_ns,
                         const struct bus_bytes *bytes)
 {
     struct mcap_message m = {.channel = channel,
@@ -224,18 +224,18 @@ static void message_add(struct runfile *f, uint32_t channel, uint64_t time_ns,
 
 static void scene_take(void *self, const muster_Scene *scene, const struct bus_bytes *bytes)
 {
-    struct runfile *f = self;
+    struct mcap_file *f = self;
     (void)scene;
     message_add(f, f->scenes, 0, bytes);
 }
 
 static void frame_take(void *self, const muster_Frame *frame, const struct bus_bytes *bytes)
 {
-    struct runfile *f = self;
+    struct mcap_file *f = self;
     message_add(f, f->frames, frame->time_ns, bytes);
 }
 
-static void end_write(struct runfile *f, const muster_RunStatus *status)
+static void end_write(struct mcap_file *f, const muster_RunStatus *status)
 {
     char steps[24], time[24], wall[24];
     snprintf(steps, sizeof steps, "%lld", (long long)status->step);
@@ -252,22 +252,21 @@ static void end_write(struct runfile *f, const muster_RunStatus *status)
 
 static void status_take(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes)
 {
-    struct runfile *f = self;
+    struct mcap_file *f = self;
     message_add(f, f->states, status->time_ns, bytes);
     end_write(f, status);
 }
 
-void runfile_listen(struct runfile *f, struct session *s)
+struct record_listener mcap_file_listener(struct mcap_file *f)
 {
-    const struct session_listener listener = {.self = f,
-                                              .scene = scene_take,
-                                              .frame = frame_take,
-                                              .status = status_take,
-                                              .without_percepts = f->without_percepts};
-    session_listen(s, &listener);
+    return (struct record_listener){.self = f,
+                                    .scene = scene_take,
+                                    .frame = frame_take,
+                                    .status = status_take,
+                                    .without_percepts = f->without_percepts};
 }
 
-mu_result runfile_close(struct runfile *f)
+mu_result mcap_file_close(struct mcap_file *f)
 {
     uint64_t refused = mcap_writer_refused(f->file);
     if (refused > 0) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/record/runhash.h"
+#include "sim/record/record.h"
 
 #include "muster/memory.h"
 #include "muster/result.h"
@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-struct runhash {
+struct run_hash {
     EVP_MD_CTX *run, *act;
     EVP_MD *sha256;
 };
 
-struct runhash *runhash_open(void)
+struct run_hash *run_hash_open(void)
 {
-    struct runhash *h = mu_startup_alloc(sizeof *h);
+    struct run_hash *h = mu_startup_alloc(sizeof *h);
     h->sha256 = EVP_MD_fetch(NULL, "SHA256", NULL);
     h->run = EVP_MD_CTX_new();
     h->act = EVP_MD_CTX_new();
@@ -61,7 +61,7 @@ static void fold_mail(EVP_MD_CTX *to, const muster_Mail *m)
     fold_text(to, m->content);
 }
 
-void runhash_act(struct runhash *h, const muster_Act *act, unsigned char digest[RUNHASH_BYTES])
+void run_hash_act(struct run_hash *h, const muster_Act *act, unsigned char digest[RUN_HASH_BYTES])
 {
     MU_ASSERT(EVP_DigestInit_ex2(h->act, h->sha256, NULL) == 1);
     fold_text(h->act, act->agent);
@@ -82,17 +82,17 @@ void runhash_act(struct runhash *h, const muster_Act *act, unsigned char digest[
     MU_ASSERT(EVP_DigestFinal_ex(h->act, digest, NULL) == 1);
 }
 
-void runhash_fold(struct runhash *h, const void *bytes, size_t count)
+void run_hash_fold(struct run_hash *h, const void *bytes, size_t count)
 {
     fold(h->run, bytes, count);
 }
 
-void runhash_fold_number(struct runhash *h, uint64_t number)
+void run_hash_fold_number(struct run_hash *h, uint64_t number)
 {
     fold_number(h->run, number);
 }
 
-void runhash_order(struct runhash *h, const muster_RunCommand *order)
+void run_hash_order(struct run_hash *h, const muster_RunCommand *order)
 {
     const double numbers[] = {order->x_m,       order->y_m,       order->heading_rad,
                               order->force_x_n, order->force_y_n, order->torque_nm,
@@ -107,8 +107,8 @@ void runhash_order(struct runhash *h, const muster_RunCommand *order)
     fold_number(h->run, order->on);
 }
 
-void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count,
-                     unsigned char digest[RUNHASH_BYTES])
+void run_hash_outside(struct run_hash *h, const muster_Mail *mails, uint32_t count,
+                      unsigned char digest[RUN_HASH_BYTES])
 {
     MU_ASSERT(EVP_DigestInit_ex2(h->act, h->sha256, NULL) == 1);
     for (uint32_t i = 0; i < count; i++) {
@@ -117,9 +117,9 @@ void runhash_outside(struct runhash *h, const muster_Mail *mails, uint32_t count
     MU_ASSERT(EVP_DigestFinal_ex(h->act, digest, NULL) == 1);
 }
 
-uint64_t runhash_peek(struct runhash *h)
+uint64_t run_hash_peek(struct run_hash *h)
 {
-    unsigned char digest[RUNHASH_BYTES];
+    unsigned char digest[RUN_HASH_BYTES];
     uint64_t bits = 0;
     MU_ASSERT(EVP_MD_CTX_copy_ex(h->act, h->run) == 1);
     MU_ASSERT(EVP_DigestFinal_ex(h->act, digest, NULL) == 1);
@@ -129,11 +129,11 @@ uint64_t runhash_peek(struct runhash *h)
     return bits;
 }
 
-void runhash_end(struct runhash *h, char text[RUNHASH_TEXT])
+void run_hash_end(struct run_hash *h, char text[RUN_HASH_TEXT])
 {
-    unsigned char digest[RUNHASH_BYTES];
+    unsigned char digest[RUN_HASH_BYTES];
     MU_ASSERT(EVP_DigestFinal_ex(h->run, digest, NULL) == 1);
-    for (size_t i = 0; i < RUNHASH_BYTES; i++) {
+    for (size_t i = 0; i < RUN_HASH_BYTES; i++) {
         snprintf(text + 2 * i, 3, "%02x", digest[i]);
     }
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a run's recording says of how the run was made; the run itself is in tests/system. */
-#include "sim/record/runfile.h"
 #include "capture.h"
 #include "mcap/mcap_read.h"
+#include "sim/record/record.h"
 #include "suite.h"
 
 #include <stdlib.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/muster-runfile-XXXXXX";
+static char folder[] = "/tmp/muster-mcap-XXXXXX";
 static char path[64], made[64];
 static struct mcap_reader *r;
 
@@ -36,12 +36,12 @@ static int end(void)
 /* Writes a recording with these files and notes, and opens it. */
 static void recording_make(struct mu_option_list *files, struct mu_option_list *notes)
 {
-    static struct runfile *all[16]; /* kept, so that leak checkers see them */
+    static struct mcap_file *all[16]; /* kept, so that leak checkers see them */
     static size_t count;
     struct mu_fault fault;
-    struct runfile_options options = {.path = path, .files = files, .notes = notes};
-    CU_ASSERT_EQUAL_FATAL(runfile_open(&all[count], &options), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(runfile_close(all[count++]), MU_OK);
+    struct mcap_file_options options = {.path = path, .files = files, .notes = notes};
+    CU_ASSERT_EQUAL_FATAL(mcap_file_open(&all[count], &options), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(mcap_file_close(all[count++]), MU_OK);
     CU_ASSERT_EQUAL_FATAL(mcap_reader_open(r, path, &fault), MU_OK);
 }
 
@@ -107,6 +107,6 @@ int main(void)
         {"a file that is not there", test_a_file_that_is_not_there},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"sim/runfile", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"sim/mcap_file", begin, end, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }
