@@ -8,7 +8,7 @@
  */
 #include "muster/memory.h"
 #include "sim/engine/engine.h"
-#include "sim/geometry/grid.h"
+#include "sim/geometry/geometry.h"
 #include "sim/sensors/fan.h"
 #include "wander.h"
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/devices/battery.h"
-
-#include <math.h>
+#include "sim/devices/devices.h"
 
 void battery_init(struct battery *battery, const struct world_robot *robot)
 {

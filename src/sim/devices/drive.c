@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/devices/drive.h"
-
-#include <math.h>
+#include "sim/devices/devices.h"
 
 /* Rubber on a hard floor. */
 #define DRIVE_FRICTION 0.6

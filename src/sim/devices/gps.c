@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/devices/gps.h"
-
-#include "sim/geometry/draw.h"
-
-#include <math.h>
+#include "sim/devices/devices.h"
 
 void gps_init(struct gps *gps, const struct world_robot *robot, double step_s)
 {

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/devices/gripper.h"
-
-#include <math.h>
+#include "sim/devices/devices.h"
 
 /* Where the beams are, as shares of a paddle's length from its root. */
 #define GRIPPER_OUTER_AT 0.9
@@ -52,7 +50,7 @@ static double gripper_half_gap(const struct gripper *gripper, double closed)
 }
 
 /* A box in the case's frame, parallel to it. */
-static struct solid gripper_box(const struct gripper *g, const struct gripper_frame *frame,
+static struct solid gripper_box(const struct gripper *g, const struct frame *frame,
                                 const double at[2], const double half[2])
 {
     double x = g->make->pose.x_m + g->c * at[0] - g->s * at[1];
@@ -69,8 +67,8 @@ static struct solid gripper_box(const struct gripper *g, const struct gripper_fr
                           .reach = sqrt(half[0] * half[0] + half[1] * half[1])};
 }
 
-struct solid gripper_paddle(const struct gripper *gripper, const struct gripper_frame *frame,
-                            int paddle, double closed)
+struct solid gripper_paddle(const struct gripper *gripper, const struct frame *frame, int paddle,
+                            double closed)
 {
     const struct world_gripper *make = gripper->make;
     double half[2] = {make->paddle_length_m / 2, make->paddle_width_m / 2};
@@ -81,7 +79,7 @@ struct solid gripper_paddle(const struct gripper *gripper, const struct gripper_
     return solid;
 }
 
-bool gripper_beam(const struct gripper *gripper, const struct gripper_frame *frame, bool outer,
+bool gripper_beam(const struct gripper *gripper, const struct frame *frame, bool outer,
                   struct solid *beam)
 {
     const struct world_gripper *make = gripper->make;
@@ -92,8 +90,8 @@ bool gripper_beam(const struct gripper *gripper, const struct gripper_frame *fra
     return half[1] > 0;
 }
 
-bool gripper_spans(const struct gripper *gripper, const struct gripper_frame *frame,
-                   const double point[2], double closed)
+bool gripper_spans(const struct gripper *gripper, const struct frame *frame, const double point[2],
+                   double closed)
 {
     const struct world_gripper *make = gripper->make;
     double half[2] = {make->paddle_length_m / 2, gripper_half_gap(gripper, closed)};

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/devices/odometer.h"
-
-#include "sim/geometry/draw.h"
-
-#include <math.h>
+#include "sim/devices/devices.h"
 
 /* 1, give or take up to half of the error: as Stage draws it, once for each robot. */
 static double odometer_gain(double error, uint64_t bits)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/engine/block.h"
+#include "sim/engine/engine_core.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { BLOCK_NUMBER = 8 };

@@ -2,8 +2,6 @@
 /* The bodies of the engine: what they are made of, and where they are. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 /* What turns a thing on the floor lies this far from its middle: the mean of a disc's radius. */
 #define ENGINE_RUB_AT (2.0 / 3.0)
 
@@ -38,10 +36,10 @@ size_t engine_object_part(const struct engine *e, size_t object)
     return e->robot_count + e->paddle_count + object;
 }
 
-struct gripper_frame engine_frame(const struct engine *e, size_t body)
+struct frame engine_frame(const struct engine *e, size_t body)
 {
     const struct ode_motion *m = &e->bodies[body].motion;
-    return (struct gripper_frame){m->x, m->y, m->c, m->s};
+    return (struct frame){m->x, m->y, m->c, m->s};
 }
 
 static void engine_add_paddles(struct engine *e, size_t i)

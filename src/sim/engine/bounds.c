@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/engine/bounds.h"
-
-#include <math.h>
+#include "sim/engine/engine_core.h"
 
 /* Farther out than any world reaches: what is there has been flung, not driven. */
 #define BOUNDS_OPEN_M 1e7

@@ -2,8 +2,6 @@
 /* What the bodies touch in a substep. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 static void engine_note_near(struct engine *e, const struct engine_pair *pair)
 {
     if (e->pair_count < e->pairs_max) {

@@ -2,7 +2,6 @@
 /* What a person or a program outside changes in a running world. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 

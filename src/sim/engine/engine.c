@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The order of a step; the work is done in the files beside this one. */
-#include "sim/engine/engine.h"
-
 #include "core/hash.h"
 #include "muster/memory.h"
 #include "sim/engine/engine_core.h"
-
-#include <math.h>
 
 #define ENGINE_SUBSTEP_NS 20000000ull
 

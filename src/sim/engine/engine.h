@@ -11,9 +11,6 @@
 
 #include "muster/result.h"
 #include "sim/sensors/sensors.h"
-#include "world/world.h"
-
-#include <stdint.h>
 
 struct engine_options {
     uint64_t seed;
@@ -117,6 +114,9 @@ MU_MUST_USE mu_result engine_reset(struct engine *e, size_t body, const char **r
 
 /** Puts all bodies to where they started.  Time goes on. */
 void engine_reset_all(struct engine *e);
+
+/** @return the version of ODE, "0.16.2" */
+const char *ode_world_version(void);
 
 /** @return how many bytes a snapshot of this engine takes */
 size_t engine_save_size(const struct engine *e);

@@ -10,17 +10,34 @@
 #ifndef MUSTER_SIM_ENGINE_CORE_H
 #define MUSTER_SIM_ENGINE_CORE_H
 
-#include "sim/devices/battery.h"
-#include "sim/devices/drive.h"
-#include "sim/devices/gps.h"
-#include "sim/devices/gripper.h"
-#include "sim/devices/odometer.h"
-#include "sim/engine/bounds.h"
+#include "sim/devices/devices.h"
 #include "sim/engine/engine.h"
 #include "sim/engine/ode_world.h"
-#include "sim/geometry/frame.h"
-#include "sim/geometry/grid.h"
-#include "sim/geometry/narrow.h"
+
+/* --- bounds ----------------------------------------------------------------------------------- */
+
+/*
+ * How far a body of a world can get.
+ */
+
+struct bounds {
+    double min_x, min_y, max_x, max_y;
+    bool closed; /* what stands leaves no way out */
+};
+
+/**
+ * Measures it: the box around what stands and stops bodies, if that closes each side but for gaps
+ * of gap_m, else so far out that only what was flung gets there.
+ */
+void bounds_measure(struct bounds *bounds, const struct solid *still, size_t count, double gap_m);
+
+/** Opens it if a place where something starts lies outside. */
+void bounds_include(struct bounds *bounds, double x, double y);
+
+/** @return whether a place is finite and inside */
+bool bounds_holds(const struct bounds *bounds, double x, double y);
+
+/* --- the engine ------------------------------------------------------------------------------- */
 
 enum { ENGINE_NO_BEARER = -1 };
 
@@ -140,7 +157,7 @@ void bodies_follow(struct engine *e, size_t body);
 size_t engine_object_part(const struct engine *e, size_t object);
 
 /** @return where a body is in the plane, as its own frame */
-struct gripper_frame engine_frame(const struct engine *e, size_t body);
+struct frame engine_frame(const struct engine *e, size_t body);
 
 /** @return whether a body is a thing that a robot holds */
 bool engine_is_held(const struct engine *e, size_t body);
@@ -234,5 +251,42 @@ void engine_feel(const struct engine *e, size_t robot, struct engine_percept *ou
 
 /** Puts each body that left the numbers or the world back to where it was, at rest. */
 void engine_guard(struct engine *e);
+
+/* --- blocks ----------------------------------------------------------------------------------- */
+
+/*
+ * A block of numbers that is the same on every machine: 8 bytes each, the lowest first.
+ *
+ * One walk over a state writes it, checks it, or reads it, by the block's mode; so what is written
+ * and what is read cannot differ.
+ */
+
+enum block_mode {
+    BLOCK_MEASURE, /* count and sum up only */
+    BLOCK_WRITE,
+    BLOCK_CHECK, /* look at what is there; change nothing */
+    BLOCK_READ
+};
+
+struct block {
+    enum block_mode mode;
+    unsigned char *bytes;
+    size_t room, used;
+    uint64_t sum; /* FNV-1a of all bytes so far */
+    bool bad;     /* a number was missing, or not what it may be */
+};
+
+struct block block_open(enum block_mode mode, unsigned char *bytes, size_t room);
+
+/** @return the number, which is at most `most` */
+uint64_t block_number(struct block *block, uint64_t *value, uint64_t most);
+
+/** A finite number from lo to hi. */
+void block_double(struct block *block, double *value, double lo, double hi);
+
+void block_flag(struct block *block, bool *value);
+
+/** @return an index below count, or -1 */
+int32_t block_index(struct block *block, int32_t *value, size_t count);
 
 #endif

@@ -7,8 +7,6 @@
  */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 /* What touches lies so deep in one another; only what is deeper is in the way. */
 #define ENGINE_TOUCH_M 0.002
 
@@ -64,7 +62,7 @@ void engine_carry(struct engine *e, size_t robot)
     if (!r->gripper.make) {
         return;
     }
-    struct gripper_frame frame = engine_frame(e, robot);
+    struct frame frame = engine_frame(e, robot);
     for (int k = 0; k < GRIPPER_PADDLES; k++) {
         e->outlines[r->paddles + (size_t)k] =
             gripper_paddle(&r->gripper, &frame, k, r->gripper.closed);
@@ -151,7 +149,7 @@ static bool engine_has_room(struct engine *e, size_t robot)
 /* Whether the paddles could be where they would be if they were closed so far. */
 static bool engine_paddles_fit(struct engine *e, size_t robot, double closed)
 {
-    struct gripper_frame frame = engine_frame(e, robot);
+    struct frame frame = engine_frame(e, robot);
     bool fit = true;
     for (int k = 0; fit && k < GRIPPER_PADDLES; k++) {
         struct solid paddle = gripper_paddle(&e->robots[robot].gripper, &frame, k, closed);
@@ -164,7 +162,7 @@ static bool engine_is_takeable(const struct engine *e, size_t robot, uint32_t pa
 {
     const struct gripper *g = &e->robots[robot].gripper;
     const struct solid *solid = &e->outlines[part];
-    struct gripper_frame frame = engine_frame(e, robot);
+    struct frame frame = engine_frame(e, robot);
     bool touches = false;
     for (int k = 0; k < GRIPPER_PADDLES; k++) {
         struct solid paddle = gripper_paddle(g, &frame, k, closed);
@@ -269,7 +267,7 @@ static bool engine_beam_is_broken(struct engine *e, size_t robot, bool outer)
 {
     const struct gripper *g = &e->robots[robot].gripper;
     const struct engine_object *held = engine_held(e, robot);
-    struct gripper_frame frame = engine_frame(e, robot);
+    struct frame frame = engine_frame(e, robot);
     struct solid beam;
     if (!gripper_beam(g, &frame, outer, &beam)) {
         return false;

@@ -2,8 +2,6 @@
 /* How the bodies move: what pushes them, how fast they may get, and when they come to rest. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 /* Slower than this it comes to rest for good. */
 #define ENGINE_REST_M_S   2e-4
 #define ENGINE_REST_RAD_S 1e-3

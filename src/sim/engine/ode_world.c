@@ -5,7 +5,6 @@
 #include "muster/memory.h"
 #include "muster/result.h"
 
-#include <math.h>
 #include <ode/ode.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,7 +126,7 @@ void ode_world_motion(size_t body, struct ode_motion *motion)
                                   .turn = dBodyGetAngularVel(id)[2]};
 }
 
-void ode_world_state(size_t body, double state[ODE_WORLD_STATE])
+void ode_world_state(size_t body, double state[ENGINE_STATE_DOUBLES])
 {
     dBodyID id = ode_world.bodies[body].id;
     const struct {
@@ -145,7 +144,7 @@ void ode_world_state(size_t body, double state[ODE_WORLD_STATE])
     }
 }
 
-void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE])
+void ode_world_set_state(size_t body, const double state[ENGINE_STATE_DOUBLES])
 {
     dBodyID id = ode_world.bodies[body].id;
     dBodySetPosition(id, state[0], state[1], state[2]);

@@ -9,11 +9,9 @@
 #ifndef MUSTER_SIM_ODE_WORLD_H
 #define MUSTER_SIM_ODE_WORLD_H
 
-#include "sim/geometry/narrow.h"
+#include "sim/engine/engine.h"
 
-#include <stdint.h>
-
-enum { ODE_WORLD_STATE = 13, ODE_WORLD_STANDS = -1 };
+enum { ODE_WORLD_STANDS = -1 };
 
 struct ode_body_size {
     double mass_kg, length_m, width_m;
@@ -38,10 +36,10 @@ double ode_world_add(const struct ode_body_size *size, struct world_pose pose);
 void ode_world_motion(size_t body, struct ode_motion *motion);
 
 /** Position, quaternion (w x y z), linear and angular velocity. */
-void ode_world_state(size_t body, double state[ODE_WORLD_STATE]);
+void ode_world_state(size_t body, double state[ENGINE_STATE_DOUBLES]);
 
 /** Puts a body into a state that ode_world_state gave, bit for bit, without forces on it. */
-void ode_world_set_state(size_t body, const double state[ODE_WORLD_STATE]);
+void ode_world_set_state(size_t body, const double state[ENGINE_STATE_DOUBLES]);
 
 /** Puts a body at a place, at rest. */
 void ode_world_put(size_t body, double x, double y, double heading_rad);
@@ -79,8 +77,5 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact);
 
 /** Moves all bodies on.  The same seed and state give the same bits. */
 void ode_world_step(double dt_s, uint64_t seed);
-
-/** @return the version of the engine, "0.16.2" */
-const char *ode_world_version(void);
 
 #endif

@@ -2,8 +2,6 @@
 /* What a robot knows of itself: where it is, by each of its ways to know, and what it touches. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 struct world_pose engine_pose(const struct engine *e, size_t body)
 {
     MU_ASSERT(body < e->body_count);

@@ -3,8 +3,6 @@
 #include "core/log.h"
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 static bool engine_is_sound(const struct engine *e, const struct ode_motion *m)
 {
     double sum = m->x + m->y + m->c + m->s + m->vx + m->vy + m->turn;

@@ -10,8 +10,6 @@
  */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 /* Up to here it is the solver's. */
 #define ENGINE_DEEP_M 0.005
 

@@ -3,10 +3,7 @@
  * Snapshots: one walk over all that changes in a run, which writes, checks or reads by the mode of
  * the block.  What a world file says, and what follows from the rest, is not in it.
  */
-#include "sim/engine/block.h"
 #include "sim/engine/engine_core.h"
-
-#include <math.h>
 
 static const uint64_t ENGINE_SAVE_MAGIC = 0x70616e736d75736dull; /* "msumsnap" */
 static const uint64_t ENGINE_SAVE_VERSION = 1;

@@ -2,8 +2,6 @@
 /* What is where: the grid over all parts, and whether something has room. */
 #include "sim/engine/engine_core.h"
 
-#include <math.h>
-
 void engine_fresh_grid(struct engine *e)
 {
     if (e->grid_is_old) {

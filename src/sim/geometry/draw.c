@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/geometry/draw.h"
+#include "sim/geometry/geometry.h"
 
 #include "core/hash.h"
-
-#include <math.h>
 
 #define DRAW_STEP 0x9e3779b97f4a7c15ull /* of splitmix64: neighbours get far apart */
 

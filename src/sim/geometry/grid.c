@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/geometry/grid.h"
+#include "sim/geometry/geometry.h"
 
 #include "muster/memory.h"
 #include "muster/result.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Measured with 1, 1.3, 1.6 and 2: longer rays like larger cells, rays of 5 m smaller ones. */

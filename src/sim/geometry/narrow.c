@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/geometry/narrow.h"
-
-#include <math.h>
+#include "sim/geometry/geometry.h"
 
 /* An axis must separate this much better than an earlier one, so that ties do not flicker. */
 #define NARROW_TIE_M 1e-9

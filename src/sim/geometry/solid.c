@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/geometry/solid.h"
+#include "sim/geometry/geometry.h"
 
 struct solid solid_box(struct world_pose middle, double half_x_m, double half_y_m)
 {

@@ -7,7 +7,6 @@
 #include "core/text.h"
 #include "mcap/mcap_write.h"
 #include "muster/memory.h"
-#include "sim/engine/ode_world.h"
 #include "world/parse/worldfile.h"
 
 #include <inttypes.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/camera.h"
+#include "sim/sensors/models.h"
 
 void camera_init(struct camera *camera, const struct world_camera *from)
 {

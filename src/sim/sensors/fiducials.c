@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/fiducials.h"
+#include "sim/sensors/models.h"
 
 void fiducials_init(struct fiducials *finder, const struct world_fiducial_finder *from)
 {

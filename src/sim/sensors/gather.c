@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/gather.h"
+#include "sim/sensors/fan.h"
 
 #include "muster/memory.h"
 #include "muster/result.h"
-#include "sim/sensors/fan.h"
 
 #include <string.h>
 

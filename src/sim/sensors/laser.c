@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/laser.h"
+#include "sim/sensors/models.h"
 
 /* A fan as narrow as that is one direction; its steps could be too small for numbers. */
 #define LASER_FOV_MIN_RAD 1e-9

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/noise.h"
+#include "sim/sensors/models.h"
 
 double noise_range(const struct world_noise *noise, const struct noise_limits *limits,
                    double range_m, uint64_t bits)

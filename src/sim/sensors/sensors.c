@@ -3,11 +3,8 @@
 
 #include "muster/memory.h"
 #include "muster/result.h"
-#include "sim/sensors/camera.h"
-#include "sim/sensors/fiducials.h"
-#include "sim/sensors/laser.h"
+#include "sim/sensors/models.h"
 #include "sim/sensors/pool.h"
-#include "sim/sensors/sonar.h"
 
 #include <string.h>
 

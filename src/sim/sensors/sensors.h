@@ -8,8 +8,7 @@
 #ifndef MUSTER_SIM_SENSORS_H
 #define MUSTER_SIM_SENSORS_H
 
-#include "sim/geometry/frame.h"
-#include "sim/geometry/grid.h"
+#include "sim/geometry/geometry.h"
 
 struct engine_blob {
     uint32_t rgb;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sim/sensors/sonar.h"
+#include "sim/sensors/models.h"
 
 #include "muster/memory.h"
 

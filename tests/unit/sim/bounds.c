@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which worlds have an outside, and where it begins. */
-#include "sim/engine/bounds.h"
+#include "sim/engine/engine_core.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

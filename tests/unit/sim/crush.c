@@ -4,7 +4,7 @@
  * MUSTER_SECONDS make the last one larger (make soak-crush).
  */
 #include "physics.h"
-#include "sim/geometry/narrow.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #define OVERLAP_MAX_M 0.010

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Noise: its distribution, and that its streams know nothing of one another. */
-#include "sim/geometry/draw.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

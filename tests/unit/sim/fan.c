@@ -4,7 +4,7 @@
 #include "sim/sensors/fan.h"
 #include "core/hash.h"
 #include "core/random.h"
-#include "sim/geometry/grid.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays and neighbours through the grid, against looking at everything. */
-#include "sim/geometry/grid.h"
 #include "core/random.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts: hand-computed ones, and thousands of any pairs against libccd. */
-#include "sim/geometry/narrow.h"
 #include "core/random.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #include <ccd/ccd.h>

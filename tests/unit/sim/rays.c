@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A million rays through the grid, against ODE's own, which know nothing of grids. */
 #include "core/random.h"
-#include "sim/geometry/grid.h"
+#include "sim/geometry/geometry.h"
 #include "suite.h"
 
 #include <math.h>
