@@ -7,6 +7,7 @@ Floors are checked by calls, in the objects of a built tree: build/release, or b
     tools/tidy.py                         all checks
     tools/tidy.py --floors [MODULE]       what modules that are not in order yet have left
     tools/tidy.py --graph [MODULE] [--dot]   who calls whom: folders, or files of a module; for Graphviz
+    tools/tidy.py --words [MODULE]        words of yesterday (docs/concepts.md) that are left
     tools/tidy.py --pointers              pointers through which a lower floor calls a higher one
 """
 import argparse
@@ -17,6 +18,7 @@ import sys
 
 import floors
 import graph
+import words
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FUNCTION_LINES_MAX, FILE_LINES_MAX, LINE_CHARS_MAX, PARAMETERS_MAX = 70, 800, 100, 6
@@ -172,18 +174,27 @@ def check_all():
             check(path)
     for path, why, module in floors.pointer_problems(ROOT):
         bad(ROOT / path, 1, why, module)
+    for path, n, word, term, _ in words.hits(ROOT, words.CURED):
+        bad(path, n, f"{word}: say {term} (docs/concepts.md)")
     check_calls()
 
 
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1])
     parser.add_argument("module", nargs="?", default="")
-    for option in ("floors", "graph", "dot", "pointers"):
+    for option in ("floors", "graph", "dot", "words", "pointers"):
         parser.add_argument("--" + option, action="store_true")
     asked = parser.parse_args()
     if asked.pointers:
         for path, holder, names in floors.pointers(ROOT):
             print(f"{path}: {holder}: {' '.join(names)}: {floors.POINTERS.get(holder, (0, '?'))[1]}")
+        return False
+    if asked.words:
+        modules = {asked.module} if asked.module else floors.FLOORED
+        found = list(words.hits(ROOT, modules))
+        for path, n, word, term, _ in found:
+            print(f"{path.relative_to(ROOT)}:{n}: {word} -> {term}")
+        print(f"{len(found)} words in {len({path for path, *_ in found})} files")
         return False
     if asked.graph:
         calls = graph.Graph(ROOT, BUILD)

@@ -15,8 +15,11 @@ def tidied(out, files, *words, built=True):
     order in it, but for a circle of two files in core, which is known."""
     shutil.copytree(ROOT / "tools", out / "tools", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "Makefile", out)
-    (out / "docs").mkdir()
-    shutil.copy(ROOT / "docs/concepts.md", out / "docs")
+    for name in ("docs/concepts.md", "idl/wire.idl"):
+        (out / name).parent.mkdir()
+        shutil.copy(ROOT / name, out / name)
+    cured = out / "tools/words.py"
+    cured.write_text(re.sub(r"^CURED = .*?$", 'CURED = {"mind"}', cured.read_text(), flags=re.M))
     floors = out / "tools/floors.py"
     text = re.sub(r"^UNFINISHED = .*$", "UNFINISHED = set()", floors.read_text(), flags=re.M)
     floors.write_text(re.sub(r"^CIRCLES = \{.*?^\}$", 'CIRCLES = {"core": [2]}', text, flags=re.M | re.S))
@@ -100,6 +103,26 @@ def test_another_folder_includes_the_public_header_only():
         check('src/planner/map.c:2: "world/parse/lexer.h" is for world/parse only\n' in said, said)
         check("src/world/parse/up.c:2: world/parse stands below world/model\n" in said, said)
         check("2 problems" in said, said)
+
+
+def test_words_of_yesterday_are_found_in_names_and_comments():
+    text = ('/* A capsule of a mind. */\nint glance_all(int *trips);\nint glance_all(int *trips)\n{\n'
+            '    const char *said = "capsule";\n    return said[0] + trips[0]; // a snapshot\n}\n')
+    with folder() as out:
+        code, said = tidied(out, {"mind/diary.c": text, "stats/capsule.c": calls("capsule_a")})
+        check_equal(code, 1, "the exit code")
+        found = re.findall(r"^(src/\S+): (.*): say .* \(docs/concepts.md\)$", said, re.M)
+        check_equal(found, [("src/mind/diary.c:1", "diary"), ("src/mind/diary.c:2", "capsule"),
+                            ("src/mind/diary.c:3", "glance"), ("src/mind/diary.c:3", "trip"),
+                            ("src/mind/diary.c:4", "glance"), ("src/mind/diary.c:4", "trip"),
+                            ("src/mind/diary.c:7", "trip")], said)
+
+
+def test_names_of_the_wire_stay():
+    text = "int a_go(const muster_Up *up);\nint a_go(const muster_Up *up)\n{\n    return up->trips._length;\n}\n"
+    with folder() as out:
+        code, said = tidied(out, {"mind/a.c": "typedef struct { struct { int _length; } trips; } muster_Up;\n" + text})
+        check_equal(re.findall(r"say", said), ["say"], f"only its definition here: {said}")
 
 
 def test_a_new_pointer_for_calls_upward_needs_a_reason():
