@@ -327,24 +327,6 @@ void clips_place_note(struct mind *m, const char *form, const char *path, int li
 /** Adds " (FILE:LINE)" where the construct of that name is from a file. */
 void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
 
-/* clips_percept.c */
-
-/** Takes the reference to a fact back, retracting it if it is still there. */
-void clips_percept_retract(struct mind *m, struct fact **fact);
-
-/** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
-struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
-                                  struct multifield *fields);
-
-/* Numbers of a percept that every body has; the order is that of a capsule. */
-enum { CLIPS_PERCEPT_REALS = 12 };
-
-/** Says where they are. */
-void clips_percept_reals(struct mind_percept *p, double *reals[CLIPS_PERCEPT_REALS]);
-
-/** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
-void clips_percept_show(struct mind *m);
-
 /* clips_message.c */
 void clips_message_reserve(struct mind *m);
 void clips_message_install(struct mind *m);

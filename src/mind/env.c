@@ -2,7 +2,8 @@
 /* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
 #include "core/name.h"
 #include "mind/engine/value.h"
-#include "mind/facts/sensors.h"
+#include "mind/facts/facts.h"
+#include "mind/functions/table.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
@@ -259,7 +260,7 @@ static void env_install(struct mind *m)
     clips_guard_install(m);
     clips_override_install(m);
     clips_functions_install(m);
-    clips_sense_install(m);
+    sensors_install(m);
     clips_load_install(m);
     clips_fire_install(m);
     clips_diary_install(m);

@@ -5,6 +5,7 @@
  */
 #include "core/glance.h"
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 
 #include <string.h>
 
@@ -36,14 +37,14 @@ static struct glance_before glance_begin(struct mind *m)
     m->sheltered = false; /* a mind that is short of memory does not break because of a look */
     m->units = m->worked = 0;
     m->memory_max = LONG_MAX;
-    clips_percept_show(m);
+    percept_show(m);
     return before;
 }
 
 static void glance_end(struct mind *m, const struct glance_before *before)
 {
     if (before->ring_unseen) {
-        clips_percept_retract(m, &m->ring_fact);
+        fact_retract(m, &m->ring_fact);
     }
     CleanCurrentGarbageFrame(m->env, NULL);
     FactData(m->env)->NextFactIndex = before->next_fact;

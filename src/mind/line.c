@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a person types on a console, or another agent has done by (you-do). */
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 
 #include <string.h>
 
@@ -82,7 +83,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     bool done = true;
     while (done && (f = clips_text_form(&line, &number)).kind != CLIPS_FORM_END) {
         clips_env_enter(m, CLIPS_MODE_LINE);
-        clips_percept_show(m);
+        percept_show(m);
         clips_diary_line(m, f);
         done = line_run(m, f);
         clips_env_leave(m);

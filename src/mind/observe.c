@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A mind without a body: what it is told of a step, in facts that stand until the next one. */
-#include "mind/facts/sensors.h"
+#include "mind/facts/facts.h"
 
 #include <string.h>
 
@@ -113,5 +113,5 @@ mu_result mind_tell_slots(struct mind *m, const char *relation, const struct min
 bool mind_looks_at(const struct mind *m, const char *relation)
 {
     const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, relation) : NULL;
-    return t && clips_sense_is_used(t);
+    return t && fact_is_used(t);
 }

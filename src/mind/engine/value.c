@@ -188,3 +188,9 @@ bool clips_value_word(void *env, const char *function, int index, const char **o
     *out = ValueToString(value.value);
     return true;
 }
+
+double value_norm_deg(double angle_deg)
+{
+    double a = remainder(angle_deg, 360);
+    return a <= -180 ? a + 360 : a;
+}

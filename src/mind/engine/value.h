@@ -49,4 +49,10 @@ void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match);
 /** @return the number that a field is; 0 when it is none */
 double clips_value_of(unsigned short type, const void *value);
 
+/** Degrees of a radian. */
+#define VALUE_DEG (180 / 3.14159265358979323846)
+
+/** @return the same angle in (-180, 180] */
+double value_norm_deg(double angle_deg);
+
 #endif

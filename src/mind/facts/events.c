@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What happens in the agent's life, as facts: (event on-run), (event refused ...). */
-#include "mind/clips_mind.h"
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 
 #include <string.h>
 
@@ -14,13 +14,13 @@ static const char *const event_names[MU_EVENTS] = {
 /* Asserts (event word...) anew; it stays until a rule retracts it. */
 static void event_fact(struct mind *m, const char *const *words, size_t count, struct fact **fact)
 {
-    clips_percept_retract(m, fact);
+    fact_retract(m, fact);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     struct multifield *fields = CreateMultifield2(m->env, (long)count);
     for (size_t i = 0; i < count; i++) {
         clips_value_set_symbol(m->env, fields, i, words[i]);
     }
-    *fact = clips_percept_assert(m, m->event, fields);
+    *fact = fact_assert(m, m->event, fields);
     EnvDecrementGCLocks(m->env);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Message facts: mail as states that are told again and again, and how long they stay. */
-#include "mind/clips_mind.h"
+#include "mind/facts/facts.h"
 #include "muster/memory.h"
 
 void clips_message_reserve(struct mind *m)
@@ -40,7 +40,7 @@ static void message_remove(struct mind *m, uint16_t index)
     struct clips_messages *all = m->messages;
     struct clips_message *e = &all->at[index];
     message_unchain(all, index);
-    clips_percept_retract(m, &e->fact);
+    fact_retract(m, &e->fact);
     DecrementSymbolCount(m->env, e->from);
     if (e->first) {
         AtomDeinstall(m->env, e->first_type, e->first);
@@ -110,7 +110,7 @@ void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct mult
     }
     /* one fact for each mail, even when two senders say the same */
     EnvSetFactDuplication(m->env, TRUE);
-    e.fact = clips_percept_assert(m, m->message, fields);
+    e.fact = fact_assert(m, m->message, fields);
     EnvSetFactDuplication(m->env, FALSE);
     if (e.fact) {
         (void)clips_message_enter(m, &e);

@@ -1,40 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Percepts as facts, in the units of the paper: millimetres, mm/s, degrees. */
 #include "mind/engine/value.h"
-#include "mind/facts/sensors.h"
-#include "mind/functions/motion.h"
+#include "mind/facts/facts.h"
 
 #include <math.h>
-
-void clips_percept_retract(struct mind *m, struct fact **fact)
-{
-    if (!*fact) {
-        return;
-    }
-    if (EnvFactExistp(m->env, *fact)) {
-        EnvRetract(m->env, *fact);
-    }
-    EnvDecrementFactCount(m->env, *fact);
-    *fact = NULL;
-}
-
-struct fact *clips_percept_assert(struct mind *m, struct deftemplate *template,
-                                  struct multifield *fields)
-{
-    struct fact *f = EnvCreateFact(m->env, template);
-    ReturnMultifield(m->env, f->theProposition.theFields[0].value);
-    f->theProposition.theFields[0].value = fields;
-    f = EnvAssert(m->env, f);
-    if (f) {
-        EnvIncrementFactCount(m->env, f);
-    }
-    return f;
-}
 
 static struct fact *percept_position(struct mind *m)
 {
     double values[6];
-    clips_physical_position(&m->percept, values);
+    sensors_set_position(&m->percept, values);
     struct multifield *fields = CreateMultifield2(m->env, 7);
     for (size_t i = 0; i < 6; i++) {
         clips_value_set_float(m->env, fields, i, values[i]);
@@ -42,7 +16,7 @@ static struct fact *percept_position(struct mind *m)
     fields->theFields[6].type = SYMBOL;
     fields->theFields[6].value =
         m->percept.stalled ? EnvTrueSymbol(m->env) : EnvFalseSymbol(m->env);
-    return clips_percept_assert(m, m->position, fields);
+    return fact_assert(m, m->position, fields);
 }
 
 static struct fact *percept_sonar(struct mind *m)
@@ -56,7 +30,7 @@ static struct fact *percept_sonar(struct mind *m)
     for (size_t i = 0; i < count; i++) {
         clips_value_set_float(m->env, fields, i + 1, (double)m->sonar[i] * 1000);
     }
-    return clips_percept_assert(m, m->ring, fields);
+    return fact_assert(m, m->ring, fields);
 }
 
 static struct fact *percept_laser(struct mind *m)
@@ -70,30 +44,30 @@ static struct fact *percept_laser(struct mind *m)
     for (size_t i = 0; i < count; i++) {
         clips_value_set_float(m->env, fields, i + 1, (double)m->laser_m[i] * 1000);
     }
-    return clips_percept_assert(m, m->laser, fields);
+    return fact_assert(m, m->laser, fields);
 }
 
 /* What is seen becomes facts for those who have a pattern of them. */
 static void percept_sights(struct mind *m)
 {
     double time_s = (double)m->percept.time_ns * 1e-9;
-    bool blobs = clips_sense_is_used(m->blob);
-    bool fiducials = clips_sense_is_used(m->fiducial);
+    bool blobs = fact_is_used(m->blob);
+    bool fiducials = fact_is_used(m->fiducial);
     for (size_t i = 0; blobs && i < m->percept.blob_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
-        clips_sense_blob(m, &m->blobs[i], fields, 1);
-        m->blob_facts[i] = clips_percept_assert(m, m->blob, fields);
+        sensors_set_blob(m, &m->blobs[i], fields, 1);
+        m->blob_facts[i] = fact_assert(m, m->blob, fields);
     }
     for (size_t i = 0; fiducials && i < m->percept.fiducial_count; i++) {
         struct multifield *fields = CreateMultifield2(m->env, 5);
         clips_value_set_float(m->env, fields, 0, time_s);
-        clips_sense_fiducial(m, &m->fiducials[i], fields, 1);
-        m->fiducial_facts[i] = clips_percept_assert(m, m->fiducial, fields);
+        sensors_set_fiducial(m, &m->fiducials[i], fields, 1);
+        m->fiducial_facts[i] = fact_assert(m, m->fiducial, fields);
     }
 }
 
-void clips_percept_show(struct mind *m)
+void percept_show(struct mind *m)
 {
     if (m->ring_unseen) {
         long long next = FactData(m->env)->NextFactIndex;
@@ -111,7 +85,7 @@ void clips_percept_show(struct mind *m)
 /* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
 static void percept_ring(struct mind *m)
 {
-    m->ring_unseen = m->percept.sonar_count > 0 && !clips_sense_is_used(m->ring);
+    m->ring_unseen = m->percept.sonar_count > 0 && !fact_is_used(m->ring);
     if (m->ring_unseen) {
         m->ring_number = FactData(m->env)->NextFactIndex++;
     } else {
@@ -122,14 +96,14 @@ static void percept_ring(struct mind *m)
 /* What the last percept was. */
 static void percept_retract_all(struct mind *m)
 {
-    clips_percept_retract(m, &m->position_fact);
-    clips_percept_retract(m, &m->ring_fact);
-    clips_percept_retract(m, &m->laser_fact);
+    fact_retract(m, &m->position_fact);
+    fact_retract(m, &m->ring_fact);
+    fact_retract(m, &m->laser_fact);
     for (size_t i = 0; i < m->percept.blob_count; i++) {
-        clips_percept_retract(m, &m->blob_facts[i]);
+        fact_retract(m, &m->blob_facts[i]);
     }
     for (size_t i = 0; i < m->percept.fiducial_count; i++) {
-        clips_percept_retract(m, &m->fiducial_facts[i]);
+        fact_retract(m, &m->fiducial_facts[i]);
     }
 }
 
@@ -148,28 +122,28 @@ static size_t percept_ranges(float *to, const float *from_m, size_t count, size_
     return count;
 }
 
-void clips_percept_reals(struct mind_percept *p, double *reals[CLIPS_PERCEPT_REALS])
+void percept_reals(struct mind_percept *p, double *reals[PERCEPT_REALS])
 {
-    double *const all[CLIPS_PERCEPT_REALS] = {&p->x_m,
-                                              &p->y_m,
-                                              &p->heading_rad,
-                                              &p->forward_m_s,
-                                              &p->turn_rad_s,
-                                              &p->gps_x_m,
-                                              &p->gps_y_m,
-                                              &p->compass_rad,
-                                              &p->odometer_x_m,
-                                              &p->odometer_y_m,
-                                              &p->odometer_heading_rad,
-                                              &p->battery_share};
+    double *const all[PERCEPT_REALS] = {&p->x_m,
+                                        &p->y_m,
+                                        &p->heading_rad,
+                                        &p->forward_m_s,
+                                        &p->turn_rad_s,
+                                        &p->gps_x_m,
+                                        &p->gps_y_m,
+                                        &p->compass_rad,
+                                        &p->odometer_x_m,
+                                        &p->odometer_y_m,
+                                        &p->odometer_heading_rad,
+                                        &p->battery_share};
     memcpy(reals, all, sizeof all);
 }
 
 static void percept_copy_body(struct mind_percept *p)
 {
-    double *reals[CLIPS_PERCEPT_REALS];
-    clips_percept_reals(p, reals);
-    for (size_t i = 0; i < CLIPS_PERCEPT_REALS; i++) {
+    double *reals[PERCEPT_REALS];
+    percept_reals(p, reals);
+    for (size_t i = 0; i < PERCEPT_REALS; i++) {
         *reals[i] = percept_finite(*reals[i]);
     }
 }
@@ -207,43 +181,22 @@ static void percept_copy(struct mind *m, const struct mind_percept *p)
     m->sensed = true;
 }
 
-void mind_percept(struct mind *m, const struct mind_percept *percept)
+void percept_take(struct mind *m, const struct mind_percept *p)
 {
-    m->step++;
-    if (CLIPS_BROKEN(m)) {
-        return;
-    }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
-    EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
-    clips_diary_cause(m, 'S', "", "");
     m->diary_fact = CLIPS_DIARY_SENSED;
     percept_retract_all(m);
-    percept_copy(m, percept);
+    percept_copy(m, p);
     m->position_fact = percept_position(m);
     percept_ring(m);
     m->laser_fact = percept_laser(m);
     percept_sights(m);
     m->diary_fact = CLIPS_DIARY_CAUSED;
-    clips_event_assert(m);
-    clips_message_age(m);
-    EnvDecrementGCLocks(m->env);
-    clips_env_leave(m);
 }
 
-void mind_feel_nothing(struct mind *m, uint64_t time_ns)
+void percept_lose(struct mind *m, uint64_t time_ns)
 {
     const struct mind_percept nothing = {.time_ns = time_ns, .battery_share = -1};
-    m->step++;
-    if (CLIPS_BROKEN(m)) {
-        return;
-    }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
     percept_retract_all(m);
     percept_copy(m, &nothing);
     m->sensed = m->ring_unseen = false;
-    clips_event_assert(m);
-    clips_message_age(m);
-    clips_env_leave(m);
 }

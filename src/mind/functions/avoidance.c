@@ -5,14 +5,11 @@
  * is the matter of rules/avoid.clp.
  */
 #include "mind/engine/value.h"
-#include "mind/functions/motion.h"
 #include "mind/functions/table.h"
 
 #include <math.h>
 
 enum { WAY_FRONT = 8 };
-
-static const double way_deg_rad = 180 / 3.14159265358979323846;
 
 /* Where s0 to s7 look, in degrees. */
 static const double way_angles[WAY_FRONT] = {90, 50, 30, 10, -10, -30, -50, -90};
@@ -92,8 +89,8 @@ void clips_way_clear(void *env, DATA_OBJECT *out)
         bool seen = m->percept.sonar_count >= WAY_FRONT && (double)m->sonar[i] * 1000 <= arg[1];
         ring_mm[i] = seen ? (double)m->sonar[i] * 1000 : way_nothing_mm;
     }
-    double want_deg = fmax(-90, fmin(clips_physical_norm(arg[0]), 90));
-    double turns_deg = m->percept.turn_rad_s * way_deg_rad / way_turn_s;
+    double want_deg = fmax(-90, fmin(value_norm_deg(arg[0]), 90));
+    double turns_deg = m->percept.turn_rad_s * VALUE_DEG / way_turn_s;
     double way_deg = way_direction(ring_mm, want_deg, fmax(-90, fmin(turns_deg, 90)),
                                    clips_env_global(m, CLIPS_CARE));
     way_deg += way_lean(ring_mm);

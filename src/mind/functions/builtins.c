@@ -4,6 +4,7 @@
  * text check it first, because a deep nesting would end the stack in their parser.
  */
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 #include "mind/functions/send.h"
 #include "mind/functions/table.h"
 
@@ -76,8 +77,8 @@ static void override_result(void *env, enum override which, DATA_OBJECT *out)
 
 static void override_parse(void *env, enum override which, DATA_OBJECT *out)
 {
-    clips_percept_show(clips_env_mind(env)); /* what is built now may have a pattern of it */
-    static char bytes[2 * CLIPS_LINE_MAX];   /* CLIPS copies the text into a symbol at once */
+    percept_show(clips_env_mind(env));     /* what is built now may have a pattern of it */
+    static char bytes[2 * CLIPS_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
     clips_value_bool(env, out, false);
@@ -191,13 +192,13 @@ static void *override_gensym(void *env)
 /* Those look at all facts that there are. */
 static void override_facts(void *env)
 {
-    clips_percept_show(clips_env_mind(env));
+    percept_show(clips_env_mind(env));
     override_print_facts(env);
 }
 
 static void override_list(void *env, DATA_OBJECT *out)
 {
-    clips_percept_show(clips_env_mind(env));
+    percept_show(clips_env_mind(env));
     override_list_facts(env, out);
 }
 

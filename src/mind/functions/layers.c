@@ -5,6 +5,7 @@
  */
 #include "core/performatives.h"
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 #include "mind/functions/table.h"
 
 #include <string.h>
@@ -191,7 +192,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
     }
     m->out = out;
     clips_env_enter(m, CLIPS_MODE_LINE);
-    clips_percept_show(m);
+    percept_show(m);
     clips_guard_start(m, 0);
     for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !out->cut;
          f = EnvGetNextFact(m->env, f)) {

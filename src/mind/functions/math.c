@@ -1,42 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Arithmetic of rules: degrees, geometry, random numbers, division that cannot end the process. */
 #include "mind/engine/value.h"
-#include "mind/functions/motion.h"
 #include "mind/functions/table.h"
 
 #include <limits.h>
 #include <math.h>
 
-static const double math_deg = 180 / 3.14159265358979323846;
-
 static double math_sin(double a)
 {
-    return sin(a / math_deg);
+    return sin(a / VALUE_DEG);
 }
 
 static double math_cos(double a)
 {
-    return cos(a / math_deg);
+    return cos(a / VALUE_DEG);
 }
 
 static double math_tan(double a)
 {
-    return tan(a / math_deg);
+    return tan(a / VALUE_DEG);
 }
 
 static double math_asin(double x)
 {
-    return asin(x) * math_deg;
+    return asin(x) * VALUE_DEG;
 }
 
 static double math_acos(double x)
 {
-    return acos(x) * math_deg;
+    return acos(x) * VALUE_DEG;
 }
 
 static double math_atan(double x)
 {
-    return atan(x) * math_deg;
+    return atan(x) * VALUE_DEG;
 }
 
 /* A function of one number; what it has no value for is a CLIPS error. */
@@ -87,7 +84,7 @@ void clips_math_atand(void *env, DATA_OBJECT *out)
 
 void clips_math_norm_angle(void *env, DATA_OBJECT *out)
 {
-    math_call(env, "norm-angle", clips_physical_norm, out);
+    math_call(env, "norm-angle", value_norm_deg, out);
 }
 
 void clips_math_atan2d(void *env, DATA_OBJECT *out)
@@ -95,7 +92,7 @@ void clips_math_atan2d(void *env, DATA_OBJECT *out)
     double a[2];
     clips_value_float(env, out, 0);
     if (clips_value_numbers(env, "atan2d", 2, a)) {
-        clips_value_float(env, out, clips_physical_norm(atan2(a[0], a[1]) * math_deg));
+        clips_value_float(env, out, value_norm_deg(atan2(a[0], a[1]) * VALUE_DEG));
     }
 }
 
@@ -113,8 +110,8 @@ void clips_math_bearing(void *env, DATA_OBJECT *out)
     double a[4];
     clips_value_float(env, out, 0);
     if (clips_value_numbers(env, "bearing", 4, a)) {
-        double angle = atan2(a[3] - a[1], a[2] - a[0]) * math_deg;
-        clips_value_float(env, out, clips_physical_norm(angle));
+        double angle = atan2(a[3] - a[1], a[2] - a[0]) * VALUE_DEG;
+        clips_value_float(env, out, value_norm_deg(angle));
     }
 }
 

@@ -14,52 +14,52 @@
 
 /* clang-format off */
 #define CLIPS_PHYSICAL(X) \
-    X("position", 'm', clips_physical_get_position, "00", \
+    X("position", 'm', sensors_position, "00", \
       "(position)", \
       "the position fact's seven fields: time in s, x and y in mm, speed in mm/s, turn " \
       "rate in deg/s, compass in deg, stalled; `()` before the first percept") \
-    X("gps", 'm', clips_sense_gps, "00", \
+    X("gps", 'm', sensors_gps, "00", \
       "(gps)", \
       "x and y in mm, compass in deg, as GPS and compass say; `()` before the first percept") \
-    X("odometer", 'm', clips_sense_odometer, "00", \
+    X("odometer", 'm', sensors_odometer, "00", \
       "(odometer)", \
       "x and y in mm, heading in deg, as the wheels say; `()` before the first percept") \
-    X("stalled", 'u', clips_physical_stalled, "00", \
+    X("stalled", 'u', sensors_stalled, "00", \
       "(stalled)", \
       "TRUE while the body is held up") \
-    X("sonar", 'u', clips_physical_sonar, "02ui", \
+    X("sonar", 'u', sensors_sonar, "02ui", \
       "(sonar [i [otherwise]])", \
       "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
       "such") \
-    X("laser", 'u', clips_sense_laser, "02i", \
+    X("laser", 'u', sensors_laser, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
       "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
       "the body has no laser, or no call of laser was there before this step: a body reads only " \
       "what rules look at") \
-    X("camera", 'm', clips_sense_camera, "01k", \
+    X("camera", 'm', sensors_camera, "01k", \
       "(camera [color])", \
       "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
       "such as red, else #rrggbb), bearing from straight ahead in deg (left is positive), width " \
       "in deg, range in mm; or those of one colour") \
-    X("fiducials", 'm', clips_sense_fiducials, "00", \
+    X("fiducials", 'm', sensors_fiducials, "00", \
       "(fiducials)", \
       "the things that bear a number, nearest first, each in four fields: number (0: too far to " \
       "read), bearing in deg, range in mm, heading of the thing as seen from here in deg") \
-    X("bumpers", 'm', clips_sense_bumpers, "00", \
+    X("bumpers", 'm', sensors_bumpers, "00", \
       "(bumpers)", \
       "the directions in deg from straight ahead in which something touches the body: of eight, " \
       "45 deg apart") \
-    X("battery", 'u', clips_sense_battery, "00", \
+    X("battery", 'u', sensors_battery, "00", \
       "(battery)", \
       "what is left, as a share from 0 to 1; FALSE for a body without one") \
-    X("gripper", 'u', clips_sense_gripper, "01k", \
+    X("gripper", 'u', sensors_gripper, "01k", \
       "(gripper [open|close|lift|lower])", \
       "orders the gripper; TRUE, or FALSE for a body without one.  Without a word its state: " \
       "`(open|closed up|down outer inner holds)`, where outer and inner are TRUE while something " \
       "breaks that beam between the paddles; `()` for a body without one.  Open or closed, up or " \
       "down is what it has come to: it takes its time") \
-    X("sonar-data", 'u', clips_physical_sonar_data, "1*u", \
+    X("sonar-data", 'u', sensors_sonar_data, "1*u", \
       "(sonar-data s...)", \
       "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \
       "0..`?*sonar-clip*`; takes numbers and multifields of numbers") \
@@ -70,7 +70,7 @@
       "eight sonars show them.  Ranges above `?*care*` mm need no care; what is farther off than " \
       "far mm is not in the way.  Keeps to the side to which the body turns already; a body " \
       "with fewer sonars sees nothing") \
-    X("speed-to", 'm', clips_physical_speed_to, "55n", \
+    X("speed-to", 'm', motion_speed_to, "55n", \
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
@@ -82,13 +82,13 @@
     X("has-map", 'u', clips_plan_has_map, "00", \
       "(has-map)", \
       "TRUE if the robot was given a map for plan") \
-    X("setSpeed", 'u', clips_physical_set_speed, "22n", \
+    X("setSpeed", 'u', motion_set_speed, "22n", \
       "(setSpeed v w)", \
       "drives at v mm/s, turning at w deg/s, clamped to the body's limits; TRUE") \
-    X("stop", 'u', clips_physical_stop, "00", \
+    X("stop", 'u', motion_stop, "00", \
       "(stop)", \
       "stands still; TRUE") \
-    X("update-sensors", 'u', clips_physical_update_sensors, "00", \
+    X("update-sensors", 'u', motion_update_sensors, "00", \
       "(update-sensors)", \
       "I have acted, let me see again: ends the step behind this right-hand side; TRUE, on " \
       "the console FALSE")
@@ -299,5 +299,8 @@ CLIPS_PHYSICAL(X)
 CLIPS_AGENT(X)
 CLIPS_EXTENSIONS(X)
 #undef X
+
+/** Gives the functions of sensors a parser that notes who is called. */
+void sensors_install(struct mind *m);
 
 #endif

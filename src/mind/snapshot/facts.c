@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Globals and facts in a capsule.  Facts keep their indices and their order, which need not be that
- * of the indices: see clips_percept_show.
+ * of the indices: see percept_show.
  */
+#include "mind/facts/facts.h"
 #include "mind/snapshot/snapshot.h"
 
 #include <string.h>

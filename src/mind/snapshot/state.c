@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What C code keeps of a mind: percept, mail, handlers, events, random numbers. */
+#include "mind/facts/facts.h"
 #include "mind/snapshot/snapshot.h"
 
 #include <string.h>
 
-/* --- numbers ---------------------------------------------------------------------------------- */
+    /* --- numbers
+       ---------------------------------------------------------------------------------- */
 
-static bool reals_load(struct capsule *c, double **reals, size_t count)
+    static bool
+    reals_load(struct capsule *c, double **reals, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (!clips_capsule_real(c, reals[i])) {
@@ -90,11 +93,11 @@ static bool facts_load(struct capsule *c, struct fact **facts, size_t count)
 static void percept_save(struct mind *m, struct mu_text *out)
 {
     struct mind_percept *p = &m->percept;
-    double *reals[CLIPS_PERCEPT_REALS];
-    clips_percept_reals(p, reals);
+    double *reals[PERCEPT_REALS];
+    percept_reals(p, reals);
     mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
                    p->stalled, p->bumpers, p->gripper);
-    for (size_t i = 0; i < CLIPS_PERCEPT_REALS; i++) {
+    for (size_t i = 0; i < PERCEPT_REALS; i++) {
         clips_capsule_add_real(out, *reals[i]);
     }
     mu_text_add(out, "\n");
@@ -121,14 +124,14 @@ static bool percept_line_load(struct capsule *c)
 {
     struct mind *m = c->mind;
     struct mind_percept p = {.time_ns = 0};
-    double *reals[CLIPS_PERCEPT_REALS];
+    double *reals[PERCEPT_REALS];
     uint64_t n[5];
-    clips_percept_reals(&p, reals);
+    percept_reals(&p, reals);
     bool good = clips_capsule_line(c, "percept");
     for (size_t i = 0; i < 5 && good; i++) {
         good = clips_capsule_count(c, &n[i]);
     }
-    if (!good || !reals_load(c, reals, CLIPS_PERCEPT_REALS) || !clips_capsule_end(c)) {
+    if (!good || !reals_load(c, reals, PERCEPT_REALS) || !clips_capsule_end(c)) {
         return false;
     }
     m->sensed = n[0] != 0;

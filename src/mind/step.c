@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One step's firing of rules. */
-#include "mind/clips_mind.h"
-
 #include "core/hash.h"
+#include "mind/facts/facts.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -170,4 +169,35 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     clips_diary_agenda(m);
     *act = m->act;
     m->act = (struct mind_act){.drives = false};
+}
+
+void mind_percept(struct mind *m, const struct mind_percept *percept)
+{
+    m->step++;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
+    clips_diary_cause(m, 'S', "", "");
+    percept_take(m, percept);
+    clips_event_assert(m);
+    clips_message_age(m);
+    EnvDecrementGCLocks(m->env);
+    clips_env_leave(m);
+}
+
+void mind_feel_nothing(struct mind *m, uint64_t time_ns)
+{
+    m->step++;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    clips_env_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    percept_lose(m, time_ns);
+    clips_event_assert(m);
+    clips_message_age(m);
+    clips_env_leave(m);
 }

@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sensors and gripper as functions. */
+#include "mind/engine/value.h"
+#include "mind/facts/facts.h"
+#include "mind/functions/table.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Four fields tell of a blob, and of a fiducial. */
+enum { SENSORS_FIELDS = 4 };
+
+void sensors_position(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    double values[6];
+    if (!m->sensed) {
+        EnvSetMultifieldErrorValue(env, out);
+        return;
+    }
+    sensors_set_position(&m->percept, values);
+    struct multifield *fields = EnvCreateMultifield(env, 7);
+    for (size_t i = 0; i < 6; i++) {
+        clips_value_set_float(env, fields, i, values[i]);
+    }
+    clips_value_set_symbol(env, fields, 6, m->percept.stalled ? "TRUE" : "FALSE");
+    clips_value_multifield(out, fields);
+}
+
+void sensors_stalled(void *env, DATA_OBJECT *out)
+{
+    clips_value_bool(env, out, clips_env_mind(env)->percept.stalled);
+}
+
+void sensors_sonar(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    size_t count = m->percept.sonar_count;
+    double ranges_mm[MU_SONARS_MAX];
+    long long index;
+    clips_value_bool(env, out, false);
+    if (EnvRtnArgCount(env) == 0) {
+        for (size_t i = 0; i < count; i++) {
+            ranges_mm[i] = (double)m->sonar[i] * 1000;
+        }
+        clips_value_floats(env, out, count, ranges_mm);
+        return;
+    }
+    if (!clips_value_whole(env, "sonar", 1, &index)) {
+        return;
+    }
+    if ((index < 0 || (size_t)index >= count) && EnvRtnArgCount(env) == 2) {
+        (void)clips_value_any(env, 2, out);
+        return;
+    }
+    if (index < 0 || (size_t)index >= count) {
+        clips_value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
+        return;
+    }
+    clips_value_float(env, out, (double)m->sonar[index] * 1000);
+}
+
+/* Takes the least of an argument, a number or several.  @return false: it holds something else */
+static bool physical_least(const DATA_OBJECT *value, double *least)
+{
+    if (value->type != MULTIFIELD) {
+        *least = fmin(*least, clips_value_of(value->type, value->value));
+        return value->type == FLOAT || value->type == INTEGER;
+    }
+    for (long i = value->begin; i <= value->end; i++) {
+        const struct field *f = &((struct multifield *)value->value)->theFields[i];
+        if (f->type != FLOAT && f->type != INTEGER) {
+            return false;
+        }
+        *least = fmin(*least, clips_value_of(f->type, f->value));
+    }
+    return true;
+}
+
+void sensors_sonar_data(void *env, DATA_OBJECT *out)
+{
+    double least = INFINITY;
+    int count = EnvRtnArgCount(env);
+    clips_value_float(env, out, 0);
+    for (int i = 1; i <= count; i++) {
+        DATA_OBJECT value;
+        if (!clips_value_any(env, i, &value)) {
+            return;
+        }
+        if (!physical_least(&value, &least)) {
+            clips_value_refuse(env, "sonar-data", "ranges in mm");
+            return;
+        }
+    }
+    const struct mind *m = clips_env_mind(env);
+    double clip = clips_env_global(m, CLIPS_SONAR_CLIP);
+    double clear = least - clips_env_global(m, CLIPS_SONAR_MARGIN);
+    clips_value_float(env, out, fmax(0, fmin(clear, clip)));
+}
+
+static struct expr *sense_parse(void *env, struct expr *top, const char *source)
+{
+    const struct FunctionDefinition *f = top->value;
+    top = clips_functions_parse(env, top, source);
+    if (top) {
+        sensors_note(clips_env_mind(env), ValueToString(f->callFunctionName));
+    }
+    return top;
+}
+
+void sensors_install(struct mind *m)
+{
+    static const char *const functions[] = {"sonar", "clear-way", "laser", "camera", "fiducials"};
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+        clips_functions_note(m, functions[i], sense_parse);
+    }
+}
+
+/* The index of a beam as an argument.  @return false: it is none, and a CLIPS error */
+static bool sense_beam(void *env, int argument, size_t count, long long *index)
+{
+    if (!clips_value_whole(env, "laser", argument, index)) {
+        return false;
+    }
+    if (*index < 0 || (size_t)*index >= count) {
+        clips_value_refuse(env, "laser", "the index of a beam that was read, from 0");
+        return false;
+    }
+    return true;
+}
+
+void sensors_laser(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    int arguments = EnvRtnArgCount(env);
+    size_t count = m->percept.laser_count;
+    long long from = 0, to = (long long)count - 1;
+    clips_value_bool(env, out, false);
+    if (arguments > 0 && (!sense_beam(env, 1, count, &from) ||
+                          (arguments == 2 && !sense_beam(env, 2, count, &to)))) {
+        return;
+    }
+    if (arguments == 1) {
+        clips_value_float(env, out, (double)m->laser_m[from] * 1000);
+        return;
+    }
+    long length = to >= from ? (long)(to - from + 1) : 0;
+    struct multifield *fields = EnvCreateMultifield(env, length);
+    for (long i = 0; i < length; i++) {
+        clips_value_set_float(env, fields, (size_t)i, (double)m->laser_m[from + i] * 1000);
+    }
+    clips_value_multifield(out, fields);
+}
+
+/* Marks the blobs of that colour.  @return how many there are */
+static size_t sense_pick(const struct mind *m, const char *color, bool picked[MU_BLOBS_MAX])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < m->percept.blob_count; i++) {
+        char bytes[8];
+        picked[i] = !color || strcmp(sensors_color(m->blobs[i].rgb, bytes), color) == 0;
+        count += picked[i];
+    }
+    return count;
+}
+
+void sensors_camera(void *env, DATA_OBJECT *out)
+{
+    struct mind *m = clips_env_mind(env);
+    const char *color = NULL;
+    bool picked[MU_BLOBS_MAX];
+    EnvSetMultifieldErrorValue(env, out);
+    if (EnvRtnArgCount(env) == 1 && !clips_value_word(env, "camera", 1, &color)) {
+        return;
+    }
+    size_t count = sense_pick(m, color, picked);
+    struct multifield *fields = EnvCreateMultifield(env, (long)(count * SENSORS_FIELDS));
+    size_t at = 0;
+    for (size_t i = 0; i < m->percept.blob_count; i++) {
+        if (picked[i]) {
+            sensors_set_blob(m, &m->blobs[i], fields, at);
+            at += SENSORS_FIELDS;
+        }
+    }
+    clips_value_multifield(out, fields);
+}
+
+void sensors_fiducials(void *env, DATA_OBJECT *out)
+{
+    struct mind *m = clips_env_mind(env);
+    size_t count = m->percept.fiducial_count;
+    struct multifield *fields = EnvCreateMultifield(env, (long)(count * SENSORS_FIELDS));
+    for (size_t i = 0; i < count; i++) {
+        sensors_set_fiducial(m, &m->fiducials[i], fields, i * SENSORS_FIELDS);
+    }
+    clips_value_multifield(out, fields);
+}
+
+void sensors_gps(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    const struct mind_percept *p = &m->percept;
+    if (!m->sensed) {
+        EnvSetMultifieldErrorValue(env, out);
+        return;
+    }
+    double compass_deg = value_norm_deg(p->compass_rad * VALUE_DEG);
+    clips_value_floats(env, out, 3, (double[]){p->gps_x_m * 1000, p->gps_y_m * 1000, compass_deg});
+}
+
+void sensors_odometer(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    const struct mind_percept *p = &m->percept;
+    if (!m->sensed) {
+        EnvSetMultifieldErrorValue(env, out);
+        return;
+    }
+    double heading_deg = value_norm_deg(p->odometer_heading_rad * VALUE_DEG);
+    clips_value_floats(env, out, 3,
+                       (double[]){p->odometer_x_m * 1000, p->odometer_y_m * 1000, heading_deg});
+}
+
+void sensors_bumpers(void *env, DATA_OBJECT *out)
+{
+    uint32_t touched = clips_env_mind(env)->percept.bumpers;
+    double directions_deg[32];
+    size_t count = 0;
+    for (unsigned k = 0; k < 8; k++) {
+        if (touched & 1u << k) {
+            directions_deg[count++] = value_norm_deg(45.0 * k);
+        }
+    }
+    clips_value_floats(env, out, count, directions_deg);
+}
+
+void sensors_battery(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = clips_env_mind(env);
+    clips_value_bool(env, out, false);
+    if (m->sensed && m->percept.battery_share >= 0) {
+        clips_value_float(env, out, m->percept.battery_share);
+    }
+}
+
+static void gripper_state(void *env, uint32_t gripper, DATA_OBJECT *out)
+{
+    static const uint32_t flags[] = {MU_GRIPPER_OUTER_BEAM, MU_GRIPPER_INNER_BEAM,
+                                     MU_GRIPPER_HOLDS};
+    if (!(gripper & MU_GRIPPER_THERE)) {
+        EnvSetMultifieldErrorValue(env, out);
+        return;
+    }
+    struct multifield *fields = EnvCreateMultifield(env, 5);
+    clips_value_set_symbol(env, fields, 0, gripper & MU_GRIPPER_CLOSED ? "closed" : "open");
+    clips_value_set_symbol(env, fields, 1, gripper & MU_GRIPPER_LIFTED ? "up" : "down");
+    for (size_t i = 0; i < 3; i++) {
+        clips_value_set_symbol(env, fields, 2 + i, gripper & flags[i] ? "TRUE" : "FALSE");
+    }
+    clips_value_multifield(out, fields);
+}
+
+void sensors_gripper(void *env, DATA_OBJECT *out)
+{
+    static const struct {
+        const char *word;
+        enum mu_paddles paddles;
+        enum mu_lift lift;
+    } orders[] = {{"open", MU_PADDLES_OPEN, MU_LIFT_KEEP},
+                  {"close", MU_PADDLES_CLOSE, MU_LIFT_KEEP},
+                  {"lift", MU_PADDLES_KEEP, MU_LIFT_UP},
+                  {"lower", MU_PADDLES_KEEP, MU_LIFT_DOWN}};
+    struct mind *m = clips_env_mind(env);
+    const char *word;
+    if (EnvRtnArgCount(env) == 0) {
+        gripper_state(env, m->percept.gripper, out);
+        return;
+    }
+    clips_value_bool(env, out, false);
+    if (!clips_value_word(env, "gripper", 1, &word)) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
+        if (strcmp(word, orders[i].word) == 0) {
+            m->act.paddles = orders[i].paddles ? orders[i].paddles : m->act.paddles;
+            m->act.lift = orders[i].lift ? orders[i].lift : m->act.lift;
+            clips_value_bool(env, out, m->percept.gripper & MU_GRIPPER_THERE);
+            return;
+        }
+    }
+    clips_value_refuse(env, "gripper", "open, close, lift or lower");
+}
