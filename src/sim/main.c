@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "sim/record/record.h"
-#include "sim/session/session.h"
+#include "sim/session/parts.h"
 
 #include <fcntl.h>
 #include <inttypes.h>

@@ -3,7 +3,7 @@
 #include "core/clock.h"
 #include "physics.h"
 #include "samples.h"
-#include "sim/session/session.h"
+#include "sim/session/parts.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -58,7 +58,7 @@ static int begin(void)
     s.robots[0].controlled = true;
     s.options.step_ns = PHYSICS_STEP_NS;
     snprintf(s.name, sizeof s.name, "simulator.1");
-    return bus_open(&s.bus, &options) != MU_OK || session_view_open(&s) != MU_OK;
+    return bus_open(&s.bus, &options) != MU_OK || observe_open(&s) != MU_OK;
 }
 
 static int end(void)
@@ -75,10 +75,10 @@ static void step(bool last)
     muster_Act act = {
         .agent = words("robot0"), .rules = words("go"), .goal = words("stay"), .diary = words("")};
     s.robots[0].percept = engine_sense_all(s.engine, wanted)[0];
-    session_view_begin(&s, last);
-    session_view_act(&s, 0, &act);
+    observe_begin(&s, last);
+    observe_act(&s, 0, &act);
     run_hash_fold_number(s.hash, (uint64_t)s.step);
-    session_view_finish(&s);
+    observe_finish(&s);
     engine_step(s.engine);
     s.step++;
 }
@@ -86,7 +86,7 @@ static void step(bool last)
 static void test_nobody_wants_it(void)
 {
     s.engine = physics_start(1);
-    session_view_scene(&s);
+    observe_scene(&s);
     step(false);
     CU_ASSERT_EQUAL(s.view_for, 0);
     CU_ASSERT_EQUAL(heard.scenes + heard.frames, 0);
@@ -99,7 +99,7 @@ static void test_a_listener_is_told_everything(void)
                                          'm', 'u', 'l', 'a', 't', 'o', 'r', '.', '1', 0};
     const struct record_listener listener = {.self = &heard, .scene = on_scene, .frame = on_frame};
     session_listen(&s, &listener);
-    session_view_scene(&s);
+    observe_scene(&s);
     CU_ASSERT_EQUAL(heard.scenes, 1);
     for (unsigned i = 1; i <= 3; i++) {
         step(false);

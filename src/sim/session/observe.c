@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a run: the Scene once, and Frames as long as somebody wants them. */
+#include "sim/session/parts.h"
+
 #include "core/clock.h"
 #include "core/log.h"
 #include "muster/memory.h"
-#include "sim/record/record.h"
-#include "sim/session/session.h"
 
 /* Who shows Frames to people needs no more than 25 in a second. */
 static const uint64_t LATEST_PERIOD_NS = 40000000;
 static const int64_t DRAIN_NS = 200000000;
 
-mu_result session_view_open(struct session *s)
+mu_result observe_open(struct session *s)
 {
     s->scene = scene_make(s->world);
     s->view = frame_open(s->world, s->name);
@@ -25,7 +25,7 @@ void session_listen(struct session *s, const struct record_listener *listener)
     s->listener = *listener;
 }
 
-void session_view_scene(struct session *s)
+void observe_scene(struct session *s)
 {
     s->scene->simulator = s->name;
     s->scene->seed = s->options.seed;
@@ -41,7 +41,7 @@ void session_view_scene(struct session *s)
     }
 }
 
-void session_view_status(struct session *s, const muster_RunStatus *status)
+void observe_status(struct session *s, const muster_RunStatus *status)
 {
     bool ended = status->state == muster_RUN_DONE || status->state == muster_RUN_FAULT;
     if (ended && !s->end_told && s->listener.status &&
@@ -69,12 +69,12 @@ static void robot_view(struct session *s, size_t robot)
     frame_take_body(s->view, robot, &r->percept, &s->tallies[robot]);
     if (r->controlled && r->process >= 0) {
         muster_Percept percept = {.robot = s->world->robots[robot].name};
-        session_percept_fill(&percept, &r->percept);
+        percepts_fill(&percept, &r->percept);
         frame_add_percept(s->view, &percept);
     }
 }
 
-void session_view_begin(struct session *s, bool last)
+void observe_begin(struct session *s, bool last)
 {
     uint64_t time_ns = (uint64_t)s->step * s->options.step_ns;
     for (size_t r = 0; r < s->robot_count; r++) {
@@ -96,21 +96,21 @@ void session_view_begin(struct session *s, bool last)
     }
 }
 
-void session_view_act(struct session *s, size_t robot, const muster_Act *act)
+void observe_act(struct session *s, size_t robot, const muster_Act *act)
 {
     if (s->view_for) {
         frame_add_act(s->view, robot, act);
     }
 }
 
-void session_view_outside(struct session *s, const muster_Delivery *d)
+void observe_outside(struct session *s, const muster_Delivery *d)
 {
     if (s->view_for) {
         frame_add_outside(s->view, d->step + 1, d->outside._buffer, d->outside._length);
     }
 }
 
-void session_view_order(struct session *s, const muster_RunCommand *order)
+void observe_order(struct session *s, const muster_RunCommand *order)
 {
     if (s->view_for) {
         frame_add_order(s->view, order);
@@ -157,7 +157,7 @@ static void frame_write(struct session *s, const muster_Frame *frame)
     }
 }
 
-void session_view_finish(struct session *s)
+void observe_finish(struct session *s)
 {
     if (!s->view_for) {
         frame_clear(s->view);
@@ -173,7 +173,7 @@ void session_view_finish(struct session *s)
     frame_clear(s->view);
 }
 
-void session_view_close(struct session *s)
+void observe_close(struct session *s)
 {
     uint64_t left_out = frame_left_out(s->view);
     if (left_out > 0 || s->frames_lost > 0) {

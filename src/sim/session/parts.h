@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file session.h
+ * @file parts.h
  * A run, seen from the simulator: who controls which robot, and one step after the other.
  *
  * docs/lockstep.md has the protocol.  The order of a step is fixed: senses out, answers in,
  * commands in the order of the robots, hash, record, physics.
  */
-#ifndef MUSTER_SIM_SESSION_H
-#define MUSTER_SIM_SESSION_H
+#ifndef MUSTER_SIM_SESSION_PARTS_H
+#define MUSTER_SIM_SESSION_PARTS_H
 
 #include "bus/bus.h"
 #include "core/table.h"
@@ -143,13 +143,12 @@ struct session {
     char hash_text[RUN_HASH_TEXT];
 };
 
+/* --- session.c: how a run begins and ends ----------------------------------------------------- */
+
 /** Opens the topics.  The bus is open already. */
 MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
                                    const struct world *world, struct engine *engine,
                                    struct tracks *tracks);
-
-/** Has somebody told of the Scene and of every Frame, from session_gather on. */
-void session_listen(struct session *s, const struct record_listener *listener);
 
 /**
  * Waits until every robot has a controller that is ready and, if asked, for the word to go.
@@ -167,93 +166,163 @@ MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomi
  */
 MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came);
 
-/* session_steps.c and session_return.c share with session.c: */
+/* --- roster.c: who belongs to the run --------------------------------------------------------- */
 
-/** Takes what has come on every topic. */
-void session_take(struct session *s);
+/** @return the robot of that name, or NULL */
+struct session_robot *roster_robot(struct session *s, const char *name);
 
-/** Takes an order from outside: one that changes the world waits for session_orders_apply. */
-void session_order_take(struct session *s, const muster_RunCommand *c);
+/** @return the index of the process of that name, or -1 */
+int32_t roster_process(const struct session *s, const char *name);
 
-/** Answers that an order is not carried out. */
-void session_order_refuse(struct session *s, const muster_RunCommand *c, const char *why);
-
-/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
-long session_body_find(const struct session *s, const char *name);
-
-/* Agents without a body, session_guests.c. */
-
-/** Takes what one of them did; of another, nothing. */
-void session_guest_act(struct session *s, const muster_Act *act, int32_t process);
-
-/** The broker has given a name to that process: it lives there from the next step on. */
-void session_guest_seat(struct session *s, const char *name, int32_t process);
-
-/** Folds what each of them did into the hash. */
-void session_guests_fold(struct session *s);
-
-/** @return whether one of them lives in that process */
-bool session_guests_live_in(const struct session *s, uint32_t process);
-
-/** Those of that process have done nothing in this step. */
-void session_guests_pass(struct session *s, uint32_t process);
-
-/* What waits for later, session_script.c. */
-
-/** Takes memory. */
-void session_script_open(struct session *s);
-
-/** Notes what an agent did. */
-void session_script_act(struct session *s, size_t robot, const muster_Act *act);
-
-/** Looks whose time has come, at the end of a step. */
-void session_script_look(struct session *s);
-
-/** Has the sensors of an order with a time come back after that. */
-void session_script_undo(struct session *s, const muster_RunCommand *c);
-
-/** In lock step, waits for the word to go on. */
-void session_script_hold(struct session *s);
-
-/** Carries out what came from outside since the last step, and answers for it. */
-void session_orders_apply(struct session *s);
-
-/** Tells the broker which processes make the lock step, or that there is none any more. */
-MU_MUST_USE mu_result session_tell_roster(struct session *s, bool lockstep);
-
-/** @return whether a process watches, and all its agents are special: what they say is mail from
- * outside, in its turn */
-bool session_onlooks(const muster_Registration *r);
+/** @return whether it has died, and another one wants to take its place */
+bool roster_is_gone(const struct session_process *p);
 
 /** Takes who controls or watches what, and who has gone. */
-void session_register(struct session *s, const muster_Registration *r, enum bus_life life);
+void roster_register(struct session *s, const muster_Registration *r, enum bus_life life);
+
+/** While steps of a lock step run: notes who dies and, while it is held, who comes. */
+void roster_hear(struct session *s, const muster_Registration *r, enum bus_life life);
 
 /** Greets the processes that have come.  @return whether everybody is there; waits_for says who is
  * not */
-bool session_is_complete(struct session *s);
+bool roster_is_complete(struct session *s);
 
-/** Drops the processes that neither control nor watch anything. */
-void session_prune(struct session *s);
+/** Tells the broker which processes make the lock step, or that there is none any more. */
+MU_MUST_USE mu_result roster_tell(struct session *s, bool lockstep);
 
 /** Lays the percepts out so that each process's robots stand together. */
-void session_lay_out(struct session *s);
+void roster_lay_out(struct session *s);
+
+/** Drops the processes that neither control nor watch anything. */
+void roster_prune(struct session *s);
+
+/** Goes on without those who are gone, have no robot and have not answered. */
+void roster_leave_out(struct session *s);
+
+/** What those have done whose process is no more, and who were disposed of: nothing. */
+void roster_rest(struct session *s, uint32_t process);
+
+/** The broker has given a name to that process: it lives there from the next step on. */
+void roster_seat(struct session *s, const char *name, int32_t process);
+
+/** Those of that process have done nothing in this step. */
+void roster_pass_guests(struct session *s, uint32_t process);
+
+/** Between two steps: those who have moved are with their new processes. */
+void roster_change_processes(struct session *s);
+
+/* --- inbox.c: what comes in ------------------------------------------------------------------- */
+
+/** Takes what has come on every topic. */
+void inbox_take(struct session *s);
+
+/* --- percepts.c: what goes out ---------------------------------------------------------------- */
+
+/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
+void percepts_fill(muster_Percept *to, const struct engine_percept *from);
 
 /** Puts the samples of a step together. */
-void session_fill_senses(struct session *s, bool last);
+void percepts_fill_samples(struct session *s, bool last);
 
 /** Writes a process's sample.  @return false: the network is busy, and it is tried again */
-bool session_write_sense(struct session_process *p);
+bool percepts_write(struct session_process *p);
 
-/* session_return.c: */
+/** Reads the sensors that controllers ask for. */
+void percepts_read(struct session *s);
 
-/** While steps of a lock step run: notes who dies and, while it is held, who comes. */
-void session_return_hear(struct session *s, const muster_Registration *r, enum bus_life life);
+/** Sends each process its step.  @param last  no step follows */
+void percepts_send(struct session *s, bool last);
+
+/** Sends again what the network has refused.  @return whether every process has its step */
+bool percepts_retry(struct session *s);
+
+/* --- commands.c: orders from outside, and answers to them ------------------------------------- */
+
+/** Takes an order from outside: one that changes the world waits for edits_apply. */
+void commands_take(struct session *s, const muster_RunCommand *c);
+
+/** Answers that an order is not carried out. */
+void commands_refuse(struct session *s, const muster_RunCommand *c, const char *why);
+
+/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
+long commands_find_body(const struct session *s, const char *name);
+
+/** Takes memory. */
+void commands_open(struct session *s);
+
+/** Notes what an agent did. */
+void commands_note_act(struct session *s, size_t robot, const muster_Act *act);
+
+enum { REASON_MAX = 255 };
+
+/* What became of an order. */
+struct outcome {
+    muster_RunOutcome result;
+    char reason[REASON_MAX + 1];
+};
+
+struct outcome commands_outcome(muster_RunOutcome result, const char *reason);
+
+/** Tells whoever sent an order what became of it. */
+void commands_answer(struct session *s, const muster_RunCommand *c, const struct outcome *o);
+
+/* --- edits.c: what they do -------------------------------------------------------------------- */
+
+/** Carries out what came from outside since the last step, and answers for it. */
+void edits_apply(struct session *s);
+
+/* --- observe.c: what observers see; each is called at its place in a step --------------------- */
+
+/** Has somebody told of the Scene and of every Frame, from session_gather on. */
+void session_listen(struct session *s, const struct record_listener *listener);
+
+/** Opens topics and takes memory. */
+MU_MUST_USE mu_result observe_open(struct session *s);
+
+/** Says once what stands in the world. */
+void observe_scene(struct session *s);
+
+/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
+ * follows */
+void observe_begin(struct session *s, bool last);
+
+void observe_act(struct session *s, size_t robot, const muster_Act *act);
+void observe_outside(struct session *s, const muster_Delivery *d);
+void observe_order(struct session *s, const muster_RunCommand *order);
+
+/** Tells the listener how the run has ended, once. */
+void observe_status(struct session *s, const muster_RunStatus *status);
+
+/** Ends the Frame, before the world moves on, and tells who wants it. */
+void observe_finish(struct session *s);
+
+/** Waits a little until the last Frames have arrived, and says if some were cut. */
+void observe_close(struct session *s);
+
+/* --- status.c --------------------------------------------------------------------------------- */
+
+/** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
+bool status_tell(struct session *s, muster_RunState state, bool always);
+
+/* --- step.c: the parts of one step ------------------------------------------------------------ */
+
+/** Hashes and records the world as this step found it; done while the controllers think.  A step
+ * that is broken off has found it once. */
+void step_record(struct session *s);
+
+/** Folds in the mails from outside that the step before this one took in. */
+void step_fold_outside(struct session *s);
+
+/** Carries out what the controllers have answered, and moves the world on. */
+void step_finish(struct session *s);
+
+/* --- recover.c: a process that dies and is started again -------------------------------------- */
 
 /** @return how long a step may wait for whoever is silent, by the wall */
-uint64_t session_return_patience_ns(const struct session *s);
+uint64_t recover_patience_ns(const struct session *s);
 
 /** @return whether this step waits for a process that has died and was started again */
-bool session_return_due(const struct session *s);
+bool recover_is_due(const struct session *s);
 
 /**
  * Holds the lock step until all that died are there again, and gives them this step.
@@ -261,46 +330,15 @@ bool session_return_due(const struct session *s);
  * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for says who; MU_DONE:
  *         the run was ended
  */
-MU_MUST_USE mu_result session_return_await(struct session *s,
-                                           const volatile sig_atomic_t *signal_came);
-/** Between two steps: those who have moved are with their new processes. */
-void session_change_processes(struct session *s);
+MU_MUST_USE mu_result recover_await(struct session *s, const volatile sig_atomic_t *signal_came);
 
-/** What those have done whose process is no more, and who were disposed of: nothing. */
-void session_rest(struct session *s, uint32_t process);
+/* --- lockstep.c: one step after the other ----------------------------------------------------- */
 
-/** Goes on without those who are gone, have no robot and have not answered. */
-void session_leave_out(struct session *s);
+/** Runs in lock step to the end.  @return MU_OK, or as session_run */
+MU_MUST_USE mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came);
 
-/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
-void session_percept_fill(muster_Percept *to, const struct engine_percept *from);
-
-/* What observers see, session_view.c: each is called at its place in a step. */
-
-/** Opens topics and takes memory. */
-MU_MUST_USE mu_result session_view_open(struct session *s);
-
-/** Says once what stands in the world. */
-void session_view_scene(struct session *s);
-
-/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
- * follows */
-void session_view_begin(struct session *s, bool last);
-
-void session_view_act(struct session *s, size_t robot, const muster_Act *act);
-void session_view_outside(struct session *s, const muster_Delivery *d);
-void session_view_order(struct session *s, const muster_RunCommand *order);
-
-/** Tells the listener how the run has ended, once. */
-void session_view_status(struct session *s, const muster_RunStatus *status);
-
-/** Ends the Frame, before the world moves on, and tells who wants it. */
-void session_view_finish(struct session *s);
-
-/** Waits a little until the last Frames have arrived, and says if some were cut. */
-void session_view_close(struct session *s);
-
-/** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
-bool session_tell(struct session *s, muster_RunState state, bool always);
+/** Runs freely to the end. */
+MU_MUST_USE mu_result lockstep_run_free(struct session *s,
+                                        const volatile sig_atomic_t *signal_came);
 
 #endif

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Takes what has come on every topic. */
+#include "sim/session/parts.h"
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/text.h"
+
+#include <math.h>
+#include <string.h>
+
+/* An order that a gripper does not know is none. */
+static int32_t order_of(int32_t order)
+{
+    return order >= -1 && order <= 1 ? order : 0;
+}
+
+static void guest_act(struct session *s, const muster_Act *act, int32_t process)
+{
+    struct guest *guest = guests_find(s->guests, act->agent);
+    if (!guest || guest->process != process) {
+        return;
+    }
+    guest->state = act->state;
+    run_hash_act(s->hash, act, guest->digest);
+    observe_act(s, s->robot_count + (size_t)(guest - s->guests->at), act);
+}
+
+static void act_take(struct session *s, const muster_Act *act, int32_t process)
+{
+    struct session_robot *r = roster_robot(s, act->agent);
+    if (!r || !r->controlled) {
+        guest_act(s, act, process);
+        return;
+    }
+    if (r->process != process) {
+        return;
+    }
+    bool is_speed = isfinite(act->forward_m_s) && isfinite(act->turn_rad_s);
+    if (act->drives && !is_speed) {
+        mu_log(MU_LOG_WARNING, "speed-refused", "robot=%s step=%lld", r->name, (long long)s->step);
+    }
+    r->drives = act->drives && is_speed;
+    if (r->drives) {
+        r->forward_m_s = act->forward_m_s;
+        r->turn_rad_s = act->turn_rad_s;
+    }
+    r->paddles = order_of(act->paddles);
+    r->lift = order_of(act->lift);
+    r->senses = act->senses;
+    r->state = act->state;
+    mu_text_copy(r->goal, sizeof r->goal, act->goal);
+    r->firings += act->firings;
+    r->mails_sent += act->mails._length;
+    run_hash_act(s->hash, act, r->digest);
+    commands_note_act(s, (size_t)(r - s->robots), act);
+    observe_act(s, (size_t)(r - s->robots), act);
+}
+
+/* Free running: mail goes out at once, and is nothing but something to look at. */
+static void up_show(struct session *s, const muster_Up *up, int32_t process)
+{
+    for (uint32_t i = 0; i < up->acts._length; i++) {
+        struct session_robot *r = roster_robot(s, up->acts._buffer[i].agent);
+        if (r && r->process >= 0 && r->process == process) {
+            commands_note_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
+            observe_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
+        }
+    }
+}
+
+static void up_take(struct session *s, const muster_Up *up)
+{
+    int32_t process = roster_process(s, up->process);
+    if (s->options.free && up->step == muster_STEP_NOW) {
+        up_show(s, up, process);
+    }
+    if (process >= 0) {
+        s->processes[process].heard = true;
+    }
+    bool is_answer = up->step == s->step || (s->options.free && up->step >= 0);
+    if (process < 0 || !is_answer || s->processes[process].answered >= up->step) {
+        return;
+    }
+    struct session_process *p = &s->processes[process];
+    p->answered = up->step;
+    p->answered_wall_ns = mu_clock_ns();
+    if (s->answers_missing > 0 && up->step == s->step) {
+        s->answers_missing--;
+    }
+    s->moves = s->moves || (up->trips._length > 0 && !s->options.free);
+    for (uint32_t i = 0; i < up->acts._length; i++) {
+        act_take(s, &up->acts._buffer[i], process);
+    }
+    for (uint32_t i = 0; i < up->acks._length; i++) {
+        struct session_robot *r = roster_robot(s, up->acks._buffer[i].box);
+        if (r) {
+            const muster_Ack *ack = &up->acks._buffer[i];
+            r->mails_received = r->returned ? ack->number : ack->handed;
+            r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
+        }
+    }
+}
+
+/* The broker has given a name to a process: that of a robot to another one, whose answers may be on
+ * their way yet; or a new one, for whom there may be a body that nobody has any more. */
+static void trip_take(struct session *s, const muster_Trip *t)
+{
+    struct session_robot *r = roster_robot(s, t->agent);
+    int32_t process = roster_process(s, t->process);
+    if (t->word != muster_TRIP_TAKEN || s->options.free || process < 0) {
+        return;
+    }
+    if (!r || !r->controlled) {
+        roster_seat(s, t->agent, process);
+    } else if (s->processes[process].let_go) { /* it has died since */
+        r->process = r->next_process = -1;
+    } else if (r->process < 0) { /* the one that it set out from has died */
+        r->process = process;
+    } else {
+        r->next_process = process;
+    }
+}
+
+static void delivery_take(struct session *s, const muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < d->trips._length; i++) {
+        trip_take(s, &d->trips._buffer[i]);
+    }
+    if (d->step == muster_STEP_NOW || d->step <= s->mail_step) {
+        return;
+    }
+    s->mail_step = d->step;
+    observe_outside(s, d);
+    run_hash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
+}
+
+/* While steps run, the roster is fixed but for those that die and are started again: whoever else
+ * does not answer is found by its silence. */
+static void registrations_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_Registration *r;
+    while ((r = bus_next(&s->registrations, &life))) {
+        bool is_broker = life == BUS_DATA && r->is_broker;
+        if (is_broker) {
+            continue;
+        }
+        if (s->step < 0 || s->options.free) {
+            roster_register(s, r, life);
+            continue;
+        }
+        roster_hear(s, r, life);
+    }
+}
+
+static void run_commands_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_RunCommand *c;
+    while ((c = bus_next(&s->commands, &life))) {
+        if (life != BUS_DATA || strcmp(c->simulator, s->name) != 0) {
+            continue;
+        }
+        if (c->order > muster_RUN_END) {
+            commands_take(s, c);
+        } else {
+            s->go = s->go || c->order == muster_RUN_GO;
+            s->end = s->end || c->order == muster_RUN_END;
+        }
+    }
+}
+
+void inbox_take(struct session *s)
+{
+    enum bus_life life;
+    const muster_Up *up;
+    while ((up = bus_next(&s->ups, &life))) {
+        if (life == BUS_DATA) {
+            up_take(s, up);
+        }
+    }
+    const muster_Delivery *delivery;
+    while ((delivery = bus_next(&s->deliveries, &life))) {
+        if (life == BUS_DATA) {
+            delivery_take(s, delivery);
+        }
+    }
+    registrations_take(s);
+    run_commands_take(s);
+}

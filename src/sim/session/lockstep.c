@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One step after the other: in lock step, when everybody has answered, and in free running, when it
+ * is time. */
+#include "sim/session/parts.h"
+
+#include "core/clock.h"
+#include "core/text.h"
+
+#include <math.h>
+
+static const int64_t WAIT_NS = 50000000;
+static const int64_t RETRY_NS = 1000000;
+
+/* Who is gone by the network's word, and has no robot, is waited for so long: it may be slow. */
+static const uint64_t LOSS_NS = 1000000000;
+
+/* No step is due later than in thirty years, however slow the pace is. */
+static const double PACE_MAX_NS = 1e18;
+
+/* --- lock step -------------------------------------------------------------------------------- */
+
+static mu_result silence_report(struct session *s)
+{
+    struct mu_text who;
+    mu_text_init(&who, s->waits_for, sizeof s->waits_for);
+    mu_text_format(&who, "silent for %llu s at step %lld:",
+                   (unsigned long long)(recover_patience_ns(s) / 1000000000u), (long long)s->step);
+    /* Without the mail of the last step no robot can answer. */
+    bool broker_is_late = s->mail_step < s->step - 1;
+    if (broker_is_late) {
+        mu_text_add(&who, " the broker");
+    }
+    for (size_t i = 0; !broker_is_late && i < s->robot_count; i++) {
+        int32_t process = s->robots[i].process;
+        if (process >= 0 && s->processes[process].answered < s->step) {
+            mu_text_format(&who, " %s", s->robots[i].name);
+        }
+    }
+    for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
+        bool attends = s->processes[i].watches || s->processes[i].hosts;
+        if (attends && !s->processes[i].left_out && s->processes[i].answered < s->step) {
+            mu_text_format(&who, " %s", s->processes[i].name);
+        }
+    }
+    return MU_TIMEOUT;
+}
+
+/* How many samples this step still needs: so many, and nothing is done for fewer. */
+static uint64_t samples_missing(const struct session *s)
+{
+    uint64_t missing = s->answers_missing + (s->mail_step < s->step - 1);
+    return missing > 0 ? missing : 1;
+}
+
+/* Waits for the answers of this step, and for the mail of the one before. */
+static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    uint64_t began_ns = s->last_step_wall_ns;
+    for (;;) {
+        inbox_take(s);
+        if (s->answers_missing == 0 && s->mail_step >= s->step - 1) {
+            return MU_OK;
+        }
+        if (s->end || *signal_came) {
+            return MU_DONE;
+        }
+        if (recover_is_due(s)) {
+            mu_result back = recover_await(s, signal_came);
+            if (back != MU_OK) {
+                return back;
+            }
+            began_ns = s->last_step_wall_ns;
+            continue;
+        }
+        uint64_t waited_ns = mu_clock_ns() - began_ns;
+        if (waited_ns > recover_patience_ns(s)) {
+            return silence_report(s);
+        }
+        if (waited_ns > LOSS_NS && s->answers_missing > 0) {
+            roster_leave_out(s);
+        }
+        bus_wait(&s->bus, samples_missing(s), percepts_retry(s) ? WAIT_NS : RETRY_NS);
+        (void)status_tell(s, muster_RUN_RUNNING, false);
+    }
+}
+
+static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    bool in_time = s->options.duration_ns == 0 ||
+                   (uint64_t)s->step * s->options.step_ns < s->options.duration_ns;
+    return in_time && !s->end && !*signal_came;
+}
+
+/* Waits until its time has come on the monotonic clock, taking in what comes meanwhile. */
+static void wait_until(struct session *s, uint64_t due_ns, const volatile sig_atomic_t *signal_came)
+{
+    for (uint64_t now_ns = mu_clock_ns();
+         now_ns < due_ns && !s->end && !*signal_came && !s->paced_anew; now_ns = mu_clock_ns()) {
+        int64_t wait_ns = (int64_t)(due_ns - now_ns);
+        bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
+        inbox_take(s);
+        (void)status_tell(s, muster_RUN_RUNNING, false);
+    }
+}
+
+/* Paces the run: a step may begin when its time has come on the clock of the rate. */
+static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    if (s->options.rate <= 0.0) {
+        return;
+    }
+    do {
+        s->paced_anew = false;
+        double due_ns =
+            (double)(s->step - s->pace_step) * (double)s->options.step_ns / s->options.rate;
+        wait_until(s, s->pace_wall_ns + (uint64_t)fmin(due_ns, PACE_MAX_NS), signal_came);
+    } while (s->paced_anew && s->options.rate > 0.0);
+    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
+}
+
+/* A robot has set out: the next step begins when the broker has said where it is. */
+static mu_result moves_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    if (!s->moves) {
+        return MU_OK;
+    }
+    s->answers_missing = 0;
+    mu_result waited = answers_wait(s, signal_came);
+    s->moves = false;
+    roster_change_processes(s);
+    s->last_step_wall_ns = mu_clock_ns();
+    return waited;
+}
+
+mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    mu_result waited = MU_OK;
+    while (goes_on(s, signal_came) && waited == MU_OK) {
+        pace(s, signal_came);
+        percepts_read(s);
+        /* The very first step waits for the broker: it must know the roster. */
+        if (s->step > 0) {
+            percepts_send(s, false);
+        }
+        step_record(s);
+        observe_begin(s, false);
+        if (s->step == 0) {
+            s->answers_missing = 0;
+            waited = answers_wait(s, signal_came);
+            s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
+            percepts_send(s, false);
+        }
+        waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
+        if (waited == MU_OK) {
+            step_finish(s);
+            waited = moves_wait(s, signal_came);
+            (void)status_tell(s, muster_RUN_RUNNING, false);
+        }
+    }
+    if (waited == MU_OK && !s->end && !*signal_came) {
+        s->answers_missing = 0; /* the mail of the last step is part of the hash */
+        waited = answers_wait(s, signal_came);
+    }
+    return waited == MU_DONE ? MU_OK : waited;
+}
+
+/* --- free running ----------------------------------------------------------------------------- */
+
+/* A broker that has come since, as one that was started again, has found the Roster of an earlier
+ * step, and takes it for the time of the run. */
+static void roster_renew(struct session *s)
+{
+    uint32_t readers = bus_writer_matched_ever(&s->roster);
+    if (readers != s->roster_readers && roster_tell(s, false) == MU_OK) {
+        s->roster_readers = readers;
+    }
+}
+
+mu_result lockstep_run_free(struct session *s, const volatile sig_atomic_t *signal_came)
+{
+    uint64_t due_ns = mu_clock_ns();
+    while (goes_on(s, signal_came)) {
+        percepts_read(s);
+        s->skipped += s->answers_missing;
+        percepts_send(s, false);
+        step_record(s);
+        observe_begin(s, false);
+        due_ns += s->options.step_ns;
+        wait_until(s, due_ns, signal_came);
+        step_finish(s);
+        roster_renew(s);
+        (void)status_tell(s, muster_RUN_RUNNING, false);
+    }
+    return MU_OK;
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Says how the run goes. */
+#include "sim/session/parts.h"
+
+#include "core/clock.h"
+
+static const uint64_t STATUS_PERIOD_NS = 50000000;
+
+/* @return how many robots have a controller */
+static uint32_t totals_fill(struct session *s)
+{
+    uint32_t totals = 0;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        const struct session_robot *r = &s->robots[i];
+        if (!r->controlled) {
+            continue;
+        }
+        s->totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,
+                                                   .firings = r->firings,
+                                                   .mails_sent = r->mails_sent,
+                                                   .mails_received = r->mails_received,
+                                                   .mails_duplicated = r->mails_duplicated};
+    }
+    return totals;
+}
+
+static uint32_t places_fill(struct session *s)
+{
+    for (size_t i = 0; i < s->world->object_count; i++) {
+        struct world_pose pose = engine_pose(s->engine, s->robot_count + i);
+        s->places[i] = (muster_ObjectPlace){.name = s->world->objects[i].name,
+                                            .x_m = pose.x_m,
+                                            .y_m = pose.y_m,
+                                            .heading_rad = pose.heading_rad};
+    }
+    return (uint32_t)s->world->object_count;
+}
+
+bool status_tell(struct session *s, muster_RunState state, bool always)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
+        return true;
+    }
+    s->status_wall_ns = now_ns;
+    bool done = state == muster_RUN_DONE;
+    static char none[] = "none";
+    int64_t steps = s->step > 0 ? s->step : 0;
+    muster_RunStatus status = {.simulator = s->name,
+                               .state = state,
+                               .step = steps,
+                               .time_ns = (uint64_t)steps * s->options.step_ns,
+                               .wall_ns = s->last_step_wall_ns - s->first_step_wall_ns,
+                               .duration_ns = s->options.duration_ns,
+                               .skipped = s->skipped,
+                               .hash = done && !s->options.free ? s->hash_text : none,
+                               .waits_for = s->waits_for};
+    status.robots._buffer = s->totals;
+    status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
+    status.objects._buffer = s->places;
+    status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
+    observe_status(s, &status);
+    return bus_write(&s->status, &status) == MU_OK;
+}

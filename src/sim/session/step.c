@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The parts of one step. */
+#include "sim/session/parts.h"
+
+#include "core/clock.h"
+#include "core/log.h"
+
+/* In free running a controller that has not answered for this long, or for three steps if they are
+ * longer, has let go of its robot. */
+static const uint64_t DEADMAN_NS = 300000000;
+
+static void body_hash(struct session *s, size_t body)
+{
+    double state[ENGINE_STATE_DOUBLES];
+    engine_state(s->engine, body, state);
+    run_hash_fold(s->hash, state, sizeof state);
+}
+
+/* Hashes and records the world as this step found it; done while the controllers think.  A step
+ * that is broken off has found it once. */
+void step_record(struct session *s)
+{
+    if (s->step < s->recorded) {
+        return;
+    }
+    s->recorded = s->step + 1;
+    run_hash_fold_number(s->hash, (uint64_t)s->step);
+    for (size_t r = 0; r < s->robot_count; r++) {
+        body_hash(s, r);
+        if (s->tracks && s->robots[r].controlled) {
+            tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
+                       &s->robots[r].percept);
+        }
+    }
+    for (size_t b = s->robot_count; b < engine_body_count(s->engine); b++) {
+        body_hash(s, b);
+    }
+}
+
+/* The dead-man: a speed that nobody renews for 10 steps, or whose owner is silent, is no speed. */
+static bool robot_is_held(const struct session *s, const struct session_robot *r, uint64_t now_ns)
+{
+    if (r->process < 0 || r->quiet_steps >= SESSION_QUIET_STEPS) {
+        return false;
+    }
+    uint64_t steps_ns = 3 * s->options.step_ns;
+    uint64_t patience_ns = steps_ns > DEADMAN_NS ? steps_ns : DEADMAN_NS;
+    return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < patience_ns;
+}
+
+/* An order counts once; what cannot be done is not, and the percept shows it. */
+static void gripper_apply(struct session *s, size_t robot)
+{
+    struct session_robot *r = &s->robots[robot];
+    if (r->paddles != 0 || r->lift != 0) {
+        mu_result done = engine_grip(s->engine, robot, r->paddles, r->lift);
+        if (done != MU_OK) {
+            mu_log(MU_LOG_INFO, "gripper-refused", "robot=%s step=%lld: %s", r->name,
+                   (long long)s->step,
+                   done == MU_ABSENT ? "it has none" : "there is no room to let go");
+        }
+    }
+    r->paddles = r->lift = 0;
+}
+
+static void guests_fold(struct session *s)
+{
+    for (uint32_t i = 0; i < s->guests->count; i++) {
+        run_hash_fold(s->hash, s->guests->at[i].digest, RUN_HASH_BYTES);
+    }
+}
+
+static void commands_apply(struct session *s)
+{
+    uint64_t now_ns = s->options.free ? mu_clock_ns() : 0;
+    for (size_t i = 0; i < s->robot_count; i++) {
+        struct session_robot *r = &s->robots[i];
+        r->quiet_steps = r->drives ? 0 : r->quiet_steps + 1;
+        r->drives = false;
+        bool held = robot_is_held(s, r, now_ns);
+        double forward_m_s = held ? r->forward_m_s : 0.0;
+        double turn_rad_s = held ? r->turn_rad_s : 0.0;
+        /* The border has refused what is not finite, so the engine cannot. */
+        MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
+        r->command_forward_m_s = forward_m_s;
+        r->command_turn_rad_s = turn_rad_s;
+        gripper_apply(s, i);
+        run_hash_fold(s->hash, r->digest, sizeof r->digest);
+    }
+    guests_fold(s);
+}
+
+/* The mails from outside that the step before this one took in. */
+void step_fold_outside(struct session *s)
+{
+    run_hash_fold(s->hash, s->outside[(s->step - 1) & 1], RUN_HASH_BYTES);
+}
+
+void step_finish(struct session *s)
+{
+    step_fold_outside(s);
+    commands_apply(s);
+    edits_apply(s);
+    observe_finish(s);
+    engine_step(s->engine);
+    guests_settle(s->guests);
+    s->step++;
+    s->last_step_wall_ns = mu_clock_ns();
+}
