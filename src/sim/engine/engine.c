@@ -212,16 +212,6 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     return e->percepts;
 }
 
-void engine_sense(struct engine *e, size_t robot, struct engine_percept *out)
-{
-    MU_ASSERT(robot < e->robot_count);
-    engine_place_sensors(e, robot);
-    engine_fresh_grid(e);
-    sensors_read(e->sensors, robot, ENGINE_ALL_SENSES, e->steps);
-    engine_feel(e, robot, out);
-    sensors_tell(e->sensors, robot, ENGINE_ALL_SENSES, out);
-}
-
 size_t engine_body_count(const struct engine *e)
 {
     return e->body_count;

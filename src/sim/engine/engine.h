@@ -75,9 +75,6 @@ void engine_step(struct engine *e);
  */
 const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[]);
 
-/** Reads all senses of one robot as of now. */
-void engine_sense(struct engine *e, size_t robot, struct engine_percept *out);
-
 /** @return how many bodies there are: the robots, then the objects, each as in struct world */
 size_t engine_body_count(const struct engine *e);
 

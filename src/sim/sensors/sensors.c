@@ -354,15 +354,6 @@ void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step)
     pool_run(s->pool, pieces, sensors_read_piece, s);
 }
 
-void sensors_read(struct sensors *s, size_t robot, uint32_t wanted, uint64_t step)
-{
-    s->step = step;
-    if (wanted & s->robots[robot].kind->has & SENSORS_GATHERED) {
-        gather_update(&s->gather);
-    }
-    sensors_read_robot(s, robot, wanted, &s->workers[0]);
-}
-
 void sensors_tell(const struct sensors *s, size_t robot, uint32_t wanted,
                   struct engine_percept *out)
 {

@@ -79,9 +79,6 @@ void sensors_place(struct sensors *s, size_t robot, const struct frame *frame);
  */
 void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step);
 
-/** sensors_read_all for one robot. */
-void sensors_read(struct sensors *s, size_t robot, uint32_t wanted, uint64_t step);
-
 /** Forgets all readings: each sensor is read anew when it is wanted next. */
 void sensors_forget(struct sensors *s);
 

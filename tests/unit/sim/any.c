@@ -120,8 +120,7 @@ static bool is_sound(struct engine *e)
         sound = sound && isfinite(p.heading_rad);
     }
     for (size_t i = 0; i < physics_world.robot_count; i++) {
-        struct engine_percept p;
-        engine_sense(e, i, &p);
+        struct engine_percept p = physics_sense(e, i);
         held += (p.gripper & ENGINE_GRIPPER_HOLDS) != 0;
         sound = sound && isfinite(p.forward_m_s + p.turn_rad_s + p.battery_share);
         sound = sound && p.battery_share <= 1 && p.bumpers < 256;

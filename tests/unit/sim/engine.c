@@ -245,10 +245,8 @@ static uint64_t hash_of_a_crowd(uint64_t seed, bool *flat)
         engine_step(e);
         for (size_t i = 0; i < 4; i++) {
             double state[ENGINE_STATE_DOUBLES];
-            struct engine_percept p;
-            memset(&p, 0, sizeof p);
+            struct engine_percept p = physics_sense(e, i);
             engine_state(e, i, state);
-            engine_sense(e, i, &p);
             hash = mu_hash_bytes(hash, state, sizeof state);
             hash = mu_hash_bytes(hash, p.sonar_m, 2 * sizeof(float));
             CU_ASSERT_FATAL(fabs(state[0]) < 2.1 && fabs(state[1]) < 2.1);
@@ -326,8 +324,7 @@ static void test_all_are_sensed_as_one_is(void)
         float sonar = all[1].sonar_m[0];
         float laser = all[1].laser_m[1];
         double x = all[1].pose.x_m;
-        struct engine_percept one;
-        engine_sense(e, 1, &one);
+        struct engine_percept one = physics_sense(e, 1);
         CU_ASSERT(one.sonar_m[0] == sonar && one.laser_m[1] == laser && one.pose.x_m == x);
         CU_ASSERT(step < 10 || (laser < 2 && x > 0));
     }

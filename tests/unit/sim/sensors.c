@@ -85,7 +85,9 @@ static void start(uint64_t seed, size_t threads)
 static struct engine_percept read(size_t robot, uint32_t wanted, uint64_t step)
 {
     struct engine_percept percept = {0};
-    sensors_read(scene->sensors, robot, wanted, step);
+    uint32_t alone[TEAM] = {0};
+    alone[robot] = wanted;
+    sensors_read_all(scene->sensors, alone, step);
     sensors_tell(scene->sensors, robot, wanted, &percept);
     return percept;
 }
@@ -573,7 +575,7 @@ static uint64_t bits_of_a_crowd(size_t threads, const char *kernel, const uint32
         }
         place_robots();
         for (size_t i = 0; threads == 0 && i < TEAM; i++) {
-            sensors_read(scene->sensors, i, wanted[i], step);
+            read(i, wanted[i], step);
         }
         if (threads > 0) {
             sensors_read_all(scene->sensors, wanted, step);

@@ -47,8 +47,7 @@ static uint64_t mix(uint64_t hash, double value)
 static uint64_t feel(struct engine *e, uint64_t hash)
 {
     for (size_t i = 0; i < 4; i++) {
-        struct engine_percept p;
-        engine_sense(e, i, &p);
+        struct engine_percept p = physics_sense(e, i);
         const double felt[] = {p.position.x_m,  p.gps_y_m,      p.compass_rad,
                                p.odometer.x_m,  p.odometer.y_m, p.odometer.heading_rad,
                                p.stalled,       p.bumpers,      p.gripper,
@@ -80,8 +79,7 @@ static uint64_t live(struct engine *e, unsigned from, unsigned to, bool *held)
         engine_step(e);
         hash = feel(e, physics_hash(e, hash));
         for (size_t i = 0; i < 4; i++) {
-            struct engine_percept p;
-            engine_sense(e, i, &p);
+            struct engine_percept p = physics_sense(e, i);
             *held = *held || (p.gripper & ENGINE_GRIPPER_HOLDS) != 0;
         }
     }
