@@ -3,11 +3,11 @@
 #include "sim/engine/engine_core.h"
 
 /* What turns a thing on the floor lies this far from its middle: the mean of a disc's radius. */
-#define ENGINE_RUB_AT (2.0 / 3.0)
+#define BODIES_RUB_AT (2.0 / 3.0)
 
 /* --- what they are made of -------------------------------------------------------------------- */
 
-static double engine_thinnest(const struct engine *e)
+static double bodies_thinnest(const struct engine *e)
 {
     double thinnest = INFINITY;
     for (size_t i = 0; i < e->world->shape_count; i++) {
@@ -26,23 +26,23 @@ static double engine_thinnest(const struct engine *e)
  * Half of the thinnest thing that a body could meet, and of itself, per substep: nothing is
  * jumped over.
  */
-static double engine_speed_max(const struct engine *e, double half_m, double thinnest_m)
+static double bodies_speed_max(const struct engine *e, double half_m, double thinnest_m)
 {
     return 0.5 * (half_m + thinnest_m) / e->dt_s;
 }
 
-size_t engine_object_part(const struct engine *e, size_t object)
+size_t bodies_object_part(const struct engine *e, size_t object)
 {
     return e->robot_count + e->paddle_count + object;
 }
 
-struct frame engine_frame(const struct engine *e, size_t body)
+struct frame bodies_frame(const struct engine *e, size_t body)
 {
     const struct ode_motion *m = &e->bodies[body].motion;
     return (struct frame){m->x, m->y, m->c, m->s};
 }
 
-static void engine_add_paddles(struct engine *e, size_t i)
+static void bodies_add_paddles(struct engine *e, size_t i)
 {
     struct engine_robot *r = &e->robots[i];
     static const struct world_look look = {.stops = true};
@@ -57,7 +57,7 @@ static void engine_add_paddles(struct engine *e, size_t i)
     }
 }
 
-static void engine_add_robot(struct engine *e, size_t i, double thinnest_m)
+static void bodies_add_robot(struct engine *e, size_t i, double thinnest_m)
 {
     const struct world_robot *robot = &e->world->robots[i];
     struct engine_robot *r = &e->robots[i];
@@ -72,20 +72,20 @@ static void engine_add_robot(struct engine *e, size_t i, double thinnest_m)
                               .middle_y_m = robot->origin_y_m,
                               .mass_kg = robot->mass_kg};
     b->inertia_kg_m2 = ode_world_add(&size, robot->pose);
-    b->speed_max_m_s = engine_speed_max(e, fmin(robot->length_m, robot->width_m) / 2, thinnest_m);
+    b->speed_max_m_s = bodies_speed_max(e, fmin(robot->length_m, robot->width_m) / 2, thinnest_m);
     e->outlines[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
     e->outlines[i].owner = (int32_t)i;
     solid_look(&e->outlines[i], &robot->look);
     e->parts[i] = (struct engine_part){.body = (int32_t)i, .is_case = true, .look = &robot->look};
     drive_init(&r->drive, robot, b->inertia_kg_m2, b->speed_max_m_s);
-    engine_add_paddles(e, i);
+    bodies_add_paddles(e, i);
 }
 
-static void engine_add_object(struct engine *e, size_t k, double thinnest_m)
+static void bodies_add_object(struct engine *e, size_t k, double thinnest_m)
 {
     const struct world_object *object = &e->world->objects[k];
     size_t body = e->robot_count + k;
-    size_t part = engine_object_part(e, k);
+    size_t part = bodies_object_part(e, k);
     struct engine_body *b = &e->bodies[body];
     struct solid solid = solid_of_shape(&object->shape);
     struct ode_body_size size = {.mass_kg = object->mass_kg,
@@ -94,31 +94,31 @@ static void engine_add_object(struct engine *e, size_t k, double thinnest_m)
                                  .disc = solid.kind == WORLD_DISC};
     *b = (struct engine_body){.name = object->name, .mass_kg = object->mass_kg};
     b->inertia_kg_m2 = ode_world_add(&size, object->shape.pose);
-    b->speed_max_m_s = engine_speed_max(e, fmin(solid.half_x, solid.half_y), thinnest_m);
+    b->speed_max_m_s = bodies_speed_max(e, fmin(solid.half_x, solid.half_y), thinnest_m);
     ode_world_lay(body);
     double area = size.disc ? M_PI * solid.half_x * solid.half_x : 4 * solid.half_x * solid.half_y;
     double friction = object->friction * object->mass_kg * DRIVE_GRAVITY_M_S2;
     e->objects[k] =
         (struct engine_object){.friction_n = friction,
-                               .friction_nm = friction * ENGINE_RUB_AT * sqrt(area / M_PI),
+                               .friction_nm = friction * BODIES_RUB_AT * sqrt(area / M_PI),
                                .bearer = ENGINE_NO_BEARER};
     solid.owner = (int32_t)body;
     e->outlines[part] = solid;
     e->parts[part] = (struct engine_part){.body = (int32_t)body, .look = &object->shape.look};
 }
 
-void engine_add_bodies(struct engine *e)
+void bodies_add(struct engine *e)
 {
-    double thinnest_m = engine_thinnest(e);
+    double thinnest_m = bodies_thinnest(e);
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_add_robot(e, i, thinnest_m);
+        bodies_add_robot(e, i, thinnest_m);
     }
     for (size_t k = 0; k < e->object_count; k++) {
-        engine_add_object(e, k, thinnest_m);
+        bodies_add_object(e, k, thinnest_m);
     }
 }
 
-void engine_start_devices(struct engine *e, size_t robot)
+void bodies_start_devices(struct engine *e, size_t robot)
 {
     const struct world_robot *make = &e->world->robots[robot];
     struct engine_robot *r = &e->robots[robot];
@@ -142,14 +142,14 @@ void bodies_follow(struct engine *e, size_t body)
     const struct ode_motion *m = &b->motion;
     bool is_robot = body < e->robot_count;
     struct solid *outline =
-        &e->outlines[is_robot ? body : engine_object_part(e, body - e->robot_count)];
+        &e->outlines[is_robot ? body : bodies_object_part(e, body - e->robot_count)];
     outline->x = m->x + m->c * b->middle_x_m - m->s * b->middle_y_m;
     outline->y = m->y + m->s * b->middle_x_m + m->c * b->middle_y_m;
     outline->c = m->c;
     outline->s = m->s;
 }
 
-bool engine_is_held(const struct engine *e, size_t body)
+bool bodies_is_held(const struct engine *e, size_t body)
 {
     return body >= e->robot_count && e->objects[body - e->robot_count].bearer != ENGINE_NO_BEARER;
 }

@@ -2,7 +2,7 @@
 /* What the bodies touch in a substep. */
 #include "sim/engine/engine_core.h"
 
-static void engine_note_near(struct engine *e, const struct engine_pair *pair)
+static void contacts_note(struct engine *e, const struct engine_pair *pair)
 {
     if (e->pair_count < e->pairs_max) {
         e->pairs[e->pair_count++] = *pair;
@@ -10,7 +10,7 @@ static void engine_note_near(struct engine *e, const struct engine_pair *pair)
 }
 
 /* What moves wakes what it touches, and keeps it awake. */
-static void engine_wake(struct engine *e, int32_t body, int32_t by)
+static void contacts_wake(struct engine *e, int32_t body, int32_t by)
 {
     if (body == ODE_WORLD_STANDS || by == ODE_WORLD_STANDS) {
         return;
@@ -20,12 +20,12 @@ static void engine_wake(struct engine *e, int32_t body, int32_t by)
     if (b->asleep) {
         ode_world_sleep((size_t)body, false);
         b->asleep = false;
-        engine_rub(e, (size_t)body - e->robot_count); /* only objects sleep */
+        motion_rub(e, (size_t)body - e->robot_count); /* only objects sleep */
     }
 }
 
 /* The bumper's eighths, counted from ahead to the left. */
-static void engine_bump_at(struct engine *e, int32_t robot, double x, double y)
+static void contacts_bump_at(struct engine *e, int32_t robot, double x, double y)
 {
     const struct ode_motion *m = &e->bodies[robot].motion;
     double dx = x - m->x;
@@ -36,22 +36,22 @@ static void engine_bump_at(struct engine *e, int32_t robot, double x, double y)
 }
 
 /* Two points are the ends of a side that is touched all along. */
-static void engine_bump(struct engine *e, const struct engine_part *part,
-                        const struct narrow_contact *c)
+static void contacts_bump(struct engine *e, const struct engine_part *part,
+                          const struct narrow_contact *c)
 {
     if (!part->is_case) {
         return;
     }
     for (size_t i = 0; i < c->count; i++) {
-        engine_bump_at(e, part->body, c->points[i].x, c->points[i].y);
+        contacts_bump_at(e, part->body, c->points[i].x, c->points[i].y);
     }
     if (c->count == 2) {
-        engine_bump_at(e, part->body, (c->points[0].x + c->points[1].x) / 2,
-                       (c->points[0].y + c->points[1].y) / 2);
+        contacts_bump_at(e, part->body, (c->points[0].x + c->points[1].x) / 2,
+                         (c->points[0].y + c->points[1].y) / 2);
     }
 }
 
-static void engine_plug(struct engine *e, const struct engine_part *part, double give_w)
+static void contacts_plug(struct engine *e, const struct engine_part *part, double give_w)
 {
     if (part->is_case) {
         struct engine_robot *r = &e->robots[part->body];
@@ -59,36 +59,36 @@ static void engine_plug(struct engine *e, const struct engine_part *part, double
     }
 }
 
-static void engine_touch(struct engine *e, const struct engine_pair *pair)
+static void contacts_touch(struct engine *e, const struct engine_pair *pair)
 {
     const struct engine_part *a = &e->parts[pair->part];
     const struct engine_part *b = pair->stands ? &e->stands[pair->other] : &e->parts[pair->other];
     const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
-    if (!engine_is_near(e, pair->part, other)) {
+    if (!neighbours_are_near(e, pair->part, other)) {
         return;
     }
     bool stop = a->look->stops && b->look->stops;
     struct narrow_contact contact;
     if (stop) {
-        engine_note_near(e, pair);
+        contacts_note(e, pair);
     }
     narrow_collide(&e->outlines[pair->part], other, &contact);
     if (contact.count == 0) {
         return;
     }
-    engine_plug(e, a, b->look->give_w);
-    engine_plug(e, b, a->look->give_w);
+    contacts_plug(e, a, b->look->give_w);
+    contacts_plug(e, b, a->look->give_w);
     if (!stop) {
         return;
     }
     ode_world_touch((size_t)a->body, b->body, &contact);
-    engine_bump(e, a, &contact);
-    engine_bump(e, b, &contact);
-    engine_wake(e, a->body, b->body);
-    engine_wake(e, b->body, a->body);
+    contacts_bump(e, a, &contact);
+    contacts_bump(e, b, &contact);
+    contacts_wake(e, a->body, b->body);
+    contacts_wake(e, b->body, a->body);
 }
 
-static bool engine_may_meet(const struct engine *e, const struct engine_pair *pair)
+static bool contacts_may_meet(const struct engine *e, const struct engine_pair *pair)
 {
     int32_t own = e->parts[pair->part].body;
     if (pair->stands) {
@@ -100,35 +100,35 @@ static bool engine_may_meet(const struct engine *e, const struct engine_pair *pa
 }
 
 /* The order of the contacts is part of the result: by part, then as the neighbours are listed. */
-static void engine_collide_part(struct engine *e, uint32_t i)
+static void contacts_find_of(struct engine *e, uint32_t i)
 {
     bool sleeps = e->bodies[e->parts[i].body].asleep;
     if (e->outlines[i].away || (sleeps && i >= e->awake_end)) {
         return;
     }
     size_t count;
-    const struct engine_pair *pairs = engine_neighbours_of(e, i, &count);
+    const struct engine_pair *pairs = neighbours_of(e, i, &count);
     for (size_t k = 0; k < count; k++) {
-        if (engine_may_meet(e, &pairs[k])) {
-            engine_touch(e, &pairs[k]);
+        if (contacts_may_meet(e, &pairs[k])) {
+            contacts_touch(e, &pairs[k]);
         }
     }
 }
 
-void engine_collide(struct engine *e)
+void contacts_find(struct engine *e)
 {
     e->awake_end = 0;
     e->pair_count = 0;
     for (size_t k = 0; k < e->object_count; k++) {
         struct engine_body *b = &e->bodies[e->robot_count + k];
         b->touched = false;
-        e->awake_end = b->asleep ? e->awake_end : engine_object_part(e, k) + 1;
+        e->awake_end = b->asleep ? e->awake_end : bodies_object_part(e, k) + 1;
     }
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].charge_w = 0;
     }
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     for (uint32_t i = 0; i < e->part_count; i++) {
-        engine_collide_part(e, i);
+        contacts_find_of(e, i);
     }
 }

@@ -6,12 +6,12 @@
 #include <stdio.h>
 
 /* Stronger pushes are no pushes: they would only fling a body out. */
-#define ENGINE_FORCE_MAX_N 1e6
+#define EDIT_FORCE_MAX_N 1e6
 
-static mu_result engine_refuse(struct engine *e, const char **reason, const char *format, ...)
+static mu_result edit_refuse(struct engine *e, const char **reason, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-static mu_result engine_refuse(struct engine *e, const char **reason, const char *format, ...)
+static mu_result edit_refuse(struct engine *e, const char **reason, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -21,29 +21,29 @@ static mu_result engine_refuse(struct engine *e, const char **reason, const char
     return MU_REFUSED;
 }
 
-static struct world_pose engine_start_pose(const struct engine *e, size_t body)
+static struct world_pose edit_start_pose(const struct engine *e, size_t body)
 {
     return body < e->robot_count ? e->world->robots[body].pose
                                  : e->world->objects[body - e->robot_count].shape.pose;
 }
 
 /* After a change: what is near what, and what the grippers feel. */
-static void engine_look_again(struct engine *e)
+static void edit_look_again(struct engine *e)
 {
     e->grid_is_old = true;
-    engine_feel_grippers(e);
+    grip_feel_all(e);
 }
 
 /* The parts of a body, as they stand around it. */
-static bool engine_part_is_of(const struct engine *e, size_t part, size_t body)
+static bool edit_part_is_of(const struct engine *e, size_t part, size_t body)
 {
     return e->parts[part].body == (int32_t)body && e->parts[part].look->stops &&
            !e->outlines[part].away;
 }
 
 /* Whether a body has room at a pose: all its parts, moved there as one. */
-static mu_result engine_check_place(struct engine *e, size_t body, struct world_pose pose,
-                                    const char **reason)
+static mu_result edit_check_place(struct engine *e, size_t body, struct world_pose pose,
+                                  const char **reason)
 {
     const struct ode_motion *m = &e->bodies[body].motion;
     double c = cos(pose.heading_rad);
@@ -51,7 +51,7 @@ static mu_result engine_check_place(struct engine *e, size_t body, struct world_
     double turn_c = c * m->c + s * m->s; /* from the old heading to the new one */
     double turn_s = s * m->c - c * m->s;
     for (size_t p = 0; p < e->part_count; p++) {
-        if (!engine_part_is_of(e, p, body)) {
+        if (!edit_part_is_of(e, p, body)) {
             continue;
         }
         struct solid solid = e->outlines[p];
@@ -62,21 +62,21 @@ static mu_result engine_check_place(struct engine *e, size_t body, struct world_
         solid.y = pose.y_m + turn_s * x + turn_c * y;
         solid.c = turn_c * own_c - turn_s * solid.s;
         solid.s = turn_s * own_c + turn_c * solid.s;
-        const char *other = engine_obstacle(e, &solid, body, 0);
+        const char *other = space_obstacle(e, &solid, body, 0);
         if (other) {
-            return engine_refuse(e, reason, "%s would overlap %s at %.3f %.3f",
-                                 e->bodies[body].name, other, pose.x_m, pose.y_m);
+            return edit_refuse(e, reason, "%s would overlap %s at %.3f %.3f", e->bodies[body].name,
+                               other, pose.x_m, pose.y_m);
         }
     }
     return MU_OK;
 }
 
-static mu_result engine_check_free(struct engine *e, size_t body, const char **reason)
+static mu_result edit_check_free(struct engine *e, size_t body, const char **reason)
 {
-    if (engine_is_held(e, body)) {
+    if (bodies_is_held(e, body)) {
         int32_t bearer = e->objects[body - e->robot_count].bearer;
-        return engine_refuse(e, reason, "%s is held by %s", e->bodies[body].name,
-                             e->bodies[bearer].name);
+        return edit_refuse(e, reason, "%s is held by %s", e->bodies[body].name,
+                           e->bodies[bearer].name);
     }
     return MU_OK;
 }
@@ -85,17 +85,17 @@ mu_result engine_place(struct engine *e, size_t body, struct world_pose pose, co
 {
     MU_ASSERT(body < e->body_count);
     if (!isfinite(pose.heading_rad) || !bounds_holds(&e->bounds, pose.x_m, pose.y_m)) {
-        return engine_refuse(e, reason, "%s: %g %g is outside the world", e->bodies[body].name,
-                             pose.x_m, pose.y_m);
+        return edit_refuse(e, reason, "%s: %g %g is outside the world", e->bodies[body].name,
+                           pose.x_m, pose.y_m);
     }
-    mu_result checked = engine_check_free(e, body, reason);
-    checked = checked == MU_OK ? engine_check_place(e, body, pose, reason) : checked;
+    mu_result checked = edit_check_free(e, body, reason);
+    checked = checked == MU_OK ? edit_check_place(e, body, pose, reason) : checked;
     if (checked != MU_OK) {
         return checked;
     }
-    engine_put(e, body, pose);
+    motion_put(e, body, pose);
     e->bodies[body].last_good = e->bodies[body].motion;
-    engine_look_again(e);
+    edit_look_again(e);
     return MU_OK;
 }
 
@@ -108,11 +108,11 @@ mu_result engine_push(struct engine *e, size_t body, const struct engine_force *
     struct engine_force push = {per * force->x_n, per * force->y_n, per * force->turn_nm, time_s};
     double most = fmax(fmax(fabs(push.x_n), fabs(push.y_n)), fabs(push.turn_nm));
     bool finite = isfinite(push.x_n + push.y_n + push.turn_nm);
-    if (!finite || !(force->time_s >= 0 && force->time_s <= 1e6) || most > ENGINE_FORCE_MAX_N) {
-        return engine_refuse(e, reason, "%s: expected a force of up to %g N for a time",
-                             e->bodies[body].name, ENGINE_FORCE_MAX_N);
+    if (!finite || !(force->time_s >= 0 && force->time_s <= 1e6) || most > EDIT_FORCE_MAX_N) {
+        return edit_refuse(e, reason, "%s: expected a force of up to %g N for a time",
+                           e->bodies[body].name, EDIT_FORCE_MAX_N);
     }
-    mu_result checked = engine_check_free(e, body, reason);
+    mu_result checked = edit_check_free(e, body, reason);
     if (checked != MU_OK) {
         return checked;
     }
@@ -131,18 +131,18 @@ mu_result engine_reset(struct engine *e, size_t body, const char **reason)
     int32_t bearer = is_robot ? (int32_t)body : e->objects[body - e->robot_count].bearer;
     int32_t held = bearer == ENGINE_NO_BEARER ? GRIPPER_NOTHING : e->robots[bearer].gripper.holds;
     if (held != GRIPPER_NOTHING) {
-        engine_let_go(e, (size_t)bearer);
+        grip_let_go(e, (size_t)bearer);
     }
     e->grid_is_old = true;
-    mu_result placed = engine_place(e, body, engine_start_pose(e, body), reason);
+    mu_result placed = engine_place(e, body, edit_start_pose(e, body), reason);
     if (placed != MU_OK && held != GRIPPER_NOTHING) {
-        engine_take_back(e, (size_t)bearer, (size_t)held);
-        engine_look_again(e);
+        grip_take_back(e, (size_t)bearer, (size_t)held);
+        edit_look_again(e);
     }
     if (placed == MU_OK && is_robot) {
-        engine_start_devices(e, body);
-        engine_follow(e, body);
-        engine_look_again(e);
+        bodies_start_devices(e, body);
+        motion_follow(e, body);
+        edit_look_again(e);
     }
     return placed;
 }
@@ -150,12 +150,12 @@ mu_result engine_reset(struct engine *e, size_t body, const char **reason)
 void engine_reset_all(struct engine *e)
 {
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_let_go(e, i);
-        engine_start_devices(e, i);
+        grip_let_go(e, i);
+        bodies_start_devices(e, i);
     }
     for (size_t b = 0; b < e->body_count; b++) {
-        engine_put(e, b, engine_start_pose(e, b));
+        motion_put(e, b, edit_start_pose(e, b));
         e->bodies[b].last_good = e->bodies[b].motion;
     }
-    engine_look_again(e);
+    edit_look_again(e);
 }

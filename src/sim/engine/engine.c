@@ -38,14 +38,14 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     e->stands = mu_startup_array(world->shape_count, sizeof *e->stands);
     e->near.still = mu_startup_array(world->shape_count, sizeof *e->near.still);
     e->near.moving = mu_startup_array(e->part_count, sizeof *e->near.moving);
-    engine_start_neighbours(e);
+    neighbours_start(e);
 }
 
 static void engine_build_bounds(struct engine *e)
 {
     double gap_m = INFINITY; /* what is narrower lets no body through */
     for (size_t b = 0; b < e->body_count; b++) {
-        size_t part = b < e->robot_count ? b : engine_object_part(e, b - e->robot_count);
+        size_t part = b < e->robot_count ? b : bodies_object_part(e, b - e->robot_count);
         gap_m = fmin(gap_m, 2 * fmin(e->outlines[part].half_x, e->outlines[part].half_y));
     }
     bounds_measure(&e->bounds, e->shapes, e->world->shape_count, isfinite(gap_m) ? gap_m : 0);
@@ -70,13 +70,13 @@ struct engine *engine_open(const struct world *world, const struct engine_option
             (struct engine_part){.body = ODE_WORLD_STANDS, .look = &world->shapes[i].look};
     }
     ode_world_open(e->body_count);
-    engine_add_bodies(e);
+    bodies_add(e);
     for (size_t b = 0; b < e->body_count; b++) {
-        engine_follow(e, b);
+        motion_follow(e, b);
         e->bodies[b].last_good = e->bodies[b].motion;
     }
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_start_devices(e, i);
+        bodies_start_devices(e, i);
     }
     engine_build_bounds(e);
     grid_init(&e->grid, e->shapes, world->shape_count, e->outlines, e->part_count);
@@ -85,7 +85,7 @@ struct engine *engine_open(const struct world *world, const struct engine_option
                                                       .seed = options->seed,
                                                       .step_ns = options->step_ns,
                                                       .threads = options->threads});
-    engine_feel_grippers(e);
+    grip_feel_all(e);
     return e;
 }
 
@@ -146,7 +146,7 @@ static void engine_run_grippers(struct engine *e)
 {
     bool moved = false;
     for (size_t i = 0; i < e->robot_count; i++) {
-        moved = engine_run_gripper(e, i) || moved;
+        moved = grip_run(e, i) || moved;
     }
     if (moved) {
         e->grid_is_old = true;
@@ -158,13 +158,13 @@ static void engine_substep(struct engine *e)
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_roll(e, i);
     }
-    engine_load_forces(e);
-    engine_collide(e);
+    motion_load_forces(e);
+    contacts_find(e);
     e->substeps++;
     /* mixed: neighbouring substeps get seeds that have nothing in common */
     ode_world_step(e->dt_s, mu_hash_number(e->seed ^ mu_hash_number(e->substeps)));
-    engine_settle(e);
-    engine_draw_apart(e);
+    motion_settle(e);
+    separate_all(e);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_note(e, i);
     }
@@ -180,13 +180,13 @@ void engine_step(struct engine *e)
     for (unsigned k = 0; k < e->substeps_per_step; k++) {
         engine_substep(e);
     }
-    engine_guard(e);
+    sanity_check(e);
     e->steps++;
     for (size_t i = 0; i < e->robot_count; i++) {
         struct gps_when now = {e->seed, i, e->steps};
         gps_walk(&e->robots[i].gps, &now);
     }
-    engine_feel_grippers(e);
+    grip_feel_all(e);
 }
 
 /* --- what comes out --------------------------------------------------------------------------- */
@@ -202,7 +202,7 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_place_sensors(e, i);
     }
-    engine_fresh_grid(e);
+    space_refresh(e);
     sensors_read_all(e->sensors, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_feel(e, i, &e->percepts[i]);

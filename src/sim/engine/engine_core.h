@@ -91,13 +91,13 @@ struct engine_pair {
 };
 
 /* Where a part was. */
-struct engine_mark {
+struct neighbours_mark {
     struct frame place;
     bool away;
 };
 
 /* The pairs of a part that may come near it: count of them from first on. */
-struct engine_list {
+struct neighbours_list {
     size_t first, count;
     bool is_there;
 };
@@ -106,14 +106,14 @@ struct engine_list {
  * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
  * moved half of it since it was marked.
  */
-struct engine_neighbours {
+struct neighbours {
     struct engine_pair *pairs; /* of a part, what stands comes first, and all by their numbers */
     size_t pairs_used, pairs_max;
-    struct engine_list *lists; /* of each part */
-    struct engine_mark *marks; /* where each part was */
-    double margin_m;           /* of what is listed now */
-    struct engine_pair *found; /* of one part; room for all */
-    bool is_new;               /* nothing was marked yet */
+    struct neighbours_list *lists; /* of each part */
+    struct neighbours_mark *marks; /* where each part was */
+    double margin_m;               /* of what is listed now */
+    struct engine_pair *found;     /* of one part; room for all */
+    bool is_new;                   /* nothing was marked yet */
 };
 
 struct engine {
@@ -135,7 +135,7 @@ struct engine {
     struct bounds bounds;
     struct grid grid;
     bool grid_is_old; /* something has moved since it was built */
-    struct engine_neighbours neighbours;
+    struct neighbours neighbours;
     struct grid_near near;
     struct sensors *sensors;
     struct engine_percept *percepts; /* of engine_sense_all */
@@ -145,27 +145,27 @@ struct engine {
 /* bodies.c: */
 
 /** Adds the bodies of all robots and objects, in that order. */
-void engine_add_bodies(struct engine *e);
+void bodies_add(struct engine *e);
 
 /** Starts a robot's devices as the file has them. */
-void engine_start_devices(struct engine *e, size_t robot);
+void bodies_start_devices(struct engine *e, size_t robot);
 
 /** Takes over where a body is now, and moves its own part there; what it carries stays. */
 void bodies_follow(struct engine *e, size_t body);
 
 /** @return the number of an object's part */
-size_t engine_object_part(const struct engine *e, size_t object);
+size_t bodies_object_part(const struct engine *e, size_t object);
 
 /** @return where a body is in the plane, as its own frame */
-struct frame engine_frame(const struct engine *e, size_t body);
+struct frame bodies_frame(const struct engine *e, size_t body);
 
 /** @return whether a body is a thing that a robot holds */
-bool engine_is_held(const struct engine *e, size_t body);
+bool bodies_is_held(const struct engine *e, size_t body);
 
 /* space.c: */
 
 /** Lays the grid anew if something has moved: before each look at it. */
-void engine_fresh_grid(struct engine *e);
+void space_refresh(struct engine *e);
 
 /**
  * Looks for what would stop a solid that belongs to a body.
@@ -173,74 +173,74 @@ void engine_fresh_grid(struct engine *e);
  * @param tolerance_m  so deep it may lie in something
  * @return NULL: there is room; else the name of what is in the way
  */
-const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
-                            double tolerance_m);
+const char *space_obstacle(struct engine *e, const struct solid *solid, size_t body,
+                           double tolerance_m);
 
 /* neighbours.c: */
 
 /** Takes memory for the lists. */
-void engine_start_neighbours(struct engine *e);
+void neighbours_start(struct engine *e);
 
-/** Drops the lists if somebody has moved too far: before each round of engine_neighbours_of. */
-void engine_watch_neighbours(struct engine *e);
+/** Drops the lists if somebody has moved too far: before each round of neighbours_of. */
+void neighbours_watch(struct engine *e);
 
 /**
- * Finds what is near a part now, or may be: all pairs that engine_is_near, and some more.
+ * Finds what is near a part now, or may be: all pairs that neighbours_are_near, and some more.
  *
  * @param count  out: how many; they serve until the next call
  */
-const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count);
+const struct engine_pair *neighbours_of(struct engine *e, uint32_t part, size_t *count);
 
 /** @return whether a part is so near another solid that they may touch, or be deep in one another
  *          after a substep */
-bool engine_is_near(const struct engine *e, size_t part, const struct solid *other);
+bool neighbours_are_near(const struct engine *e, size_t part, const struct solid *other);
 
 /* grip.c: */
 
 /** Moves a robot's gripper for one substep.  @return whether anything moved */
-bool engine_run_gripper(struct engine *e, size_t robot);
+bool grip_run(struct engine *e, size_t robot);
 
 /** Moves the paddles and what is held to where the robot is. */
-void engine_carry(struct engine *e, size_t robot);
+void grip_carry(struct engine *e, size_t robot);
 
 /** Lets go what a robot holds, where it is. */
-void engine_let_go(struct engine *e, size_t robot);
+void grip_let_go(struct engine *e, size_t robot);
 
 /** Takes again what a robot has just let go; neither has moved since. */
-void engine_take_back(struct engine *e, size_t robot, size_t object);
+void grip_take_back(struct engine *e, size_t robot, size_t object);
 
 /** Takes over, from a snapshot, what a robot's gripper holds. */
-void engine_resume_grip(struct engine *e, size_t robot);
+void grip_resume(struct engine *e, size_t robot);
 
 /** Looks what the grippers feel, for the percepts. */
-void engine_feel_grippers(struct engine *e);
+void grip_feel_all(struct engine *e);
 
 /* motion.c: */
 
 /** Takes over where a body is now, and moves all its parts there. */
-void engine_follow(struct engine *e, size_t body);
+void motion_follow(struct engine *e, size_t body);
 
 /** Puts a body somewhere, at rest. */
-void engine_put(struct engine *e, size_t body, struct world_pose pose);
+void motion_put(struct engine *e, size_t body, struct world_pose pose);
 
 /** Takes over where the bodies are after a substep. */
-void engine_settle(struct engine *e);
+void motion_settle(struct engine *e);
 
 /** Lets the floor rub on an object in the next substep. */
-void engine_rub(struct engine *e, size_t object);
+void motion_rub(struct engine *e, size_t object);
 
 /** Pushes what is pushed from outside, and lets the floor rub on the objects. */
-void engine_load_forces(struct engine *e);
+void motion_load_forces(struct engine *e);
 
 /* contacts.c: */
 
 /** Finds all contacts of this substep, in a fixed order. */
-void engine_collide(struct engine *e);
+void contacts_find(struct engine *e);
 
 /* separate.c: */
 
 /** Moves the pairs that were noted apart, after the solver's step. */
-void engine_draw_apart(struct engine *e);
+void separate_all(struct engine *e);
 
 /* percept.c: */
 
@@ -250,7 +250,7 @@ void engine_feel(const struct engine *e, size_t robot, struct engine_percept *ou
 /* sanity.c: */
 
 /** Puts each body that left the numbers or the world back to where it was, at rest. */
-void engine_guard(struct engine *e);
+void sanity_check(struct engine *e);
 
 /* --- blocks ----------------------------------------------------------------------------------- */
 

@@ -8,19 +8,19 @@
 #include "sim/engine/engine_core.h"
 
 /* What touches lies so deep in one another; only what is deeper is in the way. */
-#define ENGINE_TOUCH_M 0.002
+#define GRIP_TOUCH_M 0.002
 
-static struct engine_object *engine_held(const struct engine *e, size_t robot)
+static struct engine_object *grip_held(const struct engine *e, size_t robot)
 {
     int32_t held = e->robots[robot].gripper.holds;
     return held == GRIPPER_NOTHING ? NULL : &e->objects[held];
 }
 
 /* The robot weighs what it weighs, and its load; the load's middle is beside its own. */
-static void engine_weigh(struct engine *e, size_t robot)
+static void grip_weigh(struct engine *e, size_t robot)
 {
     const struct engine_body *b = &e->bodies[robot];
-    const struct engine_object *held = engine_held(e, robot);
+    const struct engine_object *held = grip_held(e, robot);
     double mass = b->mass_kg;
     double inertia = b->inertia_kg_m2;
     if (held) {
@@ -36,13 +36,13 @@ static void engine_weigh(struct engine *e, size_t robot)
 
 /* An object belongs to a body from now on: its own, or that of its bearer, who then does not see
  * it. */
-static void engine_give(struct engine *e, size_t object, size_t body)
+static void grip_give(struct engine *e, size_t object, size_t body)
 {
-    e->parts[engine_object_part(e, object)].body = (int32_t)body;
-    e->outlines[engine_object_part(e, object)].owner = (int32_t)body;
+    e->parts[bodies_object_part(e, object)].body = (int32_t)body;
+    e->outlines[bodies_object_part(e, object)].owner = (int32_t)body;
 }
 
-static void engine_carry_object(struct engine *e, size_t robot, size_t object)
+static void grip_carry_object(struct engine *e, size_t robot, size_t object)
 {
     const struct engine_object *o = &e->objects[object];
     const struct ode_motion *m = &e->bodies[robot].motion;
@@ -53,41 +53,41 @@ static void engine_carry_object(struct engine *e, size_t robot, size_t object)
     ode_world_put(body, m->x + x, m->y + y, heading);
     ode_world_set_velocity(body, m->vx - m->turn * y, m->vy + m->turn * x, m->turn);
     bodies_follow(e, body);
-    e->outlines[engine_object_part(e, object)].away = gripper_is_up(&e->robots[robot].gripper);
+    e->outlines[bodies_object_part(e, object)].away = gripper_is_up(&e->robots[robot].gripper);
 }
 
-void engine_carry(struct engine *e, size_t robot)
+void grip_carry(struct engine *e, size_t robot)
 {
     const struct engine_robot *r = &e->robots[robot];
     if (!r->gripper.make) {
         return;
     }
-    struct frame frame = engine_frame(e, robot);
+    struct frame frame = bodies_frame(e, robot);
     for (int k = 0; k < GRIPPER_PADDLES; k++) {
         e->outlines[r->paddles + (size_t)k] =
             gripper_paddle(&r->gripper, &frame, k, r->gripper.closed);
     }
     if (r->gripper.holds != GRIPPER_NOTHING) {
-        engine_carry_object(e, robot, (size_t)r->gripper.holds);
+        grip_carry_object(e, robot, (size_t)r->gripper.holds);
     }
 }
 
 /* --- taking and letting go -------------------------------------------------------------------- */
 
 /* From now on it is a part of the robot. */
-static void engine_bind(struct engine *e, size_t robot, size_t object)
+static void grip_bind(struct engine *e, size_t robot, size_t object)
 {
     size_t body = e->robot_count + object;
     e->objects[object].bearer = (int32_t)robot;
-    engine_give(e, object, robot);
+    grip_give(e, object, robot);
     e->bodies[body].asleep = true;
     e->bodies[body].push_substeps = 0;
     ode_world_sleep(body, true);
     e->robots[robot].gripper.holds = (int32_t)object;
-    engine_weigh(e, robot);
+    grip_weigh(e, robot);
 }
 
-static void engine_take(struct engine *e, size_t robot, size_t object)
+static void grip_take(struct engine *e, size_t robot, size_t object)
 {
     struct engine_object *o = &e->objects[object];
     const struct ode_motion *m = &e->bodies[robot].motion;
@@ -98,71 +98,71 @@ static void engine_take(struct engine *e, size_t robot, size_t object)
     o->y = m->c * y - m->s * x;
     o->c = m->c * own->c + m->s * own->s;
     o->s = m->c * own->s - m->s * own->c;
-    engine_bind(e, robot, object);
+    grip_bind(e, robot, object);
 }
 
-void engine_resume_grip(struct engine *e, size_t robot)
+void grip_resume(struct engine *e, size_t robot)
 {
     int32_t holds = e->robots[robot].gripper.holds;
     if (holds == GRIPPER_NOTHING) {
-        engine_weigh(e, robot);
+        grip_weigh(e, robot);
     } else {
-        engine_bind(e, robot, (size_t)holds);
+        grip_bind(e, robot, (size_t)holds);
     }
 }
 
-void engine_let_go(struct engine *e, size_t robot)
+void grip_let_go(struct engine *e, size_t robot)
 {
-    struct engine_object *o = engine_held(e, robot);
+    struct engine_object *o = grip_held(e, robot);
     if (!o) {
         return;
     }
     size_t object = (size_t)(o - e->objects);
     size_t body = e->robot_count + object;
     o->bearer = ENGINE_NO_BEARER;
-    engine_give(e, object, body);
-    e->outlines[engine_object_part(e, object)].away = false;
+    grip_give(e, object, body);
+    e->outlines[bodies_object_part(e, object)].away = false;
     e->bodies[body].asleep = false;
     ode_world_sleep(body, false);
     e->robots[robot].gripper.holds = GRIPPER_NOTHING;
-    engine_weigh(e, robot);
+    grip_weigh(e, robot);
 }
 
-void engine_take_back(struct engine *e, size_t robot, size_t object)
+void grip_take_back(struct engine *e, size_t robot, size_t object)
 {
-    engine_bind(e, robot, object);
-    engine_carry(e, robot);
+    grip_bind(e, robot, object);
+    grip_carry(e, robot);
 }
 
 /* Whether what is held up can be let down here. */
-static bool engine_has_room(struct engine *e, size_t robot)
+static bool grip_has_room(struct engine *e, size_t robot)
 {
-    const struct engine_object *held = engine_held(e, robot);
+    const struct engine_object *held = grip_held(e, robot);
     if (!held || !gripper_is_up(&e->robots[robot].gripper)) {
         return true; /* what is down is where it has room */
     }
-    size_t part = engine_object_part(e, (size_t)(held - e->objects));
+    size_t part = bodies_object_part(e, (size_t)(held - e->objects));
     return !e->parts[part].look->stops ||
-           !engine_obstacle(e, &e->outlines[part], robot, ENGINE_TOUCH_M);
+           !space_obstacle(e, &e->outlines[part], robot, GRIP_TOUCH_M);
 }
 
 /* Whether the paddles could be where they would be if they were closed so far. */
-static bool engine_paddles_fit(struct engine *e, size_t robot, double closed)
+static bool grip_paddles_fit(struct engine *e, size_t robot, double closed)
 {
-    struct frame frame = engine_frame(e, robot);
+    struct frame frame = bodies_frame(e, robot);
     bool fit = true;
     for (int k = 0; fit && k < GRIPPER_PADDLES; k++) {
         struct solid paddle = gripper_paddle(&e->robots[robot].gripper, &frame, k, closed);
-        fit = !engine_obstacle(e, &paddle, robot, ENGINE_TOUCH_M);
+        fit = !space_obstacle(e, &paddle, robot, GRIP_TOUCH_M);
     }
     return fit;
 }
 
-static bool engine_is_takeable(const struct engine *e, size_t robot, uint32_t part, double closed)
+static bool grip_is_takeable(const struct engine *e, size_t robot, uint32_t part, double closed)
 {
     const struct gripper *g = &e->robots[robot].gripper;
     const struct solid *solid = &e->outlines[part];
-    struct frame frame = engine_frame(e, robot);
+    struct frame frame = bodies_frame(e, robot);
     bool touches = false;
     for (int k = 0; k < GRIPPER_PADDLES; k++) {
         struct solid paddle = gripper_paddle(g, &frame, k, closed);
@@ -174,16 +174,16 @@ static bool engine_is_takeable(const struct engine *e, size_t robot, uint32_t pa
 }
 
 /* A free graspable thing between the paddles that one of them touches.  @return whether there is */
-static bool engine_find_prey(struct engine *e, size_t robot, double closed, size_t *object)
+static bool grip_find_prey(struct engine *e, size_t robot, double closed, size_t *object)
 {
-    size_t first = engine_object_part(e, 0);
-    engine_fresh_grid(e);
+    size_t first = bodies_object_part(e, 0);
+    space_refresh(e);
     grid_around(&e->grid, &e->outlines[e->robots[robot].paddles], &e->near);
     for (size_t k = 0; k < e->near.moving_count; k++) {
         uint32_t part = e->near.moving[k];
         if (part >= first && e->parts[part].look->graspable &&
             e->objects[part - first].bearer == ENGINE_NO_BEARER &&
-            engine_is_takeable(e, robot, part, closed)) {
+            grip_is_takeable(e, robot, part, closed)) {
             *object = part - first;
             return true;
         }
@@ -193,37 +193,37 @@ static bool engine_find_prey(struct engine *e, size_t robot, double closed, size
 
 /* --- moving ----------------------------------------------------------------------------------- */
 
-static void engine_move_lift(struct engine *e, size_t robot)
+static void grip_move_lift(struct engine *e, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
     bool leaves_the_top = gripper_is_up(g) && !g->lifts; /* from here on they meet others */
-    if (leaves_the_top && !(engine_has_room(e, robot) && engine_paddles_fit(e, robot, g->closed))) {
+    if (leaves_the_top && !(grip_has_room(e, robot) && grip_paddles_fit(e, robot, g->closed))) {
         return;
     }
     g->lifted = gripper_next_lifted(g, e->dt_s);
 }
 
-static void engine_move_paddles(struct engine *e, size_t robot)
+static void grip_move_paddles(struct engine *e, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
     double next = gripper_next_closed(g, e->dt_s);
     size_t object;
     if (!g->closes && g->holds != GRIPPER_NOTHING) {
-        if (!engine_has_room(e, robot)) {
+        if (!grip_has_room(e, robot)) {
             return;
         }
-        engine_let_go(e, robot);
+        grip_let_go(e, robot);
     }
-    if (g->closes && !gripper_is_up(g) && engine_find_prey(e, robot, next, &object)) {
+    if (g->closes && !gripper_is_up(g) && grip_find_prey(e, robot, next, &object)) {
         g->closed = next;
-        engine_take(e, robot, object);
-    } else if (gripper_is_up(g) || engine_paddles_fit(e, robot, next)) {
+        grip_take(e, robot, object);
+    } else if (gripper_is_up(g) || grip_paddles_fit(e, robot, next)) {
         g->closed = next;
     }
 }
 
 /* What is to be closed is closed before it goes up, and what is to be opened goes down first. */
-bool engine_run_gripper(struct engine *e, size_t robot)
+bool grip_run(struct engine *e, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
     if (!g->make || battery_is_empty(&e->robots[robot].battery)) {
@@ -235,11 +235,11 @@ bool engine_run_gripper(struct engine *e, size_t robot)
         return false;
     }
     if (lift && !(paddles && g->closes)) {
-        engine_move_lift(e, robot);
+        grip_move_lift(e, robot);
     } else {
-        engine_move_paddles(e, robot);
+        grip_move_paddles(e, robot);
     }
-    engine_carry(e, robot);
+    grip_carry(e, robot);
     return true;
 }
 
@@ -253,7 +253,7 @@ mu_result engine_grip(struct engine *e, size_t robot, int32_t paddles, int32_t l
     if (!g->make) {
         return MU_ABSENT;
     }
-    if ((paddles < 0 || lift < 0) && !engine_has_room(e, robot)) {
+    if ((paddles < 0 || lift < 0) && !grip_has_room(e, robot)) {
         return MU_REFUSED;
     }
     g->closes = paddles == 0 ? g->closes : paddles > 0;
@@ -263,25 +263,25 @@ mu_result engine_grip(struct engine *e, size_t robot, int32_t paddles, int32_t l
 
 /* --- what it feels ---------------------------------------------------------------------------- */
 
-static bool engine_beam_is_broken(struct engine *e, size_t robot, bool outer)
+static bool grip_beam_is_broken(struct engine *e, size_t robot, bool outer)
 {
     const struct gripper *g = &e->robots[robot].gripper;
-    const struct engine_object *held = engine_held(e, robot);
-    struct frame frame = engine_frame(e, robot);
+    const struct engine_object *held = grip_held(e, robot);
+    struct frame frame = bodies_frame(e, robot);
     struct solid beam;
     if (!gripper_beam(g, &frame, outer, &beam)) {
         return false;
     }
     if (held) {
         struct narrow_contact contact;
-        size_t part = engine_object_part(e, (size_t)(held - e->objects));
+        size_t part = bodies_object_part(e, (size_t)(held - e->objects));
         narrow_collide(&beam, &e->outlines[part], &contact);
         return contact.count > 0;
     }
-    return !gripper_is_up(g) && engine_obstacle(e, &beam, robot, 0);
+    return !gripper_is_up(g) && space_obstacle(e, &beam, robot, 0);
 }
 
-static uint32_t engine_feel_gripper(struct engine *e, size_t robot)
+static uint32_t grip_feel(struct engine *e, size_t robot)
 {
     const struct gripper *g = &e->robots[robot].gripper;
     bool holds = g->holds != GRIPPER_NOTHING;
@@ -291,8 +291,8 @@ static uint32_t engine_feel_gripper(struct engine *e, size_t robot)
     } bits[] = {{true, ENGINE_GRIPPER_THERE},
                 {holds || g->closed >= 1, ENGINE_GRIPPER_CLOSED},
                 {gripper_is_up(g), ENGINE_GRIPPER_LIFTED},
-                {engine_beam_is_broken(e, robot, true), ENGINE_GRIPPER_OUTER_BEAM},
-                {engine_beam_is_broken(e, robot, false), ENGINE_GRIPPER_INNER_BEAM},
+                {grip_beam_is_broken(e, robot, true), ENGINE_GRIPPER_OUTER_BEAM},
+                {grip_beam_is_broken(e, robot, false), ENGINE_GRIPPER_INNER_BEAM},
                 {holds, ENGINE_GRIPPER_HOLDS}};
     uint32_t felt = 0;
     for (size_t i = 0; i < sizeof bits / sizeof bits[0]; i++) {
@@ -301,10 +301,10 @@ static uint32_t engine_feel_gripper(struct engine *e, size_t robot)
     return felt;
 }
 
-void engine_feel_grippers(struct engine *e)
+void grip_feel_all(struct engine *e)
 {
     for (size_t i = 0; i < e->robot_count; i++) {
         struct engine_robot *r = &e->robots[i];
-        r->grip_felt = r->gripper.make ? engine_feel_gripper(e, i) : 0;
+        r->grip_felt = r->gripper.make ? grip_feel(e, i) : 0;
     }
 }

@@ -3,26 +3,26 @@
 #include "sim/engine/engine_core.h"
 
 /* Slower than this it comes to rest for good. */
-#define ENGINE_REST_M_S   2e-4
-#define ENGINE_REST_RAD_S 1e-3
+#define MOTION_REST_M_S   2e-4
+#define MOTION_REST_RAD_S 1e-3
 
 /* No body may turn farther in a substep. */
-#define ENGINE_TURN_MAX_RAD (M_PI / 4)
+#define MOTION_TURN_MAX_RAD (M_PI / 4)
 
 /* Wheels keep to the limit exactly, so rounding must not count as more. */
-#define ENGINE_LIMIT_SLACK 1.01
+#define MOTION_LIMIT_SLACK 1.01
 
 /* --- where they are --------------------------------------------------------------------------- */
 
-void engine_follow(struct engine *e, size_t body)
+void motion_follow(struct engine *e, size_t body)
 {
     bodies_follow(e, body);
     if (body < e->robot_count) {
-        engine_carry(e, body);
+        grip_carry(e, body);
     }
 }
 
-void engine_put(struct engine *e, size_t body, struct world_pose pose)
+void motion_put(struct engine *e, size_t body, struct world_pose pose)
 {
     struct engine_body *b = &e->bodies[body];
     ode_world_put(body, pose.x_m, pose.y_m, pose.heading_rad);
@@ -34,16 +34,16 @@ void engine_put(struct engine *e, size_t body, struct world_pose pose)
         ode_world_sleep(body, false);
         b->asleep = false;
     }
-    engine_follow(e, body);
+    motion_follow(e, body);
 }
 
 /* A push from outside can make a body faster than anything drives. */
-static void engine_limit(struct engine *e, size_t body)
+static void motion_limit(struct engine *e, size_t body)
 {
     const struct engine_body *b = &e->bodies[body];
     const struct ode_motion *m = &b->motion;
-    double most = b->speed_max_m_s * ENGINE_LIMIT_SLACK;
-    double turn_most = ENGINE_TURN_MAX_RAD / e->dt_s;
+    double most = b->speed_max_m_s * MOTION_LIMIT_SLACK;
+    double turn_most = MOTION_TURN_MAX_RAD / e->dt_s;
     double speed_2 = m->vx * m->vx + m->vy * m->vy;
     if (speed_2 <= most * most && fabs(m->turn) <= turn_most) {
         return;
@@ -51,47 +51,47 @@ static void engine_limit(struct engine *e, size_t body)
     double share = speed_2 > most * most ? most / sqrt(speed_2) : 1;
     double turn = fmax(-turn_most, fmin(m->turn, turn_most));
     ode_world_set_velocity(body, share * m->vx, share * m->vy, turn);
-    engine_follow(e, body);
+    motion_follow(e, body);
 }
 
-static bool engine_is_at_rest(const struct engine_body *b)
+static bool motion_is_at_rest(const struct engine_body *b)
 {
     const struct ode_motion *m = &b->motion;
-    return !b->touched && b->push_substeps == 0 && fabs(m->vx) < ENGINE_REST_M_S &&
-           fabs(m->vy) < ENGINE_REST_M_S && fabs(m->turn) < ENGINE_REST_RAD_S;
+    return !b->touched && b->push_substeps == 0 && fabs(m->vx) < MOTION_REST_M_S &&
+           fabs(m->vy) < MOTION_REST_M_S && fabs(m->turn) < MOTION_REST_RAD_S;
 }
 
-static void engine_settle_object(struct engine *e, size_t object)
+static void motion_settle_object(struct engine *e, size_t object)
 {
     size_t body = e->robot_count + object;
     struct engine_body *b = &e->bodies[body];
-    if (b->asleep || engine_is_held(e, body)) {
+    if (b->asleep || bodies_is_held(e, body)) {
         return;
     }
-    engine_follow(e, body);
-    engine_limit(e, body);
-    if (engine_is_at_rest(b)) {
+    motion_follow(e, body);
+    motion_limit(e, body);
+    if (motion_is_at_rest(b)) {
         ode_world_set_velocity(body, 0, 0, 0);
         ode_world_sleep(body, true);
         b->asleep = true;
-        engine_follow(e, body);
+        motion_follow(e, body);
     }
 }
 
-void engine_settle(struct engine *e)
+void motion_settle(struct engine *e)
 {
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_follow(e, i);
-        engine_limit(e, i);
+        motion_follow(e, i);
+        motion_limit(e, i);
     }
     for (size_t k = 0; k < e->object_count; k++) {
-        engine_settle_object(e, k);
+        motion_settle_object(e, k);
     }
 }
 
 /* --- what pushes them ------------------------------------------------------------------------- */
 
-static void engine_shove(struct engine *e, size_t body)
+static void motion_shove(struct engine *e, size_t body)
 {
     struct engine_body *b = &e->bodies[body];
     if (b->push_substeps > 0) {
@@ -104,7 +104,7 @@ static void engine_shove(struct engine *e, size_t body)
  * Coulomb's friction.  What slides is braked against its motion, and nothing holds it across;
  * what would stand within a substep is held in all directions, up to the same force.
  */
-void engine_rub(struct engine *e, size_t object)
+void motion_rub(struct engine *e, size_t object)
 {
     const struct engine_object *o = &e->objects[object];
     size_t body = e->robot_count + object;
@@ -119,14 +119,14 @@ void engine_rub(struct engine *e, size_t object)
     ode_world_rub(body, &f);
 }
 
-void engine_load_forces(struct engine *e)
+void motion_load_forces(struct engine *e)
 {
     for (size_t b = 0; b < e->body_count; b++) {
-        engine_shove(e, b);
+        motion_shove(e, b);
     }
     for (size_t k = 0; k < e->object_count; k++) {
         if (!e->bodies[e->robot_count + k].asleep) {
-            engine_rub(e, k);
+            motion_rub(e, k);
         }
     }
 }

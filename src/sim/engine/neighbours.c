@@ -5,7 +5,7 @@
  * To look through the grid in each substep would cost more than all that touches.  So the pairs are
  * listed once with a margin (Verlet, "Computer experiments on classical fluids", 1967), each part's
  * when it is asked for, and dropped when somebody has moved half of it.  When that is leaves no
- * trace in the result: engine_is_near is asked of each pair, and the order is by numbers.
+ * trace in the result: neighbours_are_near is asked of each pair, and the order is by numbers.
  */
 #include "muster/memory.h"
 #include "sim/engine/engine_core.h"
@@ -13,18 +13,18 @@
 #include <string.h>
 
 /* Who is so near may be deep in another one after a substep. */
-#define ENGINE_NEAR_M 0.05
+#define NEIGHBOURS_NEAR_M 0.05
 
 /* A control step of a robot at its usual speed moves it less than half of this. */
-#define ENGINE_MARGIN_M 0.2
+#define NEIGHBOURS_MARGIN_M 0.2
 
 /* Neighbours of a part that the lists have room for, on average; a disc in a heap has forty. */
-enum { ENGINE_NEIGHBOURS = 32 };
+enum { NEIGHBOURS_MEAN = 32 };
 
-void engine_start_neighbours(struct engine *e)
+void neighbours_start(struct engine *e)
 {
-    struct engine_neighbours *n = &e->neighbours;
-    n->pairs_max = ENGINE_NEIGHBOURS * e->part_count;
+    struct neighbours *n = &e->neighbours;
+    n->pairs_max = NEIGHBOURS_MEAN * e->part_count;
     n->pairs = mu_startup_array(n->pairs_max, sizeof *n->pairs);
     n->lists = mu_startup_array(e->part_count, sizeof *n->lists);
     n->marks = mu_startup_array(e->part_count, sizeof *n->marks);
@@ -32,15 +32,15 @@ void engine_start_neighbours(struct engine *e)
     n->is_new = true;
 }
 
-bool engine_is_near(const struct engine *e, size_t part, const struct solid *other)
+bool neighbours_are_near(const struct engine *e, size_t part, const struct solid *other)
 {
     const struct solid *own = &e->outlines[part];
-    return solid_is_within(other, own->x, own->y, own->reach + ENGINE_NEAR_M);
+    return solid_is_within(other, own->x, own->y, own->reach + NEIGHBOURS_NEAR_M);
 }
 
 /* Keeps those of a list that a circle reaches, by their numbers.  @return how many */
-static size_t engine_sift(uint32_t *list, size_t count, const struct solid *solids,
-                          const struct solid *own, double reach_m)
+static size_t neighbours_sift(uint32_t *list, size_t count, const struct solid *solids,
+                              const struct solid *own, double reach_m)
 {
     size_t kept = 0;
     for (size_t k = 0; k < count; k++) {
@@ -58,15 +58,15 @@ static size_t engine_sift(uint32_t *list, size_t count, const struct solid *soli
 }
 
 /* Finds what comes within a margin of a part, in the order of the lists.  @return how many */
-static size_t engine_find_near(struct engine *e, uint32_t part, double margin_m)
+static size_t neighbours_find(struct engine *e, uint32_t part, double margin_m)
 {
     const struct solid *own = &e->outlines[part];
     struct grid_near *near = &e->near;
     struct engine_pair *found = e->neighbours.found;
-    double reach = own->reach + ENGINE_NEAR_M + margin_m;
+    double reach = own->reach + NEIGHBOURS_NEAR_M + margin_m;
     grid_near(&e->grid, part, reach, near);
-    size_t stand = engine_sift(near->still, near->still_count, e->shapes, own, reach);
-    size_t move = engine_sift(near->moving, near->moving_count, e->outlines, own, reach);
+    size_t stand = neighbours_sift(near->still, near->still_count, e->shapes, own, reach);
+    size_t move = neighbours_sift(near->moving, near->moving_count, e->outlines, own, reach);
     for (size_t k = 0; k < stand; k++) {
         found[k] = (struct engine_pair){part, near->still[k], true};
     }
@@ -77,65 +77,65 @@ static size_t engine_find_near(struct engine *e, uint32_t part, double margin_m)
 }
 
 /* A part's every point has moved less than its middle and its heading together. */
-static bool engine_has_strayed(const struct solid *now, const struct engine_mark *then)
+static bool neighbours_has_strayed(const struct solid *now, const struct neighbours_mark *then)
 {
     double dx = now->x - then->place.x;
     double dy = now->y - then->place.y;
     double dc = now->c - then->place.c;
     double ds = now->s - then->place.s;
     double swept = now->reach * now->reach * (dc * dc + ds * ds);
-    double most = ENGINE_MARGIN_M / 2;
+    double most = NEIGHBOURS_MARGIN_M / 2;
     return !(2 * (dx * dx + dy * dy + swept) < most * most) || now->away != then->away;
 }
 
-static bool engine_any_strayed(const struct engine *e)
+static bool neighbours_any_strayed(const struct engine *e)
 {
     bool any = e->neighbours.is_new;
     for (size_t p = 0; !any && p < e->part_count; p++) {
-        any = engine_has_strayed(&e->outlines[p], &e->neighbours.marks[p]);
+        any = neighbours_has_strayed(&e->outlines[p], &e->neighbours.marks[p]);
     }
     return any;
 }
 
-void engine_watch_neighbours(struct engine *e)
+void neighbours_watch(struct engine *e)
 {
-    struct engine_neighbours *n = &e->neighbours;
+    struct neighbours *n = &e->neighbours;
     /* Nobody leaves his mark by more than half a margin; but two that had gone apart before they
      * are listed come together by two. */
-    n->margin_m = 2 * ENGINE_MARGIN_M;
-    if (!engine_any_strayed(e)) {
+    n->margin_m = 2 * NEIGHBOURS_MARGIN_M;
+    if (!neighbours_any_strayed(e)) {
         return;
     }
     n->is_new = false;
-    n->margin_m = ENGINE_MARGIN_M;
+    n->margin_m = NEIGHBOURS_MARGIN_M;
     n->pairs_used = 0;
     for (size_t p = 0; p < e->part_count; p++) {
         const struct solid *o = &e->outlines[p];
-        n->marks[p] = (struct engine_mark){{o->x, o->y, o->c, o->s}, o->away};
+        n->marks[p] = (struct neighbours_mark){{o->x, o->y, o->c, o->s}, o->away};
         n->lists[p].is_there = false;
     }
 }
 
 /* What was found becomes a part's list, if there is room. */
-static void engine_keep_list(struct engine_neighbours *n, uint32_t part, size_t count)
+static void neighbours_keep_list(struct neighbours *n, uint32_t part, size_t count)
 {
     if (count <= n->pairs_max - n->pairs_used) {
         memcpy(n->pairs + n->pairs_used, n->found, count * sizeof *n->found);
-        n->lists[part] = (struct engine_list){n->pairs_used, count, true};
+        n->lists[part] = (struct neighbours_list){n->pairs_used, count, true};
         n->pairs_used += count;
     }
 }
 
-const struct engine_pair *engine_neighbours_of(struct engine *e, uint32_t part, size_t *count)
+const struct engine_pair *neighbours_of(struct engine *e, uint32_t part, size_t *count)
 {
-    struct engine_neighbours *n = &e->neighbours;
-    const struct engine_list *list = &n->lists[part];
+    struct neighbours *n = &e->neighbours;
+    const struct neighbours_list *list = &n->lists[part];
     if (list->is_there) {
         *count = list->count;
         return n->pairs + list->first;
     }
-    engine_fresh_grid(e);
-    *count = engine_find_near(e, part, n->margin_m);
-    engine_keep_list(n, part, *count);
+    space_refresh(e);
+    *count = neighbours_find(e, part, n->margin_m);
+    neighbours_keep_list(n, part, *count);
     return n->found;
 }

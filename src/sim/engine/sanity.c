@@ -3,13 +3,13 @@
 #include "core/log.h"
 #include "sim/engine/engine_core.h"
 
-static bool engine_is_sound(const struct engine *e, const struct ode_motion *m)
+static bool sanity_is_sound(const struct engine *e, const struct ode_motion *m)
 {
     double sum = m->x + m->y + m->c + m->s + m->vx + m->vy + m->turn;
     return isfinite(sum) && bounds_holds(&e->bounds, m->x, m->y);
 }
 
-static void engine_put_back(struct engine *e, size_t body)
+static void sanity_put_back(struct engine *e, size_t body)
 {
     struct engine_body *b = &e->bodies[body];
     const struct ode_motion *good = &b->last_good;
@@ -20,21 +20,21 @@ static void engine_put_back(struct engine *e, size_t body)
         mu_log(MU_LOG_WARNING, "flung-out", "name=%s times=%llu put-back-to=%.3f,%.3f", b->name,
                (unsigned long long)b->faults, pose.x_m, pose.y_m);
     }
-    engine_put(e, body, pose);
+    motion_put(e, body, pose);
 }
 
-void engine_guard(struct engine *e)
+void sanity_check(struct engine *e)
 {
     bool moved = false;
     for (size_t b = 0; b < e->body_count; b++) {
         struct engine_body *body = &e->bodies[b];
         body->fault = false;
-        if (engine_is_held(e, b)) { /* it goes where its bearer goes */
+        if (bodies_is_held(e, b)) { /* it goes where its bearer goes */
             body->last_good = body->motion;
-        } else if (engine_is_sound(e, &body->motion)) {
+        } else if (sanity_is_sound(e, &body->motion)) {
             body->last_good = body->motion;
         } else {
-            engine_put_back(e, b);
+            sanity_put_back(e, b);
             moved = true;
         }
     }

@@ -11,26 +11,26 @@
 #include "sim/engine/engine_core.h"
 
 /* Up to here it is the solver's. */
-#define ENGINE_DEEP_M 0.005
+#define SEPARATE_DEEP_M 0.005
 
 /* Moved apart to this depth: they go on touching. */
-#define ENGINE_LEFT_M 0.004
+#define SEPARATE_LEFT_M 0.004
 
-enum { ENGINE_SWEEPS = 32 };
+enum { SEPARATE_SWEEPS = 32 };
 
-static double engine_lightness(const struct engine *e, int32_t body)
+static double separate_lightness(const struct engine *e, int32_t body)
 {
     return body == ODE_WORLD_STANDS ? 0 : 1 / e->bodies[body].mass_kg;
 }
 
-static void engine_shift_part(struct engine *e, size_t part, double x, double y)
+static void separate_shift_part(struct engine *e, size_t part, double x, double y)
 {
     e->outlines[part].x += x;
     e->outlines[part].y += y;
 }
 
 /* Shifts a body with all its parts; ODE learns of it at the end. */
-static void engine_shift(struct engine *e, int32_t body, double x, double y)
+static void separate_shift(struct engine *e, int32_t body, double x, double y)
 {
     if (body == ODE_WORLD_STANDS) {
         return;
@@ -40,21 +40,21 @@ static void engine_shift(struct engine *e, int32_t body, double x, double y)
     e->bodies[b].motion.x += x;
     e->bodies[b].motion.y += y;
     if (b >= e->robot_count) {
-        engine_shift_part(e, engine_object_part(e, b - e->robot_count), x, y);
+        separate_shift_part(e, bodies_object_part(e, b - e->robot_count), x, y);
         return;
     }
     const struct engine_robot *r = &e->robots[b];
-    engine_shift_part(e, b, x, y);
+    separate_shift_part(e, b, x, y);
     for (size_t k = 0; r->gripper.make && k < GRIPPER_PADDLES; k++) {
-        engine_shift_part(e, r->paddles + k, x, y);
+        separate_shift_part(e, r->paddles + k, x, y);
     }
     if (r->gripper.holds != GRIPPER_NOTHING) {
-        engine_shift_part(e, engine_object_part(e, (size_t)r->gripper.holds), x, y);
+        separate_shift_part(e, bodies_object_part(e, (size_t)r->gripper.holds), x, y);
     }
 }
 
 /* @return whether it was deep */
-static bool engine_draw_pair(struct engine *e, const struct engine_pair *pair)
+static bool separate_pair(struct engine *e, const struct engine_pair *pair)
 {
     const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];
     int32_t a = e->parts[pair->part].body;
@@ -65,27 +65,27 @@ static bool engine_draw_pair(struct engine *e, const struct engine_pair *pair)
     for (size_t i = 0; i < contact.count; i++) {
         depth = fmax(depth, contact.points[i].depth);
     }
-    if (depth <= ENGINE_DEEP_M) {
+    if (depth <= SEPARATE_DEEP_M) {
         return false;
     }
-    double light_a = engine_lightness(e, a);
-    double light_b = engine_lightness(e, b);
-    double per = (depth - ENGINE_LEFT_M) / (light_a + light_b);
+    double light_a = separate_lightness(e, a);
+    double light_b = separate_lightness(e, b);
+    double per = (depth - SEPARATE_LEFT_M) / (light_a + light_b);
     double way_a = per * light_a;
     double way_b = per * light_b;
-    engine_shift(e, a, way_a * contact.normal_x, way_a * contact.normal_y);
-    engine_shift(e, b, -way_b * contact.normal_x, -way_b * contact.normal_y);
+    separate_shift(e, a, way_a * contact.normal_x, way_a * contact.normal_y);
+    separate_shift(e, b, -way_b * contact.normal_x, -way_b * contact.normal_y);
     return true;
 }
 
-void engine_draw_apart(struct engine *e)
+void separate_all(struct engine *e)
 {
     bool deep = true;
-    for (int sweep = 0; deep && sweep < ENGINE_SWEEPS; sweep++) {
+    for (int sweep = 0; deep && sweep < SEPARATE_SWEEPS; sweep++) {
         deep = false;
         for (size_t k = 0; k < e->pair_count; k++) {
             size_t turn = sweep % 2 ? e->pair_count - 1 - k : k;
-            deep = engine_draw_pair(e, &e->pairs[turn]) || deep;
+            deep = separate_pair(e, &e->pairs[turn]) || deep;
         }
     }
     for (size_t b = 0; b < e->body_count; b++) {
@@ -93,7 +93,7 @@ void engine_draw_apart(struct engine *e)
         if (body->shifted) {
             ode_world_shift(b, body->motion.x, body->motion.y);
             body->shifted = false;
-            engine_follow(e, b);
+            motion_follow(e, b);
         }
     }
 }

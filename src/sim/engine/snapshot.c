@@ -5,23 +5,23 @@
  */
 #include "sim/engine/engine_core.h"
 
-static const uint64_t ENGINE_SAVE_MAGIC = 0x70616e736d75736dull; /* "msumsnap" */
-static const uint64_t ENGINE_SAVE_VERSION = 1;
+static const uint64_t SNAPSHOT_MAGIC = 0x70616e736d75736dull; /* "msumsnap" */
+static const uint64_t SNAPSHOT_VERSION = 1;
 
 /* Beyond it a number is no place and no speed, whatever the world is. */
-#define ENGINE_SAVE_MOST 1e9
+#define SNAPSHOT_MOST 1e9
 
 /* A unit quaternion, give or take what steps do to it. */
-#define ENGINE_SAVE_UNIT 1.000001
+#define SNAPSHOT_UNIT 1.000001
 
 /* --- which world ------------------------------------------------------------------------------ */
 
-static void engine_mark(struct block *b, double value)
+static void snapshot_mark(struct block *b, double value)
 {
     block_double(b, &value, -INFINITY, INFINITY);
 }
 
-static void engine_mark_name(struct block *b, const char *name)
+static void snapshot_mark_name(struct block *b, const char *name)
 {
     for (size_t i = 0; i == 0 || name[i - 1]; i++) {
         uint64_t letter = (unsigned char)name[i];
@@ -29,26 +29,26 @@ static void engine_mark_name(struct block *b, const char *name)
     }
 }
 
-static void engine_mark_pose(struct block *b, const struct world_pose *pose)
+static void snapshot_mark_pose(struct block *b, const struct world_pose *pose)
 {
-    engine_mark(b, pose->x_m);
-    engine_mark(b, pose->y_m);
-    engine_mark(b, pose->heading_rad);
+    snapshot_mark(b, pose->x_m);
+    snapshot_mark(b, pose->y_m);
+    snapshot_mark(b, pose->heading_rad);
 }
 
-static void engine_mark_shape(struct block *b, const struct world_shape *shape)
+static void snapshot_mark_shape(struct block *b, const struct world_shape *shape)
 {
     bool disc = shape->kind == WORLD_DISC;
-    engine_mark(b, disc);
-    engine_mark_pose(b, &shape->pose);
-    engine_mark(b, disc ? shape->radius_m : shape->half_x_m);
-    engine_mark(b, disc ? shape->radius_m : shape->half_y_m);
-    engine_mark(b, shape->look.stops);
-    engine_mark(b, shape->look.graspable);
-    engine_mark(b, shape->look.give_w);
+    snapshot_mark(b, disc);
+    snapshot_mark_pose(b, &shape->pose);
+    snapshot_mark(b, disc ? shape->radius_m : shape->half_x_m);
+    snapshot_mark(b, disc ? shape->radius_m : shape->half_y_m);
+    snapshot_mark(b, shape->look.stops);
+    snapshot_mark(b, shape->look.graspable);
+    snapshot_mark(b, shape->look.give_w);
 }
 
-static void engine_mark_robot(struct block *b, const struct world_robot *r)
+static void snapshot_mark_robot(struct block *b, const struct world_robot *r)
 {
     const double values[] = {r->length_m,
                              r->width_m,
@@ -72,63 +72,63 @@ static void engine_mark_robot(struct block *b, const struct world_robot *r)
                              r->gripper.width_m,
                              r->gripper.paddle_length_m,
                              r->gripper.paddle_width_m};
-    engine_mark_name(b, r->name);
-    engine_mark_pose(b, &r->pose);
-    engine_mark_pose(b, &r->gripper.pose);
+    snapshot_mark_name(b, r->name);
+    snapshot_mark_pose(b, &r->pose);
+    snapshot_mark_pose(b, &r->gripper.pose);
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        engine_mark(b, values[i]);
+        snapshot_mark(b, values[i]);
     }
 }
 
 /* A number that another world, seed or step would not have. */
-static uint64_t engine_fingerprint(const struct engine *e)
+static uint64_t snapshot_fingerprint(const struct engine *e)
 {
     const struct world *w = e->world;
     struct block b = block_open(BLOCK_MEASURE, NULL, 0);
     uint64_t seed = e->seed;
     (void)block_number(&b, &seed, UINT64_MAX);
-    engine_mark(&b, e->dt_s);
-    engine_mark(&b, e->substeps_per_step);
+    snapshot_mark(&b, e->dt_s);
+    snapshot_mark(&b, e->substeps_per_step);
     for (size_t i = 0; i < w->shape_count; i++) {
-        engine_mark_shape(&b, &w->shapes[i]);
+        snapshot_mark_shape(&b, &w->shapes[i]);
     }
     for (size_t k = 0; k < w->object_count; k++) {
-        engine_mark_name(&b, w->objects[k].name);
-        engine_mark_shape(&b, &w->objects[k].shape);
-        engine_mark(&b, w->objects[k].mass_kg);
-        engine_mark(&b, w->objects[k].friction);
+        snapshot_mark_name(&b, w->objects[k].name);
+        snapshot_mark_shape(&b, &w->objects[k].shape);
+        snapshot_mark(&b, w->objects[k].mass_kg);
+        snapshot_mark(&b, w->objects[k].friction);
     }
     for (size_t i = 0; i < w->robot_count; i++) {
-        engine_mark_robot(&b, &w->robots[i]);
+        snapshot_mark_robot(&b, &w->robots[i]);
     }
     return b.sum;
 }
 
 /* --- the walk --------------------------------------------------------------------------------- */
 
-static void engine_walk_counter(struct block *b, uint32_t *counter)
+static void snapshot_walk_counter(struct block *b, uint32_t *counter)
 {
     uint64_t number = *counter;
     (void)block_number(b, &number, UINT32_MAX);
     *counter = (uint32_t)number;
 }
 
-static void engine_walk_place(const struct engine *e, struct block *b, double *x, double *y)
+static void snapshot_walk_place(const struct engine *e, struct block *b, double *x, double *y)
 {
     block_double(b, x, e->bounds.min_x, e->bounds.max_x);
     block_double(b, y, e->bounds.min_y, e->bounds.max_y);
 }
 
 /* Height, roll and pitch are 0, of either sign. */
-static void engine_walk_state(struct engine *e, struct block *b, size_t body)
+static void snapshot_walk_state(struct engine *e, struct block *b, size_t body)
 {
     double s[ENGINE_STATE_DOUBLES];
     ode_world_state(body, s);
-    engine_walk_place(e, b, &s[0], &s[1]);
+    snapshot_walk_place(e, b, &s[0], &s[1]);
     for (size_t i = 2; i < ENGINE_STATE_DOUBLES; i++) {
         bool is_turn = i == 3 || i == 6;
         bool is_flat = i == 2 || i == 4 || i == 5 || i == 9 || i == 10 || i == 11;
-        double most = is_turn ? ENGINE_SAVE_UNIT : is_flat ? 0 : ENGINE_SAVE_MOST;
+        double most = is_turn ? SNAPSHOT_UNIT : is_flat ? 0 : SNAPSHOT_MOST;
         block_double(b, &s[i], -most, most);
     }
     if (b->mode == BLOCK_READ) {
@@ -136,19 +136,19 @@ static void engine_walk_state(struct engine *e, struct block *b, size_t body)
     }
 }
 
-static void engine_walk_body(struct engine *e, struct block *b, size_t i)
+static void snapshot_walk_body(struct engine *e, struct block *b, size_t i)
 {
     struct engine_body *body = &e->bodies[i];
     struct ode_motion *good = &body->last_good;
-    engine_walk_state(e, b, i);
-    engine_walk_place(e, b, &good->x, &good->y);
-    block_double(b, &good->c, -ENGINE_SAVE_UNIT, ENGINE_SAVE_UNIT);
-    block_double(b, &good->s, -ENGINE_SAVE_UNIT, ENGINE_SAVE_UNIT);
+    snapshot_walk_state(e, b, i);
+    snapshot_walk_place(e, b, &good->x, &good->y);
+    block_double(b, &good->c, -SNAPSHOT_UNIT, SNAPSHOT_UNIT);
+    block_double(b, &good->s, -SNAPSHOT_UNIT, SNAPSHOT_UNIT);
     double *const push[] = {&body->push.x_n, &body->push.y_n, &body->push.turn_nm};
     for (size_t k = 0; k < sizeof push / sizeof push[0]; k++) {
-        block_double(b, push[k], -ENGINE_SAVE_MOST, ENGINE_SAVE_MOST);
+        block_double(b, push[k], -SNAPSHOT_MOST, SNAPSHOT_MOST);
     }
-    engine_walk_counter(b, &body->push_substeps);
+    snapshot_walk_counter(b, &body->push_substeps);
     block_flag(b, &body->asleep);
     block_flag(b, &body->fault);
     (void)block_number(b, &body->faults, UINT64_MAX);
@@ -157,17 +157,17 @@ static void engine_walk_body(struct engine *e, struct block *b, size_t i)
     }
 }
 
-static void engine_walk_drive(struct block *b, struct drive *d)
+static void snapshot_walk_drive(struct block *b, struct drive *d)
 {
     const struct drive_limits *l = &d->limits;
     block_double(b, &d->aim_forward_m_s, -l->reverse_max_m_s, l->forward_max_m_s);
     block_double(b, &d->aim_turn_rad_s, -l->turn_max_rad_s, l->turn_max_rad_s);
-    block_double(b, &d->forward_m_s, -ENGINE_SAVE_MOST, ENGINE_SAVE_MOST);
-    block_double(b, &d->turn_rad_s, -ENGINE_SAVE_MOST, ENGINE_SAVE_MOST);
+    block_double(b, &d->forward_m_s, -SNAPSHOT_MOST, SNAPSHOT_MOST);
+    block_double(b, &d->turn_rad_s, -SNAPSHOT_MOST, SNAPSHOT_MOST);
     block_double(b, &d->held_up_s, 0, INFINITY);
 }
 
-static void engine_walk_gripper(struct engine *e, struct block *b, size_t robot)
+static void snapshot_walk_gripper(struct engine *e, struct block *b, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
     block_flag(b, &g->closes);
@@ -181,36 +181,36 @@ static void engine_walk_gripper(struct engine *e, struct block *b, size_t robot)
     }
 }
 
-static void engine_walk_robot(struct engine *e, struct block *b, size_t i)
+static void snapshot_walk_robot(struct engine *e, struct block *b, size_t i)
 {
     struct engine_robot *r = &e->robots[i];
     double *const free[] = {&r->odometer.pose.x_m, &r->odometer.pose.y_m, &r->gps.off_x_m,
                             &r->gps.off_y_m};
-    engine_walk_drive(b, &r->drive);
+    snapshot_walk_drive(b, &r->drive);
     for (size_t k = 0; k < sizeof free / sizeof free[0]; k++) {
         block_double(b, free[k], -INFINITY, INFINITY);
     }
     block_double(b, &r->odometer.pose.heading_rad, -M_PI, M_PI);
     block_double(b, &r->battery.joules, 0, r->battery.full_j);
-    engine_walk_counter(b, &r->bumpers);
-    engine_walk_gripper(e, b, i);
+    snapshot_walk_counter(b, &r->bumpers);
+    snapshot_walk_gripper(e, b, i);
 }
 
-static void engine_walk_object(struct engine *e, struct block *b, size_t k)
+static void snapshot_walk_object(struct engine *e, struct block *b, size_t k)
 {
     struct engine_object *o = &e->objects[k];
     double *const grip[] = {&o->x, &o->y, &o->c, &o->s};
     for (size_t i = 0; i < sizeof grip / sizeof grip[0]; i++) {
-        block_double(b, grip[i], -ENGINE_SAVE_MOST, ENGINE_SAVE_MOST);
+        block_double(b, grip[i], -SNAPSHOT_MOST, SNAPSHOT_MOST);
     }
 }
 
 /* @return the sum of all before it */
-static void engine_walk(struct engine *e, struct block *b)
+static void snapshot_walk(struct engine *e, struct block *b)
 {
-    uint64_t magic = ENGINE_SAVE_MAGIC;
-    uint64_t version = ENGINE_SAVE_VERSION;
-    uint64_t world = engine_fingerprint(e);
+    uint64_t magic = SNAPSHOT_MAGIC;
+    uint64_t version = SNAPSHOT_VERSION;
+    uint64_t world = snapshot_fingerprint(e);
     (void)block_number(b, &magic, UINT64_MAX);
     (void)block_number(b, &version, UINT64_MAX);
     (void)block_number(b, &world, UINT64_MAX);
@@ -218,13 +218,13 @@ static void engine_walk(struct engine *e, struct block *b)
     (void)block_number(b, &e->substeps, UINT64_MAX);
     for (size_t k = 0; k < e->object_count; k++) {
         e->objects[k].claimed = false;
-        engine_walk_object(e, b, k);
+        snapshot_walk_object(e, b, k);
     }
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_walk_robot(e, b, i);
+        snapshot_walk_robot(e, b, i);
     }
     for (size_t i = 0; i < e->body_count; i++) {
-        engine_walk_body(e, b, i);
+        snapshot_walk_body(e, b, i);
     }
     uint64_t sum = b->sum;
     uint64_t found = block_number(b, &sum, UINT64_MAX);
@@ -236,32 +236,32 @@ static void engine_walk(struct engine *e, struct block *b)
 size_t engine_save_size(const struct engine *e)
 {
     struct block b = block_open(BLOCK_MEASURE, NULL, 0);
-    engine_walk((struct engine *)(uintptr_t)e, &b); /* which changes nothing when it measures */
+    snapshot_walk((struct engine *)(uintptr_t)e, &b); /* which changes nothing when it measures */
     return b.used;
 }
 
 void engine_save(struct engine *e, unsigned char *bytes)
 {
     struct block b = block_open(BLOCK_WRITE, bytes, SIZE_MAX);
-    engine_walk(e, &b);
+    snapshot_walk(e, &b);
 }
 
 /* The first three numbers tell whose it is. */
-static mu_result engine_check_head(const struct engine *e, struct block *b, const char **reason)
+static mu_result snapshot_check_head(const struct engine *e, struct block *b, const char **reason)
 {
     uint64_t none = 0;
     uint64_t magic = block_number(b, &none, UINT64_MAX);
     uint64_t version = block_number(b, &none, UINT64_MAX);
     uint64_t world = block_number(b, &none, UINT64_MAX);
-    if (b->bad || magic != ENGINE_SAVE_MAGIC) {
+    if (b->bad || magic != SNAPSHOT_MAGIC) {
         *reason = "this is no snapshot";
         return MU_MALFORMED;
     }
-    if (version != ENGINE_SAVE_VERSION) {
+    if (version != SNAPSHOT_VERSION) {
         *reason = "the snapshot is of another version of muster";
         return MU_MALFORMED;
     }
-    if (world != engine_fingerprint(e)) {
+    if (world != snapshot_fingerprint(e)) {
         *reason = "the snapshot is of another world, or of another seed or step";
         return MU_REFUSED;
     }
@@ -269,22 +269,22 @@ static mu_result engine_check_head(const struct engine *e, struct block *b, cons
 }
 
 /* What follows from what was read. */
-static void engine_rebuild(struct engine *e)
+static void snapshot_rebuild(struct engine *e)
 {
     for (size_t k = 0; k < e->object_count; k++) {
         e->objects[k].bearer = ENGINE_NO_BEARER;
-        e->parts[engine_object_part(e, k)].body = (int32_t)(e->robot_count + k);
-        e->outlines[engine_object_part(e, k)].away = false;
-        engine_follow(e, e->robot_count + k);
+        e->parts[bodies_object_part(e, k)].body = (int32_t)(e->robot_count + k);
+        e->outlines[bodies_object_part(e, k)].away = false;
+        motion_follow(e, e->robot_count + k);
     }
     for (size_t i = 0; i < e->robot_count; i++) {
         e->robots[i].odometer.turned = true;
-        engine_resume_grip(e, i);
-        engine_follow(e, i);
+        grip_resume(e, i);
+        motion_follow(e, i);
     }
     e->grid_is_old = true;
     sensors_forget(e->sensors);
-    engine_feel_grippers(e);
+    grip_feel_all(e);
 }
 
 mu_result engine_restore(struct engine *e, const unsigned char *bytes, size_t count,
@@ -292,18 +292,18 @@ mu_result engine_restore(struct engine *e, const unsigned char *bytes, size_t co
 {
     unsigned char *from = (unsigned char *)(uintptr_t)bytes; /* nobody writes there */
     struct block head = block_open(BLOCK_CHECK, from, count);
-    mu_result checked = engine_check_head(e, &head, reason);
+    mu_result checked = snapshot_check_head(e, &head, reason);
     if (checked != MU_OK) {
         return checked;
     }
     struct block check = block_open(BLOCK_CHECK, from, count);
-    engine_walk(e, &check);
+    snapshot_walk(e, &check);
     if (check.bad || check.used != count) {
         *reason = "the snapshot is not whole";
         return MU_MALFORMED;
     }
     struct block b = block_open(BLOCK_READ, from, count);
-    engine_walk(e, &b);
-    engine_rebuild(e);
+    snapshot_walk(e, &b);
+    snapshot_rebuild(e);
     return MU_OK;
 }

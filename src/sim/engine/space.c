@@ -2,7 +2,7 @@
 /* What is where: the grid over all parts, and whether something has room. */
 #include "sim/engine/engine_core.h"
 
-void engine_fresh_grid(struct engine *e)
+void space_refresh(struct engine *e)
 {
     if (e->grid_is_old) {
         grid_update(&e->grid);
@@ -10,7 +10,7 @@ void engine_fresh_grid(struct engine *e)
     }
 }
 
-static bool engine_is_in(const struct solid *a, const struct solid *b, double tolerance_m)
+static bool space_is_in(const struct solid *a, const struct solid *b, double tolerance_m)
 {
     struct narrow_contact contact;
     double deepest = 0;
@@ -21,14 +21,14 @@ static bool engine_is_in(const struct solid *a, const struct solid *b, double to
     return contact.count > 0 && deepest > tolerance_m;
 }
 
-const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t body,
-                            double tolerance_m)
+const char *space_obstacle(struct engine *e, const struct solid *solid, size_t body,
+                           double tolerance_m)
 {
-    engine_fresh_grid(e);
+    space_refresh(e);
     grid_around(&e->grid, solid, &e->near);
     for (size_t k = 0; k < e->near.still_count; k++) {
         uint32_t still = e->near.still[k];
-        if (e->stands[still].look->stops && engine_is_in(solid, &e->shapes[still], tolerance_m)) {
+        if (e->stands[still].look->stops && space_is_in(solid, &e->shapes[still], tolerance_m)) {
             return "what stands there";
         }
     }
@@ -36,7 +36,7 @@ const char *engine_obstacle(struct engine *e, const struct solid *solid, size_t 
         uint32_t moving = e->near.moving[k];
         const struct engine_part *part = &e->parts[moving];
         if (part->body != (int32_t)body && part->look->stops &&
-            engine_is_in(solid, &e->outlines[moving], tolerance_m)) {
+            space_is_in(solid, &e->outlines[moving], tolerance_m)) {
             return e->bodies[part->body].name;
         }
     }

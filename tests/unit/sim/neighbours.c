@@ -37,13 +37,13 @@ static size_t count_missed(struct engine *e, uint32_t part)
     size_t count;
     size_t next = 0;
     size_t missed = 0;
-    const struct engine_pair *pairs = engine_neighbours_of(e, part, &count);
+    const struct engine_pair *pairs = neighbours_of(e, part, &count);
     size_t standing = e->world->shape_count;
     for (uint32_t k = 0; k < standing + e->part_count; k++) {
         bool stands = k < standing;
         uint32_t other = stands ? k : k - (uint32_t)standing;
         const struct solid *solid = stands ? &e->shapes[other] : &e->outlines[other];
-        if ((!stands && other <= part) || solid->away || !engine_is_near(e, part, solid)) {
+        if ((!stands && other <= part) || solid->away || !neighbours_are_near(e, part, solid)) {
             continue;
         }
         pairs_near++;
@@ -60,7 +60,7 @@ static size_t count_missed(struct engine *e, uint32_t part)
 static size_t count_all_missed(struct engine *e)
 {
     size_t missed = 0;
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     for (uint32_t p = 0; p < e->part_count; p++) {
         missed += count_missed(e, p);
     }
@@ -90,7 +90,7 @@ static void test_what_turns_on_the_spot_is_listed(void)
     size_t missed = 0;
     for (int k = 0; k < 90; k++) {
         struct world_pose pose = {1.2, -0.5, k * M_PI / 45};
-        engine_put(e, e->robot_count + 9, pose);
+        motion_put(e, e->robot_count + 9, pose);
         e->grid_is_old = true;
         missed += count_all_missed(e);
     }
@@ -101,13 +101,13 @@ static void test_what_turns_on_the_spot_is_listed(void)
 static void test_lists_are_kept_while_nothing_moves_far(void)
 {
     struct engine *e = start_a_crowd();
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     double was = e->neighbours.marks[0].place.x;
     e->outlines[0].x += 0.05;
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     CU_ASSERT_EQUAL(e->neighbours.marks[0].place.x, was);
     e->outlines[0].x += 0.05;
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     CU_ASSERT_NOT_EQUAL(e->neighbours.marks[0].place.x, was);
     engine_close(e);
 }
@@ -120,15 +120,15 @@ static void test_a_list_that_is_asked_for_late(void)
     physics_object(0.42, 0, 0.1);
     struct engine *e = physics_start(1);
     size_t count;
-    engine_watch_neighbours(e);
+    neighbours_watch(e);
     for (int k = 0; k < 2; k++) {
         double way = k ? -0.136 : 0.068;
         e->outlines[0].x -= way;
         e->outlines[1].x += way;
         e->grid_is_old = true;
-        engine_watch_neighbours(e);
+        neighbours_watch(e);
         CU_ASSERT_EQUAL(e->neighbours.lists[0].is_there, k == 1);
-        (void)engine_neighbours_of(e, 0, &count);
+        (void)neighbours_of(e, 0, &count);
     }
     pairs_near = 0;
     CU_ASSERT_EQUAL(count_missed(e, 0), 0);
