@@ -19,6 +19,7 @@
 #define MUSTER_AGENT_H
 
 #include "muster/limits.h"
+#include "muster/percept.h"
 #include "muster/refusal.h"
 #include "muster/result.h"
 
@@ -97,64 +98,9 @@ struct mu_mail {
     uint64_t ttl_ns; /* expires when this old; 0: never */
 };
 
-/* Sensors that a body reads only if its agent asks for them (mu_agent_senses); bits. */
-enum mu_sense {
-    MU_SENSE_SONAR = 1,
-    MU_SENSE_LASER = 2,
-    MU_SENSE_CAMERA = 4,
-    MU_SENSE_FIDUCIALS = 8,
-    MU_SENSES = 15 /* all of them */
-};
-
-/* A blob of colour in the camera's picture; angles from its middle. */
-struct mu_blob {
-    uint32_t rgb; /* 0xRRGGBB */
-    double bearing_rad, width_rad, range_m;
-};
-
-/* A number that a thing bears, seen from the fiducial finder. */
-struct mu_fiducial {
-    int32_t number; /* 0: too far to read */
-    double bearing_rad, range_m;
-    double heading_rad; /* of the thing */
-};
-
-/* The state of a gripper; bits. */
-enum mu_gripper {
-    MU_GRIPPER_THERE = 1,
-    MU_GRIPPER_CLOSED = 2,
-    MU_GRIPPER_LIFTED = 4,
-    MU_GRIPPER_OUTER_BEAM = 8, /* something breaks the beam at the tips of the paddles */
-    MU_GRIPPER_INNER_BEAM = 16,
-    MU_GRIPPER_HOLDS = 32
-};
-
 /* Orders to a gripper. */
 enum mu_paddles { MU_PADDLES_OPEN = -1, MU_PADDLES_KEEP, MU_PADDLES_CLOSE };
 enum mu_lift { MU_LIFT_DOWN = -1, MU_LIFT_KEEP, MU_LIFT_UP };
-
-/* What a robot's body feels and sees at the start of a control step.  What it points to is valid
- * in the handler only. */
-struct mu_percept {
-    const char *robot; /* whose body it is */
-    int64_t step;
-    uint64_t time_ns;
-    double x_m, y_m, heading_rad; /* where it takes itself to be, by its GPS or its odometer */
-    double forward_m_s, turn_rad_s;
-    bool stalled;
-    size_t sonar_count;
-    const float *sonar_m;
-    bool fault; /* the simulator had to put it back to where it was */
-    double gps_x_m, gps_y_m, compass_rad;
-    double odometer_x_m, odometer_y_m, odometer_heading_rad;
-    uint32_t bumpers;     /* bit k: touched between (2k-1) and (2k+1) eighths of pi from ahead */
-    uint32_t gripper;     /* enum mu_gripper; 0: it has none */
-    double battery_share; /* of full; < 0: it has none */
-    size_t laser_count, blob_count, fiducial_count;
-    const float *laser_m;                /* from right to left */
-    const struct mu_blob *blobs;         /* nearest first */
-    const struct mu_fiducial *fiducials; /* nearest first */
-};
 
 /* A line of the white pages. */
 struct mu_member {

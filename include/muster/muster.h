@@ -13,9 +13,11 @@
 #include "muster/limits.h"
 #include "muster/memory.h"
 #include "muster/monitor.h"
+#include "muster/percept.h"
 #include "muster/refusal.h"
 #include "muster/resolver.h"
 #include "muster/result.h"
+#include "muster/sensors.h"
 #include "muster/stats.h"
 
 #endif

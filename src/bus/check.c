@@ -2,6 +2,7 @@
 #include "bus/check.h"
 
 #include "bus/bus.h"
+#include "bus/percept.h"
 #include "core/name.h"
 #include "muster/limits.h"
 #include "wire.h"
@@ -189,60 +190,10 @@ static bool ranges_ok(const float *range_m, uint32_t count)
     return true;
 }
 
-static bool blobs_ok(const muster_Percept *p)
-{
-    bool fit = p->blobs._length <= MU_BLOBS_MAX;
-    for (uint32_t i = 0; fit && i < p->blobs._length; i++) {
-        const muster_Blob *b = &p->blobs._buffer[i];
-        fit = isfinite(b->bearing_rad) && isfinite(b->width_rad) && isfinite(b->range_m);
-    }
-    return fit;
-}
-
-static bool fiducials_ok(const muster_Percept *p)
-{
-    bool fit = p->fiducials._length <= MU_FIDUCIALS_MAX;
-    for (uint32_t i = 0; fit && i < p->fiducials._length; i++) {
-        const muster_Fiducial *f = &p->fiducials._buffer[i];
-        fit = isfinite(f->bearing_rad) && isfinite(f->range_m) && isfinite(f->heading_rad);
-    }
-    return fit;
-}
-
-static bool body_ok(const muster_Percept *p)
-{
-    const double numbers[] = {p->x_m,
-                              p->y_m,
-                              p->heading_rad,
-                              p->forward_m_s,
-                              p->turn_rad_s,
-                              p->gps_x_m,
-                              p->gps_y_m,
-                              p->compass_rad,
-                              p->odometer_x_m,
-                              p->odometer_y_m,
-                              p->odometer_heading_rad,
-                              p->battery_share};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        if (!isfinite(numbers[i])) {
-            return false;
-        }
-    }
-    return is_name(p->robot);
-}
-
-static bool percept_ok(const muster_Percept *p)
-{
-    return body_ok(p) && p->sonar_m._length <= MU_SONARS_MAX &&
-           ranges_ok(p->sonar_m._buffer, p->sonar_m._length) &&
-           p->laser_m._length <= MU_BEAMS_MAX &&
-           ranges_ok(p->laser_m._buffer, p->laser_m._length) && blobs_ok(p) && fiducials_ok(p);
-}
-
 static bool percepts_ok(const muster_Percept *percepts, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
-        if (!percept_ok(&percepts[i])) {
+        if (!is_name(percepts[i].robot) || !percept_ok(&percepts[i])) {
             return false;
         }
     }

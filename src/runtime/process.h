@@ -77,8 +77,9 @@ struct mu_agent {
     uint32_t senses;         /* enum mu_sense: that its body is to read */
     enum mu_paddles paddles; /* this step */
     enum mu_lift lift;
-    bool embodied; /* this step: the simulator has sent what its body feels */
-    bool drives;   /* this step */
+    bool embodied;             /* this step: the simulator has sent what its body feels */
+    struct mu_percept percept; /* this step */
+    bool drives;               /* this step */
     double forward_m_s, turn_rad_s;
     uint32_t firings; /* this step */
     char goal[MU_FIELD_MAX + 1];

@@ -4,6 +4,7 @@
  *
  * docs/lockstep.md has the whole protocol; here is a process's side of it.
  */
+#include "bus/percept.h"
 #include "core/clock.h"
 #include "runtime/process.h"
 
@@ -195,49 +196,11 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
-/* The lists of a percept are handed over as they came. */
-_Static_assert(sizeof(struct mu_blob) == sizeof(muster_Blob) &&
-                   offsetof(struct mu_blob, bearing_rad) == offsetof(muster_Blob, bearing_rad) &&
-                   offsetof(struct mu_blob, width_rad) == offsetof(muster_Blob, width_rad) &&
-                   offsetof(struct mu_blob, range_m) == offsetof(muster_Blob, range_m),
-               "blobs");
-_Static_assert(sizeof(struct mu_fiducial) == sizeof(muster_Fiducial) &&
-                   offsetof(struct mu_fiducial, bearing_rad) ==
-                       offsetof(muster_Fiducial, bearing_rad) &&
-                   offsetof(struct mu_fiducial, range_m) == offsetof(muster_Fiducial, range_m) &&
-                   offsetof(struct mu_fiducial, heading_rad) ==
-                       offsetof(muster_Fiducial, heading_rad),
-               "fiducials");
-
 static struct mu_percept percept_of(const muster_Sense *sense, const muster_Percept *robot)
 {
-    return (struct mu_percept){.robot = robot->robot,
-                               .step = sense->step,
-                               .time_ns = sense->time_ns,
-                               .x_m = robot->x_m,
-                               .y_m = robot->y_m,
-                               .heading_rad = robot->heading_rad,
-                               .forward_m_s = robot->forward_m_s,
-                               .turn_rad_s = robot->turn_rad_s,
-                               .stalled = robot->stalled,
-                               .sonar_count = robot->sonar_m._length,
-                               .sonar_m = robot->sonar_m._buffer,
-                               .fault = robot->fault,
-                               .gps_x_m = robot->gps_x_m,
-                               .gps_y_m = robot->gps_y_m,
-                               .compass_rad = robot->compass_rad,
-                               .odometer_x_m = robot->odometer_x_m,
-                               .odometer_y_m = robot->odometer_y_m,
-                               .odometer_heading_rad = robot->odometer_heading_rad,
-                               .bumpers = robot->bumpers,
-                               .gripper = robot->gripper,
-                               .battery_share = robot->battery_share,
-                               .laser_count = robot->laser_m._length,
-                               .laser_m = robot->laser_m._buffer,
-                               .blob_count = robot->blobs._length,
-                               .blobs = (const struct mu_blob *)robot->blobs._buffer,
-                               .fiducial_count = robot->fiducials._length,
-                               .fiducials = (const struct mu_fiducial *)robot->fiducials._buffer};
+    struct mu_percept p = {.step = sense->step, .time_ns = sense->time_ns};
+    percept_unpack(&p, robot);
+    return p;
 }
 
 /* Who watches is shown the whole world. */
@@ -262,32 +225,30 @@ static bool takes_beat(const struct mu_agent *a)
            a->handlers.on_beat;
 }
 
-static struct mu_percept beat_of(const struct mu_agent *a, const muster_Sense *sense)
-{
-    return (struct mu_percept){
-        .robot = a->name, .step = sense->step, .time_ns = sense->time_ns, .battery_share = -1};
-}
-
-static void beats_take(mu_process *p, const muster_Sense *sense)
+static void beats_take(mu_process *p)
 {
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
         if (takes_beat(a)) {
-            struct mu_percept beat = beat_of(a, sense);
-            a->handlers.on_beat(a->handlers.self, a, &beat);
+            a->handlers.on_beat(a->handlers.self, a, &a->percept);
         }
     }
 }
 
-static void embodied_mark(mu_process *p, const muster_Sense *sense)
+/* Gives every agent its percept of this step: one without a body only has the time. */
+static void percepts_set(mu_process *p, const muster_Sense *sense)
 {
     for (uint32_t i = 0; i < p->agent_count; i++) {
-        p->agents[i].embodied = false;
+        struct mu_agent *a = &p->agents[i];
+        a->embodied = false;
+        a->percept = (struct mu_percept){
+            .robot = a->name, .step = sense->step, .time_ns = sense->time_ns, .battery_share = -1};
     }
     for (uint32_t i = 0; i < sense->robots._length; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a) {
             a->embodied = true;
+            a->percept = percept_of(sense, &sense->robots._buffer[i]);
         }
     }
 }
@@ -298,25 +259,20 @@ static void percepts_take(mu_process *p, const muster_Sense *sense)
         world_take(p, sense);
         return;
     }
-    embodied_mark(p, sense);
+    percepts_set(p, sense);
     for (uint32_t i = 0; i < sense->robots._length; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a && a->handlers.on_step) {
-            struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
-            a->handlers.on_step(a->handlers.self, a, &percept);
+            a->handlers.on_step(a->handlers.self, a, &a->percept);
         }
     }
-    beats_take(p, sense);
+    beats_take(p);
 }
 
-static void beats_act(mu_process *p, const muster_Sense *sense)
+static void agent_act(struct mu_agent *a)
 {
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        struct mu_agent *a = &p->agents[i];
-        if (takes_beat(a) && a->state == MU_RUNNING && a->handlers.on_act) {
-            struct mu_percept beat = beat_of(a, sense);
-            a->handlers.on_act(a->handlers.self, a, &beat);
-        }
+    if (a->state == MU_RUNNING && a->handlers.on_act) {
+        a->handlers.on_act(a->handlers.self, a, &a->percept);
     }
 }
 
@@ -324,12 +280,15 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 {
     for (uint32_t i = 0; i < sense->robots._length && !p->watches; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
-        if (a && a->state == MU_RUNNING && a->handlers.on_act) {
-            struct mu_percept percept = percept_of(sense, &sense->robots._buffer[i]);
-            a->handlers.on_act(a->handlers.self, a, &percept);
+        if (a) {
+            agent_act(a);
         }
     }
-    beats_act(p, sense);
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        if (takes_beat(&p->agents[i])) {
+            agent_act(&p->agents[i]);
+        }
+    }
 }
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
