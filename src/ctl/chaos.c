@@ -4,6 +4,7 @@
 #include "bus/traffic.h"
 #include "core/clock.h"
 #include "core/paths.h"
+#include "core/sensors.h"
 #include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
@@ -169,15 +170,6 @@ mu_result chaos_open(struct run *r)
                     : MU_OK;
 }
 
-static uint32_t senses_of(const char *sensor)
-{
-    return strcmp(sensor, "sonar") == 0       ? MU_SENSE_SONAR
-           : strcmp(sensor, "laser") == 0     ? MU_SENSE_LASER
-           : strcmp(sensor, "camera") == 0    ? MU_SENSE_CAMERA
-           : strcmp(sensor, "fiducials") == 0 ? MU_SENSE_FIDUCIALS
-                                              : MU_SENSES;
-}
-
 static void order_fill(muster_RunCommand *o, const struct experiment_chaos *c)
 {
     o->order = c->kind == CHAOS_PUSH    ? muster_RUN_PUSH
@@ -199,7 +191,7 @@ static void order_fill(muster_RunCommand *o, const struct experiment_chaos *c)
         o->heading_rad = c->pose->heading_deg * M_PI / 180;
     }
     if (c->sensor) {
-        o->senses = senses_of(c->sensor);
+        o->senses = mu_sensor_bits(c->sensor);
     }
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster world: of files, and of a run that lives. */
 #include "core/exits.h"
+#include "core/sensors.h"
 #include "ctl/verbs.h"
 #include "ctl/world_files.h"
 #include "ctl/world_run.h"
@@ -69,7 +70,7 @@ int world_verb(int argc, char **argv)
             "properties lists all that a world file can say.  The world of a run that lives, at "
             "the end of the step at hand: place puts a robot or an object elsewhere (m, deg), "
             "push pushes it (N, N m), reset puts it or all back to where they began, sensor "
-            "switches sonar, laser, camera, fiducials or all of a robot off or on, pace sets the "
+            "switches sensors (all" MU_SENSOR_COMMAS ") of a robot off or on, pace sets the "
             "rate (times real time; 0: as fast as it goes), save writes the state of all bodies "
             "for muster sim --restore into a file that is not there yet.",
         .table = option_table,

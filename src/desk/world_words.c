@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "desk/world_words.h"
 
+#include "core/sensors.h"
 #include "core/text.h"
-#include "muster/agent.h"
 #include "muster/limits.h"
 
 #include <math.h>
@@ -78,21 +78,11 @@ static bool reset_read(const struct order *o)
 
 static bool sensor_read(const struct order *o)
 {
-    static const struct {
-        const char *word;
-        uint32_t senses;
-    } sensors[] = {{"sonar", MU_SENSE_SONAR},
-                   {"laser", MU_SENSE_LASER},
-                   {"camera", MU_SENSE_CAMERA},
-                   {"fiducials", MU_SENSE_FIDUCIALS},
-                   {"all", MU_SENSES}};
-    for (size_t i = 0; i < sizeof sensors / sizeof sensors[0]; i++) {
-        o->c->senses |= strcmp(o->words[1], sensors[i].word) == 0 ? sensors[i].senses : 0;
-    }
+    o->c->senses = mu_sensor_bits(o->words[1]);
     o->c->on = strcmp(o->words[2], "on") == 0;
     if (o->c->senses == 0 || (!o->c->on && strcmp(o->words[2], "off") != 0)) {
         snprintf(o->wrong, WORLD_WORDS_WRONG,
-                 "expected NAME, then sonar, laser, camera, fiducials or all, then on or off");
+                 "expected NAME, then %s or all, then on or off", MU_SENSOR_WORDS);
         return false;
     }
     return name_read(o);

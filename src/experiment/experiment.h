@@ -148,7 +148,7 @@ struct experiment_chaos {
     struct experiment_place *force; /* N; in the world's frame */
     double torque_nm;
     struct experiment_pose *pose; /* where it is put */
-    char *sensor;                 /* sonar, laser, camera, fiducials, all */
+    char *sensor;                 /* a word of muster/sensors.h, or all */
     double share;                 /* of the packets that are lost */
     double by_ms;                 /* that each is late */
     double for_s;                 /* after that it is undone; 0: it is not.  Simulated time */

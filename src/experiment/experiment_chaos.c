@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What goes wrong on purpose: which keys belong together, and what they may say. */
+#include "core/sensors.h"
 #include "core/text.h"
 #include "experiment/experiment_schema.h"
 #include "muster/memory.h"
@@ -196,15 +197,9 @@ static mu_result times_check(struct experiment_source *s, const struct experimen
 static mu_result values_check(struct experiment_source *s, const struct experiment_chaos *c,
                               int node)
 {
-    static const char *const sensors[] = {"sonar", "laser", "camera", "fiducials", "all"};
-    bool known = !c->sensor;
-    for (size_t i = 0; c->sensor && i < sizeof sensors / sizeof sensors[0]; i++) {
-        known = known || strcmp(c->sensor, sensors[i]) == 0;
-    }
-    if (!known) {
+    if (c->sensor && mu_sensor_bits(c->sensor) == 0) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "sensor"),
-                                "expected sonar, laser, camera, fiducials or all, not '%.40s'",
-                                c->sensor);
+                                "expected %s or all, not '%.40s'", MU_SENSOR_WORDS, c->sensor);
     }
     if (c->kind == CHAOS_PUSH && !c->force && !yaml_tree_child(s->tree, node, "torque")) {
         return experiment_fault(s, NULL, node, "expected force: [X, Y] or torque beside 'push'");

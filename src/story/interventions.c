@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "story/interventions.h"
 
-#include "muster/agent.h"
+#include "core/sensors.h"
 
 #include <string.h>
 
@@ -28,18 +28,6 @@ void interventions_add(struct interventions *h, uint32_t step, const muster_RunC
     mu_text_copy(one->source, sizeof one->source, order->source);
 }
 
-static void senses_add(struct mu_text *out, uint32_t senses)
-{
-    static const char *const names[] = {"sonar", "laser", "camera", "fiducials"};
-    const char *between = "";
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (senses & 1u << i) {
-            mu_text_format(out, "%s%s", between, names[i]);
-            between = ", ";
-        }
-    }
-}
-
 static void intervention_add(const struct intervention *h, uint32_t senses, struct mu_text *out)
 {
     if (h->order == muster_RUN_PLACE) {
@@ -47,7 +35,7 @@ static void intervention_add(const struct intervention *h, uint32_t senses, stru
     } else if (h->order == muster_RUN_RESET) {
         mu_text_add(out, "put back to where it began");
     } else if (h->order == muster_RUN_SENSOR) {
-        senses_add(out, senses);
+        mu_sensor_add(out, senses);
         mu_text_add(out, " switched off");
     } else if (h->time_s > 0) {
         mu_text_format(out, "pushed with (%g, %g) N and %g N m for %g s", h->force_x_n,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "web/frame_json.h"
 
+#include "bus/percept.h"
+#include "core/sensors.h"
 #include "core/text.h"
 #include "web/beams.h"
 
@@ -69,25 +71,38 @@ static int64_t robot_find(const muster_Frame *f, const char *name, uint32_t from
     return -1;
 }
 
-static void beam_list(struct mu_json *j, const char *key, const muster_Frame *f, bool laser,
-                      bool lean)
+static void beams_list(struct mu_json *j, const struct mu_channel *c, const muster_Frame *f,
+                       bool lean)
 {
     char text[BEAMS_TEXT];
     uint32_t from = 0;
-    mu_json_list(j, key);
+    mu_json_list(j, c->fact);
     for (uint32_t i = 0; i < f->percepts._length && !lean; i++) {
-        const muster_Percept *p = &f->percepts._buffer[i];
-        size_t count = laser ? p->laser_m._length : p->sonar_m._length;
-        int64_t robot = count > 0 ? robot_find(f, p->robot, from) : -1;
+        struct mu_percept p;
+        size_t count;
+        percept_unpack(&p, &f->percepts._buffer[i]);
+        const float *readings = mu_channel_list(c, &p, &count);
+        int64_t robot = count > 0 ? robot_find(f, p.robot, from) : -1;
         if (robot < 0) {
             continue;
         }
         from = (uint32_t)robot + 1;
-        (void)beams_write(text, laser ? p->laser_m._buffer : p->sonar_m._buffer, count);
+        (void)beams_write(text, readings, count);
         mu_json_list(j, NULL);
         mu_json_int(j, NULL, robot);
         mu_json_string(j, NULL, text);
         mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void lists_write(struct mu_json *j, const muster_Frame *f, bool lean)
+{
+    mu_json_object(j, "lists");
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        if (mu_channels[i].plain) {
+            beams_list(j, &mu_channels[i], f, lean);
+        }
     }
     mu_json_end(j);
 }
@@ -205,8 +220,7 @@ void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *fr
     mu_json_uint(j, "wall_ms", frame->wall_ns / 1000000u);
     mu_json_string(j, "digest", frame->digest ? digest : "");
     places_write(j, frame);
-    beam_list(j, "sonar", frame, false, lean);
-    beam_list(j, "laser", frame, true, lean);
+    lists_write(j, frame, lean);
     fired_write(j, frame);
     mails_write(j, frame);
     goals_write(j, frame);

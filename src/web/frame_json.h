@@ -28,7 +28,7 @@ enum {
     FRAME_JSON_RULES_MAX = 240   /* of the rules that a robot fired */
 };
 
-/** Writes one object.  @param key  NULL: it has none.  @param lean  without sonar and laser */
+/** Writes one object.  @param key  NULL: it has none.  @param lean  with empty lists of readings */
 void frame_json_write(struct mu_json *j, const char *key, const muster_Frame *frame, bool lean);
 
 /**

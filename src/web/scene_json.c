@@ -5,6 +5,7 @@
 #include "core/palette.h"
 #include "muster/limits.h"
 #include "muster/result.h"
+#include "muster/sensors.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -118,6 +119,15 @@ static const struct palette_color *colors_choose(const dds_sequence_muster_Figur
     return colors;
 }
 
+static void sensors_write(struct mu_json *j)
+{
+    mu_json_list(j, "sensors");
+#define X(id, word, ...) mu_json_string(j, NULL, word);
+    MU_SENSORS(X)
+#undef X
+    mu_json_end(j);
+}
+
 void scene_json_write(struct mu_text *text, const muster_Scene *scene)
 {
     struct mu_json j;
@@ -127,6 +137,7 @@ void scene_json_write(struct mu_text *text, const muster_Scene *scene)
     mu_json_string(&j, "world", scene->world);
     mu_json_uint(&j, "seed", scene->seed);
     mu_json_real(&j, "step_ms", (double)scene->step_ns / 1e6);
+    sensors_write(&j);
     mu_json_list(&j, "bounds");
     number_write(&j, NULL, scene->min_x_m);
     number_write(&j, NULL, scene->min_y_m);

@@ -294,7 +294,7 @@ def test_what_a_viewer_sees_of_a_run_and_of_the_next():
             first = viewer.until("frame", lambda f: f["step"] < 100)
             later = viewer.until("frame", lambda f: f["step"] > first["step"] + 50)
             check(first["robots"] != later["robots"], "they move")
-            check(later["sonar"] and len(later["sonar"][0][1]) == 32, f"16 sonars: {later['sonar'][:1]}")
+            check(later["lists"]["sonar"] and len(later["lists"]["sonar"][0][1]) == 32, f"16 sonars: {later['lists']}")
             check(viewer.until("frame", lambda f: f["mails"])["mails"][0][1] == "all", "mail")
             check_equal(later["goals"][names.index("blue")], "follow", "what blue wants")
             agents = viewer.until("agents", lambda a: "red" in [line[0] for line in a["agents"]])

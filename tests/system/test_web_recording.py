@@ -59,7 +59,7 @@ def test_every_moment_is_as_it_was():
         for step in (600, 0, 1, 300, 299, 301, 40, 599):  # there and back
             seen = moment(page, step, "red")
             check_equal(seen["frame"]["step"], step, "the step")
-            check(step == 0 or len(seen["frame"]["sonar"]) == 4, "beams of all")
+            check(step == 0 or len(seen["frame"]["lists"]["sonar"]) == 4, "beams of all")
             for name, robot in zip(names, seen["frame"]["robots"]):
                 there = track[step, name]
                 near = abs(robot[0] - 1000 * float(there["x_m"]))
@@ -106,7 +106,7 @@ def test_a_recording_without_diaries():
         seen = moment(page, 40, "red")
         check_equal((seen["mind"]["step"], seen["mind"]["facts"]), (-1, []), "no mind")
         check_equal(len(seen["frame"]["goals"]), 4, "goals are in Frames")
-        check(seen["frame"]["sonar"] and seen["lately"], "but all else")
+        check(seen["frame"]["lists"]["sonar"] and seen["lately"], "but all else")
 
 
 def test_a_recording_that_was_cut_off():

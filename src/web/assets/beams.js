@@ -47,7 +47,7 @@ function drawFan(context, robot, mount, ranges, ink) {
 /** Draws the beams of one robot of a frame. */
 export function drawBeams(context, camera, figure, frame, index, ink) {
   const robot = frame.robots[index];
-  const sonar = frame.sonar.get(index), laser = frame.laser.get(index);
+  const sonar = frame.lists.sonar.get(index), laser = frame.lists.laser.get(index);
   context.lineWidth = 1 / camera.scale;
   if (laser && figure.lasers[0]) drawFan(context, robot, figure.lasers[0], laser, ink);
   if (!sonar) return;

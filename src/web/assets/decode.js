@@ -8,7 +8,7 @@ for (let i = 0; i < DIGITS.length; i++) VALUES[DIGITS.charCodeAt(i)] = i;
 const STATES = ['standby', 'running', 'suspended', 'moving', 'absent'];
 const FLAG_STALLED = 8;
 
-/** Readings of a sonar or laser, two characters each, in metres. */
+/** Readings of a list, two characters each: metres, or what the list is of. */
 export function decodeBeams(text) {
   const ranges = new Float32Array(text.length >> 1);
   for (let i = 0; i < ranges.length; i++) {
@@ -39,8 +39,7 @@ export function decodeFrame(data) {
     wall: data.wall_ms / 1000,
     robots: data.robots.map(decodeRobot),
     objects: data.objects.map(decodePlace),
-    sonar: decodeSensor(data.sonar),
-    laser: decodeSensor(data.laser),
+    lists: Object.fromEntries(Object.entries(data.lists).map(([word, list]) => [word, decodeSensor(list)])),
     fired: data.fired.map(([robot, count, rules]) => ({robot, count, rules})),
     mails: data.mails.map(([from, to, performative, content]) => ({from, to, performative, content})),
     goals: data.goals,

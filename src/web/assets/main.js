@@ -63,7 +63,7 @@ const nameOf = (index) => model.scene?.robots[index]?.name;
 const poseOf = (name) => bodiesOf().find((body) => body.name === name)?.pose ?? null;
 
 function consoleFor(name, onClose) {
-  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, () => poseOf(name)), onClose);
+  return createConsole(name, actor, name === 'observer' ? null : createHandsRow(name, world.order, model.scene?.sensors ?? [], () => poseOf(name)), onClose);
 }
 
 /* All that hands can take. */

@@ -5,7 +5,6 @@ import {byId, element, say} from './dom.js';
 import {createLine, createPane} from './pane.js';
 
 const PACES = ['0.25', '0.5', '1', '2', '5', '10', '0'];
-const SENSORS = ['all', 'sonar', 'laser', 'camera', 'fiducials'];
 const PUSH_N = 100;
 const TOAST_MS = 5000;
 
@@ -117,11 +116,11 @@ export function createWorld(actor) {
   };
 }
 
-/** What hands can do to one robot.  poseOf: where it is now; null: nobody knows. */
-export function createHandsRow(name, order, poseOf) {
+/** What hands can do to one robot.  sensors: their words.  poseOf: where it is now; null: nobody knows. */
+export function createHandsRow(name, order, sensors, poseOf) {
   const field = (what) => element('input', {type: 'number', step: 'any', 'aria-label': what, placeholder: what});
   const x = field('x m'), y = field('y m'), turn = field('degrees'), later = createLater();
-  const sensor = element('select', {'aria-label': 'sensor'}, ...SENSORS.map((value) => element('option', {value}, value)));
+  const sensor = element('select', {'aria-label': 'sensor'}, ...['all', ...sensors].map((value) => element('option', {value}, value)));
 
   /* What is left empty stays as it is. */
   function place() {

@@ -84,11 +84,12 @@ static void test_a_frame_in_thousandths(void)
     muster_Frame f = frame_make();
     begin();
     frame_json_write(&j, NULL, &f, false);
-    READS(text.at,
-          "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
-          "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
-          "\"objects\": [], \"sonar\": [], \"laser\": [], \"fired\": [], \"mails\": [], "
-          "\"goals\": [], \"orders\": []}\n");
+    READS(
+        text.at,
+        "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
+        "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
+        "\"objects\": [], \"lists\": {\"sonar\": [], \"laser\": []}, \"fired\": [], \"mails\": [], "
+        "\"goals\": [], \"orders\": []}\n");
 }
 
 static void test_totals(void)
@@ -254,6 +255,7 @@ static void test_a_scene(void)
     scene_json_write(&text, &scene);
     READS(text.at,
           "{\"world\": \"a \\\"world\\\"\", \"seed\": 3, \"step_ms\": 100, "
+          "\"sensors\": [\"sonar\", \"laser\", \"camera\", \"fiducials\"], "
           "\"bounds\": [-1, 0, 1, 2], "
           "\"walls\": [{\"rgb\": \"#ff8000\", \"corners\": [0, 0, 1, 0, 1, 1]}], "
           "\"robots\": [{\"name\": \"</title>\", \"color\": \"red;}\", "
