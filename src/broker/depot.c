@@ -244,9 +244,6 @@ static void capsule_refuse(struct broker *b, struct depot_capsule *c, const char
     if (c->agent == MU_NONE) {
         capsule_drop(b, c);
     }
-    if (held) {
-        step_release(b);
-    }
 }
 
 /* @return why an agent cannot be handed to the host that it names, or NULL */
@@ -455,7 +452,11 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
 {
     struct depot_capsule *c = capsule_answered(b, place, trip);
     if (c) {
+        bool held = c->holds;
         capsule_refuse(b, c, trip->reason);
+        if (held) {
+            step_release(b);
+        }
     }
 }
 
@@ -687,6 +688,7 @@ void depot_tick(struct broker *b)
         if (c->holds && c->until_ns <= b->clock.now_ns) {
             copy_refuse(b, c->target, c->name, c->epoch, "too-late");
             capsule_refuse(b, c, "host-silent");
+            step_release(b);
         }
     }
 }
