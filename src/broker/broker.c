@@ -88,7 +88,13 @@ static void broker_enter(struct broker *b, uint64_t now_ns)
 void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    presence_register(b, r);
+    if (!border_registration(r)) {
+        b->counters.malformed++;
+    } else if (r->is_broker || liaison_is_broker(r->process)) {
+        liaison_hear(b, r);
+    } else {
+        presence_register(b, r);
+    }
 }
 
 void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
@@ -97,7 +103,9 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
     broker_enter(b, now_ns);
     uint32_t place =
         border_string(process, MU_PROCESS_MAX) ? places_find(&b->places, process) : MU_NONE;
-    if (place != MU_NONE) {
+    if (place != MU_NONE && b->places.at[place].is_broker) {
+        liaison_lose(b, place);
+    } else if (place != MU_NONE) {
         presence_gone(b, place, part, crashed);
     }
 }

@@ -600,14 +600,6 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
 
 void presence_register(struct broker *b, const muster_Registration *r)
 {
-    if (!border_registration(r)) {
-        b->counters.malformed++;
-        return;
-    }
-    if (r->is_broker || liaison_is_broker(r->process)) {
-        liaison_hear(b, r);
-        return;
-    }
     if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
         uint32_t left = places_find(&b->places, r->process);
         if (left != MU_NONE) {
@@ -637,9 +629,7 @@ void presence_register(struct broker *b, const muster_Registration *r)
 
 void presence_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
 {
-    if (b->places.at[place].is_broker) {
-        liaison_lose(b, place);
-    } else if (crashed) {
+    if (crashed) {
         b->places.at[place].lost = true;
         depot_gone(b, place);
         glances_gone(b, place);
