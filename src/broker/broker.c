@@ -389,7 +389,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     if (!b->clock.lockstep) {
         router_expire(b, runclock_mail_ns(&b->clock));
         pages_expire(b, runclock_mail_ns(&b->clock));
-        resolve_expire(b, runclock_mail_ns(&b->clock));
+        router_resolve_expire(b, runclock_mail_ns(&b->clock));
         router_admit_due(b, runclock_run_ns(&b->clock));
     }
 }

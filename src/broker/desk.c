@@ -15,8 +15,6 @@ void desk_take(struct broker *b, uint32_t own, struct mail *m)
         directive_take(b, own, m);
     } else if (asks_state) {
         query_state_answer(b, own, m);
-    } else if (own == REGISTRY_BROKER && resolve_is_answer(m)) {
-        resolve_take_answer(b, m);
     } else if (own == REGISTRY_BROKER) {
         query_answer(b, m);
     } else {

@@ -336,7 +336,7 @@ static void step_apply(struct broker *b)
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
-    resolve_expire(b, runclock_mail_ns(&b->clock));
+    router_resolve_expire(b, runclock_mail_ns(&b->clock));
     turns_close(&b->lockstep);
     router_admit_due(b, runclock_run_ns(&b->clock));
     b->lockstep.applying = false;
@@ -596,7 +596,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 {
     struct lockstep *l = &b->lockstep;
     run_forget(b);
-    resolve_give_up(b);
+    router_resolve_give_up(b);
     l->on = true;
     l->held = roster->held;
     l->step = roster->step;

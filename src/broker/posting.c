@@ -4,7 +4,6 @@
 #include "broker/booking.h"
 #include "broker/boxroom.h"
 #include "broker/circular.h"
-#include "broker/desk.h"
 #include "broker/outcome.h"
 #include "broker/parts.h"
 #include "broker/presence.h"
@@ -111,29 +110,20 @@ static void sender_answer(struct broker *b, struct mail *m, const struct audienc
     }
 }
 
-static void desks_take(struct broker *b, struct mail *m, const struct audience *to)
+struct posted posting_put(struct broker *b, struct mail *m, const struct audience *to)
 {
-    for (uint32_t i = 0; i < to->count; i++) {
-        if (registry_is_own(to->agents[i])) {
-            b->counters.delivered++;
-            desk_take(b, to->agents[i], m);
-        }
-    }
-}
-
-void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
-{
-    bool held = posting_is_held(b, m), fits = true, stored = held;
+    struct posted done = {.held = posting_is_held(b, m), .fits = true};
+    done.stored = done.held;
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
         if (registry_is_own(agent)) {
             continue;
         }
-        if (!post_put(b, m, agent, held)) {
-            fits = fits && audience_veils(b, m, agent);
+        if (!post_put(b, m, agent, done.held)) {
+            done.fits = done.fits && audience_veils(b, m, agent);
         } else {
-            stored = stored || router_gate(b, agent) < needs;
+            done.stored = done.stored || router_gate(b, agent) < needs;
         }
     }
     booking_give_back(b, m);
@@ -141,11 +131,16 @@ void posting_to_all(struct broker *b, struct mail *m, const struct audience *to)
     if (m->unsettled == 0) {
         store_release(&b->store, m);
     } else {
-        posting_schedule(b, m, held, m->letter.ttl_ns);
+        posting_schedule(b, m, done.held, m->letter.ttl_ns);
         journal_put(b, m);
         circulars_note(b, m);
     }
-    desks_take(b, m, to);
-    sender_answer(b, m, to, fits, stored);
+    return done;
+}
+
+void posting_conclude(struct broker *b, struct mail *m, const struct audience *to,
+                      const struct posted *done)
+{
+    sender_answer(b, m, to, done->fits, done->stored);
     store_release(&b->store, m);
 }

@@ -16,8 +16,19 @@
  */
 bool posting_book(struct broker *b, struct mail *m, struct audience *to);
 
-/** Puts a booked mail into every box, or on the broker's own desk; its sender is told of it. */
-void posting_to_all(struct broker *b, struct mail *m, const struct audience *to);
+/* How a mail got into its boxes. */
+struct posted {
+    bool held;   /* until a time of the run */
+    bool fits;   /* into each box that its sender may know of */
+    bool stored; /* some of its receivers do not take mail now */
+};
+
+/** Puts a booked mail into every box; keeps one use of it for posting_conclude. */
+struct posted posting_put(struct broker *b, struct mail *m, const struct audience *to);
+
+/** Tells the sender what became of it at once, and gives back the use that posting_put kept. */
+void posting_conclude(struct broker *b, struct mail *m, const struct audience *to,
+                      const struct posted *done);
 
 /** @return whether a mail is to wait for a time of the run that is still to come */
 bool posting_is_held(const struct broker *b, const struct mail *m);

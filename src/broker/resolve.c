@@ -5,7 +5,6 @@
 #include "broker/parts.h"
 #include "broker/presence.h"
 #include "broker/query.h"
-#include "broker/router.h"
 #include "core/address.h"
 #include "core/attributes.h"
 #include "core/fields.h"
@@ -160,10 +159,13 @@ void resolve_wait(struct broker *b, struct mail *m)
     }
 }
 
-/* The first mail of a queue goes on. */
-static void wait_end(struct broker *b, struct resolve_queue *queue)
+struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail **answer)
 {
     struct resolve *r = &b->resolve;
+    struct resolve_queue *queue = &r->queues[sender];
+    if (queue->count == 0 || r->waits[queue->first].state == RESOLVE_ASKED) {
+        return NULL;
+    }
     uint32_t index = queue->first;
     struct resolve_wait w = r->waits[index];
     queue->first = w.next;
@@ -178,27 +180,22 @@ static void wait_end(struct broker *b, struct resolve_queue *queue)
         uint64_t ttl_ns = w.mail->letter.ttl_ns;
         w.mail->letter.ttl_ns = ttl_ns > waited_ns ? ttl_ns - waited_ns : 1;
     }
-    (void)router_go_on(b, w.mail, w.answer ? w.answer->letter.content : NULL);
-    if (w.answer) {
-        store_release(&b->store, w.answer);
-    }
+    *answer = w.answer;
+    return w.mail;
 }
 
-/* It is known, or (answer NULL) will never be, whom an address stands for. */
-static void wait_answer(struct broker *b, uint32_t index, struct mail *answer)
+/* It is known, or (answer NULL) will never be, whom an address stands for.  @return whose mail */
+static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answer)
 {
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    struct resolve_queue *queue = &r->queues[w->mail->sender];
     asked_remove(r, index);
     w->state = RESOLVE_ANSWERED;
     w->answer = answer;
     if (answer) {
         store_keep(answer);
     }
-    while (queue->count > 0 && r->waits[queue->first].state != RESOLVE_ASKED) {
-        wait_end(b, queue);
-    }
+    return w->mail->sender;
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -240,40 +237,39 @@ static bool answer_is_fields(const char *content)
     return true;
 }
 
-void resolve_take_answer(struct broker *b, struct mail *m)
+uint32_t resolve_take_answer(struct broker *b, struct mail *m)
 {
     uint32_t index = wait_find(&b->resolve, m);
     /* In a list of receivers it could have waited itself. */
     if (index == MU_NONE || strcmp(m->letter.dst, "broker") != 0) {
         b->resolve.refused++;
-        return;
+        return MU_NONE;
     }
     bool good = strcmp(m->letter.performative, "inform") == 0;
     if (good && !answer_is_fields(m->letter.content)) {
         b->counters.malformed++;
         good = false;
     }
-    wait_answer(b, index, good ? m : NULL);
+    return wait_answer(b, index, good ? m : NULL);
 }
 
 /* --- time ------------------------------------------------------------------------------------- */
 
-void resolve_expire(struct broker *b, uint64_t mail_ns)
+uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
 {
     struct resolve *r = &b->resolve;
     if (mail_ns < r->soonest_ns) {
-        return;
+        return MU_NONE;
     }
-    r->soonest_ns = UINT64_MAX;
-    uint32_t next = MU_NONE;
-    for (uint32_t i = r->asked_first; i != MU_NONE; i = next) {
-        next = r->waits[i].asked_next; /* it stays: nobody else is answered meanwhile */
+    uint64_t soonest_ns = UINT64_MAX;
+    for (uint32_t i = r->asked_first; i != MU_NONE; i = r->waits[i].asked_next) {
         if (r->waits[i].until_ns <= mail_ns) {
-            wait_answer(b, i, NULL);
-        } else if (r->waits[i].until_ns < r->soonest_ns) {
-            r->soonest_ns = r->waits[i].until_ns;
+            return wait_answer(b, i, NULL);
         }
+        soonest_ns = r->waits[i].until_ns < soonest_ns ? r->waits[i].until_ns : soonest_ns;
     }
+    r->soonest_ns = soonest_ns;
+    return MU_NONE;
 }
 
 uint64_t resolve_deadline_mail_ns(const struct broker *b)
@@ -281,9 +277,8 @@ uint64_t resolve_deadline_mail_ns(const struct broker *b)
     return b->resolve.asked_first != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
 }
 
-void resolve_give_up(struct broker *b)
+uint32_t resolve_give_up(struct broker *b)
 {
-    while (b->resolve.asked_first != MU_NONE) {
-        wait_answer(b, b->resolve.asked_first, NULL);
-    }
+    uint32_t first = b->resolve.asked_first;
+    return first != MU_NONE ? wait_answer(b, first, NULL) : MU_NONE;
 }

@@ -77,15 +77,30 @@ void resolve_wait(struct broker *b, struct mail *m);
 
 /** @return whether a mail to the broker is an answer, to be given to resolve_take_answer */
 bool resolve_is_answer(const struct mail *m);
-void resolve_take_answer(struct broker *b, struct mail *m);
 
-/** Ends the wait for answers that are overdue.  @param mail_ns  the mail clock */
-void resolve_expire(struct broker *b, uint64_t mail_ns);
+/*
+ * Each of the next three ends one wait, and returns the sender whose mails the caller then takes by
+ * resolve_next_ready; MU_NONE: no wait ended.
+ */
 
-/** @return when resolve_expire is needed next, mail clock; UINT64_MAX: never */
+/** Takes the answer of a resolver. */
+uint32_t resolve_take_answer(struct broker *b, struct mail *m);
+
+/** Ends a wait for an answer that is overdue.  @param mail_ns  the mail clock */
+uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns);
+
+/** Ends a wait, because a lock step begins: no question from before has a place in it. */
+uint32_t resolve_give_up(struct broker *b);
+
+/**
+ * Takes the next mail of a sender that need not wait any more.
+ *
+ * @param answer  the resolver's answer, which the caller releases; NULL: none
+ * @return it, or NULL
+ */
+struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail **answer);
+
+/** @return when resolve_overdue is needed next, mail clock; UINT64_MAX: never */
 uint64_t resolve_deadline_mail_ns(const struct broker *b);
-
-/** Nobody answers any more: a lock step begins, in which what was asked before has no place. */
-void resolve_give_up(struct broker *b);
 
 #endif

@@ -2,6 +2,7 @@
 #include "broker/router.h"
 
 #include "broker/booking.h"
+#include "broker/desk.h"
 #include "broker/guard.h"
 #include "broker/outcome.h"
 #include "broker/parts.h"
@@ -9,6 +10,8 @@
 #include "broker/presence.h"
 #include "broker/query.h"
 #include "core/address.h"
+
+#include <string.h>
 
 /* Mail for an agent beyond another broker waits there. */
 enum mailbox_gate router_gate(const struct broker *b, uint32_t agent)
@@ -78,6 +81,54 @@ bool router_route(struct broker *b, struct mail *m)
     return true;
 }
 
+static bool mail_is_answer(uint32_t own, const struct mail *m)
+{
+    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
+    return own == REGISTRY_BROKER && m->letter.layer != 0 && !asks_state && resolve_is_answer(m);
+}
+
+/* The broker's own desks take it. */
+static void desks_take(struct broker *b, struct mail *m, const struct audience *to)
+{
+    for (uint32_t i = 0; i < to->count; i++) {
+        uint32_t own = to->agents[i];
+        if (!registry_is_own(own)) {
+            continue;
+        }
+        b->counters.delivered++;
+        if (mail_is_answer(own, m)) {
+            router_pump(b, resolve_take_answer(b, m));
+        } else {
+            desk_take(b, own, m);
+        }
+    }
+}
+
+void router_pump(struct broker *b, uint32_t sender)
+{
+    struct mail *m, *answer;
+    while (sender != MU_NONE && (m = resolve_next_ready(b, sender, &answer))) {
+        (void)router_go_on(b, m, answer ? answer->letter.content : NULL);
+        if (answer) {
+            store_release(&b->store, answer);
+        }
+    }
+}
+
+void router_resolve_expire(struct broker *b, uint64_t mail_ns)
+{
+    for (uint32_t s; (s = resolve_overdue(b, mail_ns)) != MU_NONE;) {
+        router_pump(b, s);
+    }
+}
+
+void router_resolve_give_up(struct broker *b)
+{
+    for (uint32_t s; (s = resolve_give_up(b)) != MU_NONE;) {
+        router_pump(b, s);
+    }
+}
+
 bool router_go_on(struct broker *b, struct mail *m, const char *names)
 {
     struct audience to;
@@ -100,7 +151,9 @@ bool router_go_on(struct broker *b, struct mail *m, const char *names)
     if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
         mail_unstored(b, m, &to);
     } else if (posting_book(b, m, &to)) {
-        posting_to_all(b, m, &to);
+        struct posted done = posting_put(b, m, &to);
+        desks_take(b, m, &to);
+        posting_conclude(b, m, &to, &done);
     }
     return goes_on;
 }
@@ -146,7 +199,8 @@ void router_post(struct broker *b, uint32_t receiver, const muster_Mail *letter)
     m->payer = receiver; /* who asks much must not use up what answers to others need */
     m->order = ++b->orders;
     if (posting_book(b, m, &to)) {
-        posting_to_all(b, m, &to);
+        struct posted done = posting_put(b, m, &to);
+        posting_conclude(b, m, &to, &done);
     }
 }
 

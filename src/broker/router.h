@@ -21,6 +21,13 @@ bool router_route(struct broker *b, struct mail *m);
  */
 bool router_go_on(struct broker *b, struct mail *m, const char *names);
 
+/** Routes the mails of a sender that wait for a resolver's answer no longer. */
+void router_pump(struct broker *b, uint32_t sender);
+
+/** Ends all waits for answers that are overdue, or all waits, and routes the mails that waited. */
+void router_resolve_expire(struct broker *b, uint64_t mail_ns);
+void router_resolve_give_up(struct broker *b);
+
 /** Refuses an admitted mail for which a lock step has no more room. */
 void router_turn_away(struct broker *b, struct mail *m);
 
