@@ -60,7 +60,7 @@ ONLY_IN = {
     r"cyaml/|yaml\.h": r"src/experiment/",
     r"openssl/": r"src/sim/record/run_hash",
     r"zlib\.h": r"src/mcap/",
-    r"sqlite3\.h": r"src/broker/disk",
+    r"sqlite3\.h": r"src/broker/node/disk",
     r"microhttpd\.h": r"src/web/server",
 }
 # Callbacks whose parameters a library prescribes.

@@ -9,8 +9,8 @@
 #ifndef MUSTER_TESTS_BROKER_NET_H
 #define MUSTER_TESTS_BROKER_NET_H
 
-#include "broker/announce.h"
-#include "broker/parts.h"
+#include "broker/control/parts.h"
+#include "broker/membership/announce.h"
 #include "brokers.h"
 #include "core/text.h"
 #include "samples.h"

@@ -24,7 +24,7 @@
 #ifndef MUSTER_TESTS_BROKER_STORY_H
 #define MUSTER_TESTS_BROKER_STORY_H
 
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "brokers.h"
 #include "core/table.h"
 #include "core/text.h"

@@ -6,7 +6,7 @@
 #ifndef MUSTER_TESTS_BROKERS_H
 #define MUSTER_TESTS_BROKERS_H
 
-#include "broker/broker.h"
+#include "broker/control/broker.h"
 
 #include <string.h>
 

@@ -6,8 +6,8 @@
 #ifndef MUSTER_TESTS_DISK_STORY_H
 #define MUSTER_TESTS_DISK_STORY_H
 
-#include "broker/journal.h"
-#include "broker/parts.h"
+#include "broker/control/parts.h"
+#include "broker/mail/journal.h"
 #include "broker_story.h"
 #include "platter.h"
 

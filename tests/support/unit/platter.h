@@ -6,7 +6,7 @@
 #ifndef MUSTER_TESTS_PLATTER_H
 #define MUSTER_TESTS_PLATTER_H
 
-#include "broker/journal.h"
+#include "broker/mail/journal.h"
 
 #include <stdbool.h>
 #include <stdint.h>

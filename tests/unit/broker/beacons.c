@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/beacons.h"
+#include "broker/node/beacons.h"
 #include "samples.h"
 #include "suite.h"
 

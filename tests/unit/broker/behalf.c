@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes of groups and services in another agent's name. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "pages_story.h"
 
 static void team(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Boxes: priorities, limits and what happens at them, fair shares, time to live. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "broker_story.h"
 
 static uint64_t seqs[26]; /* of each agent, by its first letter */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Processes with many agents: parts, slots, and what one Delivery holds. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "broker_story.h"
 
 enum { CROWD = 10000 };

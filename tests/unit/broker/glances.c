@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines that only look pass beside all mail: outside of steps, and with the policy's leave. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "broker_story.h"
 
 /* An Up of a process with a glance in it. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Services and their subscribers across a lock step, a restart, other brokers, and a full table. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "disk_story.h"
 #include "pages_story.h"
 

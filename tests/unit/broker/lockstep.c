@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "lockstep_story.h"
 
 static void answer_with(muster_Mail m, int64_t step)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "broker_story.h"
 
 #define X10 "xxxxxxxxxx"

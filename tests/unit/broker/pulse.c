@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/pulse.h"
+#include "broker/node/pulse.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

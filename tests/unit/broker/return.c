@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Names and processes that come back: after a move, after a lock step, from another broker, and in
  * the same place. */
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "lockstep_story.h"
 #include "pages_story.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "history.h"
 
-#include "broker/journal.h"
-#include "broker/parts.h"
+#include "broker/control/parts.h"
+#include "broker/mail/journal.h"
 
 #include <string.h>
 

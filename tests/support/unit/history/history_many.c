@@ -2,7 +2,7 @@
 /* One sample for many processes: each of them gets it at another time, or not at all. */
 #include "history.h"
 
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "history.h"
 
-#include "broker/parts.h"
+#include "broker/control/parts.h"
 #include "core/hash.h"
 
 #include <stdio.h>

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/base/ages.h"
+
+void ages_add(struct ages *a, struct mail *m, uint64_t mail_ns)
+{
+    m->came_ns = mail_ns;
+    m->older = a->newest;
+    m->newer = NULL;
+    if (a->newest) {
+        a->newest->newer = m;
+    } else {
+        a->oldest = m;
+    }
+    a->newest = m;
+}
+
+void ages_remove(struct ages *a, struct mail *m)
+{
+    if (m->older) {
+        m->older->newer = m->newer;
+    } else {
+        a->oldest = m->newer;
+    }
+    if (m->newer) {
+        m->newer->older = m->older;
+    } else {
+        a->newest = m->older;
+    }
+}
+
+uint64_t ages_oldest_ns(const struct ages *a, uint64_t mail_ns)
+{
+    return a->oldest && mail_ns > a->oldest->came_ns ? mail_ns - a->oldest->came_ns : 0;
+}

@@ -1,0 +1,414 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/base/mailbox.h"
+
+#include "muster/memory.h"
+
+void mailbox_init(struct mailbox *m, uint32_t agents)
+{
+    *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
+    m->posts = mu_startup_array(SHARE_POSTS_MAX, sizeof *m->posts);
+    m->boxes = mu_startup_array(agents, sizeof *m->boxes);
+    boxshare_init(&m->shares);
+    mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
+}
+
+struct box *mailbox_box(struct mailbox *m, uint32_t agent)
+{
+    struct box *box = &m->boxes[agent];
+    if (!box->begun) {
+        *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
+        for (int i = 0; i <= POST_FLIGHT; i++) {
+            box->lists[i] = (struct post_queue){.head = MU_NONE, .tail = MU_NONE};
+        }
+    }
+    return box;
+}
+
+bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
+{
+    return m->boxes[agent].begun;
+}
+
+/* --- limits ----------------------------------------------------------------------------------- */
+
+static uint32_t limit_of(uint32_t wanted, uint32_t otherwise, uint32_t most)
+{
+    uint32_t limit = wanted ? wanted : otherwise;
+    return limit < most ? limit : most;
+}
+
+void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
+                          uint32_t bytes)
+{
+    m->limits = (struct box_limits){.policy = policy,
+                                    .mails = limit_of(mails, MU_BOX_MAX, MU_BOX_MAX),
+                                    .bytes = limit_of(bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
+}
+
+void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
+                        uint32_t bytes)
+{
+    mailbox_box(m, agent)->limits =
+        (struct box_limits){.policy = policy, .mails = mails, .bytes = bytes};
+}
+
+struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
+{
+    struct box_limits own = box->limits;
+    return (struct box_limits){.policy = own.policy != muster_BOX_REFUSE_NEW ? own.policy
+                                                                             : m->limits.policy,
+                               .mails = limit_of(own.mails, m->limits.mails, MU_BOX_MAX),
+                               .bytes = limit_of(own.bytes, m->limits.bytes, MU_BOX_BYTES_MAX)};
+}
+
+/* --- lists of posts --------------------------------------------------------------------------- */
+
+static void queue_append(struct mailbox *m, struct post_queue *q, uint32_t post,
+                         enum post_links links)
+{
+    m->posts[post].links[links] = (struct post_link){.next = MU_NONE, .prev = q->tail};
+    if (q->tail == MU_NONE) {
+        q->head = post;
+    } else {
+        m->posts[q->tail].links[links].next = post;
+    }
+    q->tail = post;
+    q->count++;
+    q->bytes += m->posts[post].mail->bytes;
+}
+
+static void queue_prepend(struct mailbox *m, struct post_queue *q, uint32_t post,
+                          enum post_links links)
+{
+    m->posts[post].links[links] = (struct post_link){.next = q->head, .prev = MU_NONE};
+    if (q->head == MU_NONE) {
+        q->tail = post;
+    } else {
+        m->posts[q->head].links[links].prev = post;
+    }
+    q->head = post;
+    q->count++;
+    q->bytes += m->posts[post].mail->bytes;
+}
+
+static void queue_remove(struct mailbox *m, struct post_queue *q, uint32_t post,
+                         enum post_links links)
+{
+    struct post_link at = m->posts[post].links[links];
+    if (at.prev == MU_NONE) {
+        q->head = at.next;
+    } else {
+        m->posts[at.prev].links[links].next = at.next;
+    }
+    if (at.next == MU_NONE) {
+        q->tail = at.prev;
+    } else {
+        m->posts[at.next].links[links].prev = at.prev;
+    }
+    q->count--;
+    q->bytes -= m->posts[post].mail->bytes;
+}
+
+/* @return the sender's part of the queue that the post stands in, or NULL: nobody asks for it */
+static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
+{
+    const struct post *p = &m->posts[post];
+    bool may_be_dropped = p->list >= POST_LOW && p->list <= POST_HIGH;
+    return may_be_dropped ? &m->shares.pool[p->pair].waiting[p->list - POST_LOW] : NULL;
+}
+
+static void list_append(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
+{
+    m->posts[post].list = (uint8_t)list;
+    queue_append(m, &box->lists[list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_append(m, senders, post, LINKS_PAIR);
+    }
+}
+
+static void list_prepend(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
+{
+    m->posts[post].list = (uint8_t)list;
+    queue_prepend(m, &box->lists[list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_prepend(m, senders, post, LINKS_PAIR);
+    }
+}
+
+static void list_remove(struct mailbox *m, struct box *box, uint32_t post)
+{
+    queue_remove(m, &box->lists[m->posts[post].list], post, LINKS_BOX);
+    struct post_queue *senders = pair_queue(m, post);
+    if (senders) {
+        queue_remove(m, senders, post, LINKS_PAIR);
+    }
+}
+
+uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
+{
+    return m->posts[post].links[LINKS_BOX].next;
+}
+
+/* --- posts ------------------------------------------------------------------------------------ */
+
+static uint32_t post_take(struct mailbox *m)
+{
+    uint32_t post = m->posts_free;
+    if (post != MU_NONE) {
+        m->posts_free = mailbox_next(m, post);
+    } else if (m->posts_used < SHARE_POSTS_MAX) {
+        post = m->posts_used++;
+    } else {
+        return MU_NONE;
+    }
+    m->posts_live++;
+    return post;
+}
+
+static void post_give(struct mailbox *m, uint32_t post)
+{
+    struct post *p = &m->posts[post];
+    struct share_use less = {.mails = 1, .bytes = p->mail->bytes};
+    p->mail->veiled -= p->veiled;
+    share_subtract(&m->boxes[p->agent].use, &less);
+    share_subtract(&m->shares.pool[p->pair].use, &less);
+    if (m->shares.pool[p->pair].use.mails == 0) {
+        boxshare_drop(&m->shares, p->pair);
+    }
+    if (p->sibling_prev == MU_NONE) {
+        p->mail->posts = p->sibling_next;
+    } else {
+        m->posts[p->sibling_prev].sibling_next = p->sibling_next;
+    }
+    if (p->sibling_next != MU_NONE) {
+        m->posts[p->sibling_next].sibling_prev = p->sibling_prev;
+    }
+    p->mail = NULL;
+    p->links[LINKS_BOX].next = m->posts_free;
+    m->posts_free = post;
+    m->posts_live--;
+}
+
+enum post_list mailbox_queue(const struct mail *mail)
+{
+    return mail->letter.layer == 0 ? POST_URGENT
+                                   : (enum post_list)(POST_NORMAL + mail->letter.priority);
+}
+
+mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held)
+{
+    struct box *box = mailbox_box(m, agent);
+    uint32_t post = post_take(m);
+    if (post == MU_NONE) {
+        return MU_FULL;
+    }
+    m->posts[post] = (struct post){.mail = mail,
+                                   .sibling_next = mail->posts,
+                                   .sibling_prev = MU_NONE,
+                                   .agent = agent,
+                                   .pair = boxshare_get(&m->shares, agent, mail->payer)};
+    if (mail->posts != MU_NONE) {
+        m->posts[mail->posts].sibling_prev = post;
+    }
+    mail->posts = post;
+    struct share_use more = {.mails = 1, .bytes = mail->bytes};
+    share_add(&box->use, &more);
+    share_add(&m->shares.pool[m->posts[post].pair].use, &more);
+    list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
+    return MU_OK;
+}
+
+void mailbox_veil(struct mailbox *m, struct mail *mail)
+{
+    m->posts[mail->posts].veiled = true;
+    mail->veiled++;
+}
+
+void mailbox_admit(struct mailbox *m, uint32_t post)
+{
+    struct post *p = &m->posts[post];
+    MU_ASSERT(p->list == POST_HELD);
+    struct box *box = mailbox_box(m, p->agent);
+    list_remove(m, box, post);
+    list_append(m, box, post, mailbox_queue(p->mail));
+}
+
+void mailbox_withdraw(struct mailbox *m, uint32_t post)
+{
+    MU_ASSERT(m->posts[post].list != POST_FLIGHT);
+    list_remove(m, mailbox_box(m, m->posts[post].agent), post);
+    post_give(m, post);
+}
+
+/* --- handing out ------------------------------------------------------------------------------ */
+
+static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list list, uint32_t window,
+                           uint32_t *written)
+{
+    while (box->lists[list].count > 0 && box->lists[POST_FLIGHT].count < window) {
+        uint32_t post = box->lists[list].head;
+        bool is_written = m->posts[post].mail->journal_written;
+        if (is_written && *written == 0) {
+            return;
+        }
+        *written -= is_written;
+        list_remove(m, box, post);
+        list_append(m, box, post, POST_FLIGHT);
+        if (box->out == MU_NONE) {
+            box->out = post;
+        }
+    }
+}
+
+void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written)
+{
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(m, agent);
+    if (gate != GATE_SHUT) {
+        queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE, &written);
+    }
+    for (int list = POST_HIGH; gate == GATE_OPEN && list >= POST_LOW; list--) {
+        queue_hand_out(m, box, (enum post_list)list, MU_WINDOW_MAX, &written);
+    }
+}
+
+bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail)
+{
+    const struct box *box = mailbox_box(m, agent);
+    int list = POST_URGENT;
+    while (list > POST_LOW && box->lists[list].count == 0) {
+        list--;
+    }
+    uint32_t head = box->lists[list].head;
+    return box->lists[POST_FLIGHT].count < MU_WINDOW_MAX && head != MU_NONE &&
+           m->posts[head].mail == mail;
+}
+
+void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail)
+{
+    struct box *box = mailbox_box(m, agent);
+    uint32_t post = box->lists[mailbox_queue(mail)].head;
+    list_remove(m, box, post);
+    list_append(m, box, post, POST_FLIGHT);
+    box->out = box->out == MU_NONE ? post : box->out;
+}
+
+void mailbox_take_back(struct mailbox *m, uint32_t agent)
+{
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(m, agent);
+    uint32_t post = box->lists[POST_FLIGHT].tail;
+    while (post != MU_NONE && !m->posts[post].sent) {
+        uint32_t before = m->posts[post].links[LINKS_BOX].prev;
+        if (box->out == post) {
+            box->out = MU_NONE;
+        }
+        list_remove(m, box, post);
+        list_prepend(m, box, post, mailbox_queue(m->posts[post].mail));
+        post = before;
+    }
+}
+
+uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
+{
+    struct box *box = mailbox_box(m, agent);
+    uint32_t again = 0;
+    for (; count > 0; count--) {
+        struct post *p = &m->posts[box->out];
+        again += p->sent;
+        p->sent = true;
+        box->out = p->links[LINKS_BOX].next;
+        box->written++;
+    }
+    return again;
+}
+
+void mailbox_repeat(struct mailbox *m, uint32_t agent)
+{
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(m, agent);
+    box->out = box->lists[POST_FLIGHT].head;
+    box->written = 0;
+}
+
+uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
+{
+    const struct box *box = &m->boxes[agent];
+    return box->begun ? box->acked + box->lists[POST_FLIGHT].count : m->base;
+}
+
+bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
+{
+    return number <= mailbox_last_number(m, agent);
+}
+
+struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
+{
+    struct box *box = mailbox_box(m, agent);
+    uint32_t post = box->lists[POST_FLIGHT].head;
+    MU_ASSERT(post != MU_NONE);
+    struct mail *mail = m->posts[post].mail;
+    if (box->out == post) { /* acknowledged while it was to go out again */
+        box->out = mailbox_next(m, post);
+    } else {
+        box->written--;
+    }
+    list_remove(m, box, post);
+    post_give(m, post);
+    box->acked++;
+    return mail;
+}
+
+/* --- watching --------------------------------------------------------------------------------- */
+
+void mailbox_unwatch(struct mailbox *m, uint32_t agent)
+{
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(m, agent);
+    if (!box->watched) {
+        return;
+    }
+    box->watched = false;
+    if (box->watch_prev == MU_NONE) {
+        m->watch_head = box->watch_next;
+    } else {
+        m->boxes[box->watch_prev].watch_next = box->watch_next;
+    }
+    if (box->watch_next == MU_NONE) {
+        m->watch_tail = box->watch_prev;
+    } else {
+        m->boxes[box->watch_next].watch_prev = box->watch_prev;
+    }
+}
+
+void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns)
+{
+    if (!mailbox_is_begun(m, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(m, agent);
+    mailbox_unwatch(m, agent);
+    if (box->lists[POST_FLIGHT].count == 0) {
+        return;
+    }
+    box->watched = true;
+    box->progress_ns = now_ns;
+    box->watch_next = MU_NONE;
+    box->watch_prev = m->watch_tail;
+    if (m->watch_tail == MU_NONE) {
+        m->watch_head = agent;
+    } else {
+        m->boxes[m->watch_tail].watch_next = agent;
+    }
+    m->watch_tail = agent;
+}

@@ -1,0 +1,602 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/control/broker.h"
+
+#include "broker/base/border.h"
+#include "broker/base/sample.h"
+#include "broker/control/parts.h"
+#include "broker/mail/outcome.h"
+#include "broker/mail/posting.h"
+#include "broker/membership/announce.h"
+#include "broker/membership/presence.h"
+#include "broker/membership/relay.h"
+#include "broker/services/admission.h"
+#include "broker/services/router.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t RESEND_AFTER_NS = 1000000000;
+static const uint64_t HOLD_NS = 1500000000;
+
+/* The broker's own lines of the white pages: itself, and its parts, whom those in a lock step are
+ * not shown. */
+static void broker_enlist(struct broker *b, const struct broker_options *options)
+{
+    struct presence is = {
+        .kind = muster_KIND_SPECIAL, .state = muster_STATE_RUNNING, .pid = options->pid};
+    for (uint32_t own = 0; own < REGISTRY_OWN; own++) {
+        char name[MU_NAME_MAX + 1];
+        struct mu_text text;
+        mu_text_init(&text, name, sizeof name);
+        mu_text_format(&text, own ? "broker.%s" : "broker", counters_part_name(own));
+        uint32_t index = registry_add(&b->registry, name);
+        MU_ASSERT(index == own);
+        registry_seat(&b->registry, own, MU_NONE, "", &is, options->wall_ns);
+        is.no_broadcasts = true;
+    }
+}
+
+struct broker *broker_open(const struct broker_options *options)
+{
+    struct broker *b = mu_startup_alloc(sizeof *b);
+    (void)mu_text_copy(b->name, sizeof b->name, options->name);
+    (void)snprintf(b->place, sizeof b->place, "broker.%s", b->name);
+    b->incarnation = options->incarnation;
+    b->wall_ns = options->wall_ns;
+    b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
+    b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
+    registry_init(&b->registry);
+    places_init(&b->places);
+    claims_init(&b->claims);
+    store_init(&b->store);
+    schedule_init(&b->due, SCHEDULE_DUE);
+    schedule_init(&b->expiry, SCHEDULE_EXPIRY);
+    schedule_init(&b->replays, SCHEDULE_DUE);
+    mailbox_init(&b->mailbox, REGISTRY_MAX);
+    mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
+    share_init(&b->shares, REGISTRY_MAX);
+    events_init(&b->events, REGISTRY_MAX);
+    pacer_init(&b->pacer, REGISTRY_MAX);
+    receipts_init(&b->receipts, REGISTRY_MAX);
+    lockstep_init(&b->lockstep, REGISTRY_MAX);
+    courier_init(&b->courier);
+    depot_init(&b->depot);
+    glances_init(&b->glances);
+    pages_init(&b->pages);
+    resolve_init(&b->resolve, REGISTRY_MAX);
+    trust_init(&b->trust);
+    pages_trust_attach(b);
+    audit_init(&b->audit, options->audit);
+    courier_set_interval(b, options->delivery_interval_ns);
+    liaison_init(&b->liaison);
+    journal_init(&b->journal, options->has_store);
+    pages_journal_attach(b);
+    b->mailbox.base = options->number_base;
+    broker_enlist(b, options);
+    return b;
+}
+
+/* Every call that changes something begins here. */
+static void broker_enter(struct broker *b, uint64_t now_ns)
+{
+    MU_ASSERT(b->courier.open == MU_NONE); /* the last Delivery's fate is not known yet */
+    runclock_set_now(&b->clock, now_ns);
+}
+
+void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    if (!border_registration(r)) {
+        b->counters.malformed++;
+    } else if (r->is_broker || liaison_is_broker(r->process)) {
+        liaison_hear(b, r);
+    } else {
+        presence_register(b, r);
+    }
+}
+
+void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
+                 uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    uint32_t place =
+        border_string(process, MU_PROCESS_MAX) ? places_find(&b->places, process) : MU_NONE;
+    if (place != MU_NONE && b->places.at[place].is_broker) {
+        liaison_lose(b, place);
+    } else if (place != MU_NONE) {
+        presence_gone(b, place, part, crashed);
+    }
+}
+
+/* The reader is there, perhaps another one than before: it is told everything again. */
+static void place_matched(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    at->version_had = 0;
+    if (at->rostered || at->simulator) {
+        at->step_due = true;
+    }
+    presence_tell_again(b, place);
+}
+
+void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    if (!border_string(process, MU_PROCESS_MAX) || !places_name_valid(process)) {
+        return;
+    }
+    uint32_t place = matched ? places_get(&b->places, process) : places_find(&b->places, process);
+    if (place == MU_NONE) {
+        return;
+    }
+    places_set_matched(&b->places, place, matched);
+    circulars_hears(b, place, false);
+    if (matched) {
+        place_matched(b, place);
+        return;
+    }
+    struct place *at = &b->places.at[place];
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_unwatch(&b->mailbox, agent);
+    }
+    at->refusals_count = at->agents_count ? at->refusals_count : 0;
+    places_tidy(&b->places, place);
+}
+
+void broker_read_anew(struct broker *b, const char *process)
+{
+    uint32_t place = places_find(&b->places, process);
+    if (place != MU_NONE && b->places.at[place].is_broker && b->places.at[place].matched) {
+        presence_tell_again(b, place);
+    }
+}
+
+void broker_hears(struct broker *b, const char *process)
+{
+    uint32_t place = places_find(&b->places, process);
+    if (place != MU_NONE && b->places.at[place].matched) {
+        circulars_hears(b, place, true);
+    }
+}
+
+void broker_is_read(struct broker *b, uint32_t readers)
+{
+    circulars_read_by(b, readers);
+}
+
+void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    if (border_roster(roster)) {
+        lockstep_set_roster(b, roster);
+    } else {
+        b->counters.malformed++;
+    }
+}
+
+/* --- what processes send ---------------------------------------------------------------------- */
+
+/* When what an Up says takes effect. */
+enum up_effect { EFFECT_NOW, EFFECT_STEP, EFFECT_STEP_AS_OUTSIDE, EFFECT_REPLAY };
+
+/* @return the agent of that name, if it lives there, or MU_NONE */
+static uint32_t agent_at(const struct broker *b, uint32_t place, const char *name)
+{
+    uint32_t agent = registry_find(&b->registry, name);
+    bool there = agent != MU_NONE && b->registry.agents[agent].process == place;
+    return there ? agent : MU_NONE;
+}
+
+static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *letter,
+                      enum up_effect effect)
+{
+    struct mail *m = admission_take(b, sender, letter);
+    if (!m) {
+        return;
+    }
+    if (effect == EFFECT_REPLAY && posting_is_held(b, m)) {
+        lockstep_keep_replay(b, m);
+        return;
+    }
+    bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
+                   (effect != EFFECT_STEP && b->lockstep.on && router_meets_lockstep(b, m));
+    if (effect != EFFECT_STEP && !outside) {
+        (void)router_route(b, m);
+    } else if (!lockstep_keep(b, m, outside)) {
+        router_turn_away(b, m);
+    }
+}
+
+/* What was sent when this broker was not there, or was not heard, is lost, and what follows may
+ * arrive before it has been sent again: if that was taken, the lost ones would pass for had.
+ * @return whether no mail is missing between those that have come, or were answered for, and this
+ */
+static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t seq)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (first_seq > 0 && seq > first_seq && seq - 1 > a->came_seq) {
+        b->counters.gaps++;
+        return false;
+    }
+    a->came_seq = seq > a->came_seq ? seq : a->came_seq;
+    return true;
+}
+
+static void act_take(struct broker *b, uint32_t place, const muster_Act *act, enum up_effect effect)
+{
+    uint32_t agent = agent_at(b, place, act->agent);
+    if (agent == MU_NONE) {
+        b->counters.malformed += act->mails._length; /* in the name of somebody else */
+        return;
+    }
+    if (effect == EFFECT_STEP) {
+        lockstep_keep_state(&b->lockstep, agent, act->state);
+        depot_answered(b, agent, place);
+    } else if (act->replays) {
+        effect = EFFECT_REPLAY;
+    }
+    if (effect == EFFECT_STEP && !presence_in_lockstep(b, agent)) {
+        effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
+    }
+    if (act->mails._length > 0) {
+        floods_note_speaker(b, place);
+    }
+    for (uint32_t i = 0; i < act->mails._length; i++) {
+        const muster_Mail *letter = &act->mails._buffer[i];
+        if (mail_is_next(b, agent, act->first_seq, letter->seq)) {
+            mail_take(b, agent, letter, effect);
+        }
+    }
+}
+
+static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
+{
+    uint32_t agent = agent_at(b, place, ack->box);
+    if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
+        b->counters.malformed += !b->places.at[place].is_broker;
+        return;
+    }
+    depot_answered(b, agent, place);
+    if (b->places.at[place].rostered) {
+        lockstep_keep_ack(&b->lockstep, agent, ack->number);
+    } else {
+        router_acknowledge(b, agent, ack->number);
+    }
+}
+
+/* Each life without a store counts its boxes from 1.  What was said to an earlier one would end
+ * mail that nobody has had yet; of what has come from this one, its receiver will say so. */
+static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
+{
+    if (up->broker_incarnation != b->incarnation) {
+        b->counters.astray += up->acks._length;
+        return;
+    }
+    for (uint32_t i = 0; i < up->acks._length; i++) {
+        ack_take(b, place, &up->acks._buffer[i]);
+    }
+}
+
+void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    bool good = border_up(up);
+    uint32_t place =
+        border_string(up->process, MU_PROCESS_MAX) ? places_find(&b->places, up->process) : MU_NONE;
+    if (!good || place == MU_NONE) {
+        b->counters.malformed++;
+        if (place != MU_NONE && lockstep_wants(b, place, up->step)) {
+            lockstep_answered(b, place); /* the others need not wait for a better answer */
+        }
+        return;
+    }
+    enum up_effect effect = EFFECT_NOW;
+    if (b->places.at[place].rostered) {
+        if (up->step != muster_STEP_NOW && !lockstep_wants(b, place, up->step)) {
+            return;
+        }
+        effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
+    }
+    lockstep_open_turn(&b->lockstep);
+    acks_take(b, place, up);
+    for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
+        act_take(b, place, &up->acts._buffer[i], effect);
+    }
+    for (uint32_t i = 0; i < up->trips._length; i++) {
+        depot_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
+    }
+    for (uint32_t i = 0; i < up->glances._length; i++) {
+        glances_hear(b, place, &up->glances._buffer[i]);
+    }
+    if (effect == EFFECT_STEP) {
+        lockstep_answered(b, place);
+    }
+}
+
+/* --- other brokers -----------------------------------------------------------------------------
+ */
+
+void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    announce_to(b, count);
+}
+
+void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    relay_take(b, d);
+}
+
+bool broker_announcement(struct broker *b, muster_Registration *out)
+{
+    return announce_next(b, out);
+}
+
+void broker_announced(struct broker *b)
+{
+    announce_done(b);
+}
+
+bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
+{
+    return relay_up_next(b, peer, out);
+}
+
+void broker_up_sent(struct broker *b)
+{
+    relay_up_sent(b);
+}
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+static uint64_t resend_deadline_ns(const struct broker *b)
+{
+    uint32_t agent = b->mailbox.watch_head;
+    if (agent == MU_NONE) {
+        return UINT64_MAX;
+    }
+    uint64_t since_ns = b->mailbox.boxes[agent].progress_ns;
+    uint64_t until_ns = since_ns + b->resend_after_ns;
+    return until_ns < since_ns ? UINT64_MAX : until_ns;
+}
+
+static void resend_tick(struct broker *b)
+{
+    while (resend_deadline_ns(b) <= b->clock.now_ns) {
+        uint32_t agent = b->mailbox.watch_head;
+        mailbox_repeat(&b->mailbox, agent);
+        presence_tell_number(b, agent); /* what said so may be what was lost */
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+}
+
+void broker_tick(struct broker *b, uint64_t now_ns)
+{
+    broker_enter(b, now_ns);
+    presence_tick(b);
+    resend_tick(b);
+    outcome_tick(b);
+    courier_tick(b);
+    depot_tick(b);
+    journal_tick(b);
+    liaison_tick(b);
+    announce_tick(b);
+    if (!b->clock.lockstep) {
+        router_expire(b, runclock_mail_ns(&b->clock));
+        pages_expire(b, runclock_mail_ns(&b->clock));
+        router_resolve_expire(b, runclock_mail_ns(&b->clock));
+        router_admit_due(b, runclock_run_ns(&b->clock));
+    }
+}
+
+static uint64_t earliest_ns(const uint64_t *times_ns, size_t count)
+{
+    uint64_t first_ns = UINT64_MAX;
+    for (size_t i = 0; i < count; i++) {
+        first_ns = times_ns[i] < first_ns ? times_ns[i] : first_ns;
+    }
+    return first_ns;
+}
+
+/* What ends on the mail clock.  @return in broker time */
+static uint64_t mail_deadline_ns(const struct broker *b)
+{
+    const struct mail *expiry = schedule_first(&b->expiry);
+    const uint64_t times_ns[] = {expiry ? expiry->at_ns[SCHEDULE_EXPIRY] : UINT64_MAX,
+                                 pages_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
+    uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
+    return first_ns != UINT64_MAX ? runclock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
+}
+
+/* @return when held mail is due, in broker time */
+static uint64_t due_deadline_ns(const struct broker *b)
+{
+    const struct mail *due = schedule_first(&b->due);
+    return due && b->clock.runs ? runclock_now_of_run_ns(&b->clock, due->at_ns[SCHEDULE_DUE])
+                                : UINT64_MAX;
+}
+
+uint64_t broker_deadline_ns(const struct broker *b)
+{
+    bool by_steps = b->clock.lockstep; /* then the end of a step does it */
+    const uint64_t times_ns[] = {presence_deadline_ns(b),
+                                 resend_deadline_ns(b),
+                                 courier_deadline_ns(b),
+                                 depot_deadline_ns(b),
+                                 pacer_deadline_ns(&b->pacer),
+                                 journal_deadline_ns(b),
+                                 liaison_deadline_ns(b),
+                                 announce_deadline_ns(b),
+                                 by_steps ? UINT64_MAX : mail_deadline_ns(b),
+                                 by_steps ? UINT64_MAX : due_deadline_ns(b)};
+    return earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
+}
+
+/* --- deliveries, and what there is to see ----------------------------------------------------- */
+
+bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
+{
+    MU_ASSERT(b->courier.open == MU_NONE);
+    return courier_next(b, process, d);
+}
+
+void broker_delivered(struct broker *b, uint64_t now_ns)
+{
+    runclock_set_now(&b->clock, now_ns);
+    courier_delivered(b);
+}
+
+void broker_undelivered(struct broker *b)
+{
+    courier_undelivered(b);
+}
+
+const char *broker_process(const struct broker *b, uint32_t index)
+{
+    const struct places *p = &b->places;
+    return index < p->unmatched_count ? p->at[p->unmatched[index]].name : NULL;
+}
+
+bool broker_serves(const struct broker *b, const char *process)
+{
+    return places_find(&b->places, process) != MU_NONE;
+}
+
+bool broker_takes_names(const struct broker *b)
+{
+    return b->registry.count < REGISTRY_MAX;
+}
+
+void broker_status(const struct broker *b, muster_BrokerStatus *status)
+{
+    const struct broker_counters *c = &b->counters;
+    *status =
+        (muster_BrokerStatus){.agents = b->registry.present,
+                              .sent = c->sent,
+                              .delivered = c->delivered,
+                              .waiting = c->waiting,
+                              .expired = c->expired,
+                              .box_full = c->box_full,
+                              .unknown_name = c->unknown_name,
+                              .refused = c->refused,
+                              .duplicates_dropped = c->duplicates_dropped,
+                              .resent = c->resent,
+                              .malformed = c->malformed,
+                              .dropped = c->dropped,
+                              .over_share = c->over_share,
+                              .no_store = c->no_store,
+                              .stored = b->store.mails,
+                              .lockstep = b->lockstep_end,
+                              .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
+    status->broker = sample_text(b->name);
+}
+
+bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
+{
+    const struct counter *c;
+    uint32_t count = 0;
+    if (part < 1 || part >= PARTS_END) {
+        return false;
+    }
+    for (size_t i = 0; (c = counters_at(i)); i++) {
+        if (c->part == part) {
+            b->part_counters[count++] =
+                (muster_Counter){.name = sample_text(c->name), .value = counters_value(b, c)};
+        }
+    }
+    *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
+    status->counters._buffer = b->part_counters;
+    status->counters._length = status->counters._maximum = count;
+    return true;
+}
+
+mu_result broker_policy(struct broker *b, const char *text, const char *file,
+                        struct mu_fault *fault)
+{
+    return trust_read(&b->trust, text, file, fault);
+}
+
+bool broker_audit_next(struct broker *b, struct audit_record *out)
+{
+    return audit_next(&b->audit, out);
+}
+
+void broker_audit_failed(struct broker *b)
+{
+    b->audit.failed++;
+}
+
+bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
+{
+    if (index >= b->registry.count) {
+        return false;
+    }
+    registry_line(&b->registry, b->registry.order[index], b->name, out);
+    return true;
+}
+
+static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
+{
+    muster_Member m;
+    struct mu_text t;
+    registry_line(&b->registry, agent, b->name, &m);
+    mu_text_init(&t, to, BROKER_LINE_MAX);
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, registry_kind_word(m.kind),
+                   registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+                   m.host[0] ? m.host : "-", (unsigned long)m.pid,
+                   (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
+}
+
+bool broker_page_news(struct broker *b, muster_Page *out)
+{
+    uint32_t part = registry_next_page(&b->registry);
+    if (part == MU_NONE) {
+        return false;
+    }
+    uint32_t first = part * REGISTRY_PAGE;
+    uint32_t count = b->registry.count - first;
+    count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
+    for (uint32_t i = 0; i < count; i++) {
+        line_write(b, first + i, b->page_text[i]);
+        b->page[i] = b->page_text[i];
+    }
+    *out = (muster_Page){.broker = b->name, .part = part};
+    out->lines._buffer = b->page;
+    out->lines._length = out->lines._maximum = count;
+    return true;
+}
+
+void broker_page_untold(struct broker *b, const muster_Page *page)
+{
+    registry_mark_page(&b->registry, page->part);
+}
+
+bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
+{
+    struct event event;
+    if (!events_next(&b->events, b->clock.now_ns, &event)) {
+        return false;
+    }
+    *out = (muster_BrokerEvent){.agent = b->registry.agents[event.agent].name,
+                                .sender = b->registry.agents[event.sender].name,
+                                .count = event.count,
+                                .wall_ns = b->wall_ns + event.at_ns};
+    out->broker = sample_text(b->name);
+    out->kind = sample_text(events_kind_word(event.kind));
+    return true;
+}
+
+uint32_t broker_samples_wanted(const struct broker *b)
+{
+    return b->glances.count > 0 ? 1 : lockstep_missing(&b->lockstep);
+}
+
+bool broker_in_lockstep(const struct broker *b)
+{
+    return b->lockstep.on;
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file broker.h
+ * The broker without its network: samples go in, deliveries come out.
+ *
+ * It decides; main.c does.  Pure: no DDS call, no clock, no file, no allocation after broker_open.
+ * The same calls in the same order give the same deliveries.
+ *
+ * Time: `now_ns` is the broker's clock.  In lock step it is not used: there, time is
+ * step * step_ns of the roster.
+ */
+#ifndef MUSTER_BROKER_BROKER_H
+#define MUSTER_BROKER_BROKER_H
+
+#include "broker/directory/audit.h"
+#include "core/fault.h"
+#include "muster/limits.h"
+#include "muster/result.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct broker;
+
+struct broker_options {
+    const char *name;     /* of this broker, for the white pages */
+    uint64_t incarnation; /* a number that no earlier broker of this network had */
+    const char *host;     /* for its own line of the white pages */
+    uint32_t pid;
+    uint64_t wall_ns;         /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
+    uint64_t resend_after_ns; /* an unacknowledged parcel goes out again after this; 1 s when 0 */
+    uint64_t delivery_interval_ns; /* between two rounds of the courier; 0: at once */
+    bool audit;                    /* directives are recorded for broker_audit_next */
+    uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
+    muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
+    uint32_t box_mails;            /* MU_BOX_MAX when 0 */
+    uint32_t box_bytes;            /* MU_BOX_BYTES_MAX when 0 */
+    bool has_store;                /* somebody writes the journal (journal.h) to a disk */
+    uint64_t number_base; /* boxes count from here: above all that an earlier life gave out */
+};
+
+/** Takes all memory that the broker will ever use.  One broker in a process. */
+struct broker *broker_open(const struct broker_options *options);
+
+/** A process says which agents are in a part of it.  The answers are in later deliveries. */
+void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns);
+
+/**
+ * A part of a process's registration ended: the process took it back (crashed false), or nobody
+ * writes it any more (crashed true), and that goes for the whole process.
+ */
+void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
+                 uint64_t now_ns);
+
+/**
+ * The writer into a process's partition has gained (true) or lost (false) its reader.  Nothing is
+ * handed to a process, and no registration of it is confirmed, before this says true; when it
+ * says true again, everything unacknowledged goes out again.
+ */
+void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns);
+
+/** Somebody more reads what goes to a process; if that is a broker, another life of it: what it
+ * knows of boxes, groups and services is said once more, and what it has not acknowledged. */
+void broker_read_anew(struct broker *b, const char *process);
+
+/** A process that has matched reads circulars, too: Deliveries to many, in partition BUS_TO_ALL. */
+void broker_hears(struct broker *b, const char *process);
+
+/** So many processes read circulars, those of other brokers among them. */
+void broker_is_read(struct broker *b, uint32_t readers);
+
+/** The simulator names the processes of the lock step, or ends it (lockstep false). */
+void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns);
+
+/** A process's mails, acknowledgements and states. */
+void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns);
+
+/** Lets time pass: due mails, expiry, resending, held names.  Call when nothing happens, too. */
+void broker_tick(struct broker *b, uint64_t now_ns);
+
+/**
+ * Gives the next delivery that is ready to go.
+ *
+ * @param process  out: whose; owned by the broker
+ * @param d        out: filled with pointers into the broker, valid until the next call into it
+ * @return true, or false when there is none.  After a write that the network refused, call
+ *         broker_undelivered and try again later; after a good one, broker_delivered.
+ */
+bool broker_next(struct broker *b, const char **process, muster_Delivery *d);
+void broker_delivered(struct broker *b, uint64_t now_ns);
+void broker_undelivered(struct broker *b);
+
+/** The index-th process whose writer has not matched, in any order; NULL past the last. */
+const char *broker_process(const struct broker *b, uint32_t index);
+
+/** @return whether the broker still has business with a process */
+bool broker_serves(const struct broker *b, const char *process);
+
+/* --- other brokers, each as it were a process "broker.NAME" ------------------------------------
+ */
+
+/** So many other brokers are there now; nothing is announced while there are none. */
+void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns);
+
+/** Another broker delivers mail, receipts, lines of groups and services to this one. */
+void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns);
+
+/**
+ * Gives the next part of what this broker says to the others of the agents that it knows.
+ *
+ * @param out  filled with pointers into the broker, valid until the next call into it
+ * @return false when there is none; after a good write, broker_announced; after another one, stop
+ *         and ask again later
+ */
+bool broker_announcement(struct broker *b, muster_Registration *out);
+void broker_announced(struct broker *b);
+
+/**
+ * Gives the next acknowledgements for another broker: after the commit of what they stand for.
+ *
+ * @param peer  out: the broker's name
+ * @return as broker_announcement; after a good write, broker_up_sent
+ */
+bool broker_up_next(struct broker *b, const char **peer, muster_Up *out);
+void broker_up_sent(struct broker *b);
+
+/** @return whether an agent with a new name would be taken: names are kept when their agents go */
+bool broker_takes_names(const struct broker *b);
+
+/** Fills the counters; what only the process knows (processor time, memory) stays 0. */
+void broker_status(const struct broker *b, muster_BrokerStatus *status);
+
+/**
+ * Fills the counters of one of the broker's parts, which are numbered from 1.
+ *
+ * @param status  out: valid until the next call
+ * @return false past the last part
+ */
+bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status);
+
+/** Sets the trust policy from the text of a file, before anything else.  As trust_read. */
+MU_MUST_USE mu_result broker_policy(struct broker *b, const char *text, const char *file,
+                                    struct mu_fault *fault);
+
+/** Takes the oldest record of a directive.  @return false when there is none */
+bool broker_audit_next(struct broker *b, struct audit_record *out);
+
+/** A record that was taken could not be written. */
+void broker_audit_failed(struct broker *b);
+
+/** The index-th line of the white pages in order of name.  @return false past the last */
+bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
+
+/**
+ * Gives the next page of the white pages in which a line has changed since it was last given.
+ *
+ * @param out  filled with pointers into the broker, valid until the next call into it
+ * @return false when there is none; after a write that the network refused, call
+ *         broker_page_untold and try again later
+ */
+bool broker_page_news(struct broker *b, muster_Page *out);
+void broker_page_untold(struct broker *b, const muster_Page *page);
+
+/**
+ * Gives what has gone wrong with mail; events_next in events.h says how often.
+ *
+ * @return false when there is nothing to tell now
+ */
+bool broker_event_next(struct broker *b, muster_BrokerEvent *out);
+
+/** @return how many samples the broker needs before it can do much: in lock step, the answers that
+ *          are missing; else 1 */
+uint32_t broker_samples_wanted(const struct broker *b);
+
+/** @return whether a lock step is under way */
+bool broker_in_lockstep(const struct broker *b);
+
+/** When broker_tick is needed next, in broker time; UINT64_MAX: not before something happens. */
+uint64_t broker_deadline_ns(const struct broker *b);
+
+#endif

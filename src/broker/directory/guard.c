@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/directory/guard.h"
+
+#include "broker/control/parts.h"
+#include "broker/membership/presence.h"
+#include "core/text.h"
+
+static struct audit_record *record_of(struct broker *b, uint32_t sender, const char *performative,
+                                      const char *line, bool allowed)
+{
+    struct audit_record *r = audit_add(&b->audit);
+    if (r) {
+        r->allowed = allowed;
+        r->simulated = b->clock.lockstep;
+        r->time_ns = r->simulated ? runclock_run_ns(&b->clock) : presence_wall_ns(b);
+        (void)mu_text_copy(r->sender, sizeof r->sender, b->registry.agents[sender].name);
+        (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[sender].place);
+        (void)mu_text_copy(r->performative, sizeof r->performative, performative);
+        (void)mu_text_copy(r->line, sizeof r->line, line);
+    }
+    return r;
+}
+
+static struct audit_record *record_begin(struct broker *b, const struct mail *m, bool allowed)
+{
+    return record_of(b, m->sender, m->letter.performative, m->letter.content, allowed);
+}
+
+/* The sender, and what of the pages is asked in its matter. */
+static struct trust_agent who_asks(struct broker *b, const struct mail *m)
+{
+    b->pages.asked_inside = pages_inside(b, m->sender);
+    return (struct trust_agent){m->letter.src, b->registry.agents[m->sender].is.kind};
+}
+
+/* It is for nobody who is there; who may direct nobody is not told so. */
+static uint32_t sift_nobody(struct broker *b, const struct mail *m, const struct trust_agent *who)
+{
+    bool allowed = trust_allows_some(&b->trust, who);
+    struct audit_record *r = record_begin(b, m, allowed);
+    if (r) {
+        (void)mu_text_copy(r->receiver, sizeof r->receiver, m->letter.dst);
+    }
+    return allowed ? 0 : 1;
+}
+
+static bool is_housemate(const struct broker *b, uint32_t agent, uint32_t other)
+{
+    uint32_t process = b->registry.agents[agent].process;
+    return process != MU_NONE && process == b->registry.agents[other].process;
+}
+
+bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
+{
+    struct trust_agent who = who_asks(b, m);
+    bool allowed = false;
+    if (agent == MU_NONE) {
+        allowed = trust_allows_some(&b->trust, &who);
+    } else if (is_housemate(b, m->sender, agent)) {
+        return true;
+    } else {
+        struct trust_agent whom = {receiver, b->registry.agents[agent].is.kind};
+        allowed = trust_allows(&b->trust, &who, &whom);
+    }
+    struct audit_record *r = record_begin(b, m, allowed);
+    if (r) {
+        audit_receiver(r, receiver);
+    }
+    b->counters.directed += allowed;
+    b->counters.unspoken += !allowed;
+    return allowed;
+}
+
+/* The directive that follows a refusal is what is refused, counted and audited. */
+bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line)
+{
+    const struct agent *a = &b->registry.agents[asker], *at = &b->registry.agents[agent];
+    struct trust_agent who = {a->name, a->is.kind}, whom = {at->name, at->is.kind};
+    b->pages.asked_inside = pages_inside(b, asker);
+    if (!trust_allows(&b->trust, &who, &whom)) {
+        return false;
+    }
+    struct audit_record *r = record_of(b, asker, "glance", line, true);
+    if (r) {
+        audit_receiver(r, at->name);
+    }
+    return true;
+}
+
+uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
+{
+    struct trust_agent who = who_asks(b, m);
+    struct audit_record *records[2] = {NULL, NULL};
+    uint32_t numbers[2] = {0, 0};
+    if (*count == 0) {
+        numbers[false] = sift_nobody(b, m, &who);
+    }
+    for (uint32_t i = 0; i < *count; i++) {
+        const struct agent *a = &b->registry.agents[agents[i]];
+        struct trust_agent whom = {a->name, a->is.kind};
+        bool allowed = trust_allows(&b->trust, &who, &whom);
+        if (numbers[allowed]++ == 0) {
+            records[allowed] = record_begin(b, m, allowed);
+        }
+        if (records[allowed]) {
+            audit_receiver(records[allowed], a->name);
+        }
+        if (allowed) {
+            agents[numbers[true] - 1] = agents[i];
+        }
+    }
+    *count = numbers[true];
+    b->counters.directed += numbers[true];
+    b->counters.refused += numbers[false];
+    return numbers[false];
+}

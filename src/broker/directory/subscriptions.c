@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/directory/subscriptions.h"
+
+#include "core/table.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void subscriptions_init(struct subscriptions *s)
+{
+    *s = (struct subscriptions){0};
+    s->at = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->at);
+    s->order = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->order);
+}
+
+struct subscription *subscriptions_at(const struct subscriptions *s, uint32_t index)
+{
+    MU_ASSERT(index < s->count);
+    return &s->at[s->order[index]];
+}
+
+uint32_t subscriptions_find(const struct subscriptions *s, const char *agent, const char *text)
+{
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct subscription *one = subscriptions_at(s, i);
+        if (strcmp(one->agent, agent) == 0 && strcmp(one->text, text) == 0) {
+            return i;
+        }
+    }
+    return MU_NONE;
+}
+
+struct subscription *subscriptions_add(struct subscriptions *s, const char *agent, const char *text)
+{
+    if (s->count == MU_SUBSCRIPTIONS_MAX) {
+        return NULL;
+    }
+    if (s->count == s->used) {
+        s->order[s->used] = s->used;
+        s->used++;
+    }
+    struct subscription *one = &s->at[s->order[s->count++]];
+    memset(one, 0, sizeof *one);
+    bool fits = mu_text_copy(one->agent, sizeof one->agent, agent) &&
+                mu_text_copy(one->text, sizeof one->text, text);
+    MU_ASSERT(fits);
+    return one;
+}
+
+void subscriptions_remove(struct subscriptions *s, uint32_t index)
+{
+    uint32_t slot = s->order[index];
+    s->count--;
+    memmove(&s->order[index], &s->order[index + 1], (s->count - index) * sizeof *s->order);
+    s->order[s->count] = slot;
+}
+
+/* @return whether it was set */
+static bool bit_set(uint64_t *bits, uint32_t line, bool on)
+{
+    uint64_t bit = 1ull << (line % 64);
+    uint64_t *at = &bits[line / 64];
+    bool had = (*at & bit) != 0;
+    *at = on ? *at | bit : *at & ~bit;
+    return had;
+}
+
+bool subscriptions_note(struct subscription *s, uint32_t line, bool found)
+{
+    return bit_set(s->told, line, found) != found;
+}
+
+bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed)
+{
+    return bit_set(s->owed, line, owed);
+}
+
+void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS])
+{
+    memset(lines, 0, SUBSCRIPTIONS_WORDS * sizeof *lines);
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct subscription *one = subscriptions_at(s, i);
+        for (uint32_t word = 0; word < SUBSCRIPTIONS_WORDS; word++) {
+            lines[word] |= one->told[word] | one->owed[word];
+        }
+    }
+}
+
+void subscriptions_forget(struct subscriptions *s, uint32_t line)
+{
+    for (uint32_t i = 0; i < s->count; i++) {
+        (void)subscriptions_note(subscriptions_at(s, i), line, false);
+        (void)subscriptions_owe(subscriptions_at(s, i), line, false);
+    }
+}

@@ -1,0 +1,545 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/journal.h"
+
+#include "broker/control/parts.h"
+#include "broker/mail/outcome.h"
+#include "broker/membership/presence.h"
+#include "broker/services/router.h"
+#include "core/hash.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+static const uint64_t RETRY_NS = 1000000000;
+
+/* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
+ * fallen silent: they may come back. */
+static const uint64_t AWAIT_NS = 10000000000;
+
+enum { BUCKETS_RUN = 64 };
+
+void journal_init(struct journal *j, bool on)
+{
+    *j = (struct journal){.on = on};
+    if (on) {
+        j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
+        j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);
+        j->text = mu_startup_alloc(JOURNAL_WAITING_BYTES);
+    }
+}
+
+bool journal_takes(const struct broker *b)
+{
+    return b->journal.on && !b->journal.failing;
+}
+
+uint64_t journal_deadline_ns(const struct broker *b)
+{
+    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
+    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
+}
+
+static void await_until(struct journal *j, uint64_t until_ns)
+{
+    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
+    j->awaits = true;
+}
+
+void journal_await(struct broker *b, uint32_t agent)
+{
+    b->registry.agents[agent].awaited = true;
+    if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
+        await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
+    }
+}
+
+void journal_tick(struct broker *b)
+{
+    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
+        return;
+    }
+    b->journal.awaits = false;
+    uint64_t wall_ns = presence_wall_ns(b);
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        struct agent *a = &b->registry.agents[i];
+        uint64_t absent_ns = wall_ns - a->since_wall_ns;
+        if (a->awaited && absent_ns < AWAIT_NS) {
+            await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
+        } else if (a->awaited) {
+            a->awaited = false;
+            receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
+        }
+    }
+}
+
+/* --- durable mails by their names ------------------------------------------------------------- */
+
+/* Mails that follow each other are beside each other, as they come and go. */
+static struct mail **bucket_of(const struct journal *j, uint32_t sender, uint64_t seq)
+{
+    uint64_t where = mu_hash_number((seq / BUCKETS_RUN) ^ (uint64_t)sender << 40) * BUCKETS_RUN;
+    return &j->buckets[(where + seq % BUCKETS_RUN) % JOURNAL_BUCKETS];
+}
+
+struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq)
+{
+    struct mail *m = j->on ? *bucket_of(j, sender, seq) : NULL;
+    while (m && (m->sender != sender || m->letter.seq != seq)) {
+        m = m->journal_same;
+    }
+    return m;
+}
+
+void journal_enter(struct journal *j, struct mail *m)
+{
+    struct mail **bucket = bucket_of(j, m->sender, m->letter.seq);
+    m->journal_same = *bucket;
+    *bucket = m;
+}
+
+static void name_remove(struct journal *j, struct mail *m)
+{
+    struct mail **at = bucket_of(j, m->sender, m->letter.seq);
+    while (*at != m) {
+        at = &(*at)->journal_same;
+    }
+    *at = m->journal_same;
+}
+
+/* --- marks ------------------------------------------------------------------------------------ */
+
+static void mail_mark(struct journal *j, struct mail *m)
+{
+    if (m->journal_listed) {
+        return;
+    }
+    store_keep(m);
+    m->journal_listed = true;
+    m->journal_next = NULL;
+    if (j->last) {
+        j->last->journal_next = m;
+    } else {
+        j->first = m;
+    }
+    j->last = m;
+}
+
+static void agent_mark(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (b->journal.on && !a->unsaved) {
+        a->unsaved = true;
+        b->journal.agents[b->journal.agents_count++] = agent;
+    }
+}
+
+static void row_give(struct broker *b, struct mail *m)
+{
+    struct journal *j = &b->journal;
+    for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
+        journal_agent(b, b->mailbox.posts[post].agent); /* if others alone have told of it */
+    }
+    m->row = ++j->rows;
+    journal_enter(j, m);
+    mail_mark(j, m);
+}
+
+/* @return whether it would be lost with this life, and sent again behind what was not */
+static bool is_in_ram(const struct mail *m, uint32_t sender)
+{
+    return m->sender == sender && m->row == 0 && m->letter.hops == 0;
+}
+
+/* What its sender has sent before a durable mail, and still waits, goes to the store with it: what
+ * has outlived the broker must not overtake what its sender sends once more. */
+static void ram_take_along(struct broker *b, const struct mail *durable)
+{
+    struct agent *a = &b->registry.agents[durable->sender];
+    struct mail *first = NULL;
+    for (struct mail *m = durable->older; m && m->order > a->durable_order; m = m->older) {
+        first = is_in_ram(m, durable->sender) ? m : first;
+    }
+    for (struct mail *m = first; m && m != durable; m = m->newer) {
+        if (is_in_ram(m, durable->sender)) {
+            row_give(b, m);
+        }
+    }
+}
+
+void journal_put(struct broker *b, struct mail *m)
+{
+    struct agent *a = &b->registry.agents[m->sender];
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (is_ram || !b->journal.on) {
+        a->ram_behind = a->ram_behind || (is_ram && m->letter.hops == 0);
+        return;
+    }
+    /* What came by another broker says nothing of what the sender has sent here. */
+    if (m->letter.hops == 0 && a->ram_behind) {
+        ram_take_along(b, m);
+        a->ram_behind = false;
+    }
+    row_give(b, m);
+    a->durable_order = m->letter.hops == 0 ? m->order : a->durable_order;
+    if (m->letter.hops == 0 && m->letter.seq > a->durable_seq) {
+        a->durable_seq = m->letter.seq;
+        agent_mark(b, m->sender);
+    }
+}
+
+void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m)
+{
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    if (!m->journal_written) {
+        return;
+    }
+    if (box->unsaved_commits != b->journal.commits) {
+        box->unsaved_commits = b->journal.commits;
+        box->unsaved = 0;
+    }
+    box->unsaved++;
+}
+
+uint32_t journal_room(const struct broker *b, uint32_t agent)
+{
+    const struct box *box = &b->mailbox.boxes[agent];
+    if (!b->journal.failing) {
+        return UINT32_MAX;
+    }
+    uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
+    for (uint32_t post = box->lists[POST_FLIGHT].head; post != MU_NONE;
+         post = mailbox_next(&b->mailbox, post)) {
+        may_come_again += b->mailbox.posts[post].mail->journal_written;
+    }
+    return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;
+}
+
+void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
+{
+    struct agent *a = &b->registry.agents[sender];
+    if (letter->hops > 0 || letter->seq <= a->failed_seq) {
+        return;
+    }
+    a->failed_seq = letter->seq;
+    if (letter->seq <= a->durable_seq) { /* else nobody asks before one has gone to the store */
+        agent_mark(b, sender);
+    }
+}
+
+void journal_settled(struct broker *b, struct mail *m)
+{
+    if (m->row == 0) {
+        return;
+    }
+    mail_mark(&b->journal, m);
+    if (m->unsettled == 0) {
+        name_remove(&b->journal, m);
+    }
+}
+
+void journal_agent(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (a->reserved_seq == 0 || a->saved_kind != a->is.kind) {
+        a->reserved_seq = a->reserved_seq ? a->reserved_seq : JOURNAL_RESERVE;
+        a->saved_kind = a->is.kind;
+        agent_mark(b, agent);
+    }
+}
+
+void journal_seq(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    bool far = a->seen_seq < INT64_MAX - 2 * (uint64_t)JOURNAL_RESERVE;
+    if (far && a->seen_seq + JOURNAL_RESERVE / 2 > a->reserved_seq) {
+        a->reserved_seq = a->seen_seq + JOURNAL_RESERVE;
+        agent_mark(b, agent);
+    }
+}
+
+void journal_attach(struct broker *b, enum journal_lines lines, const struct journal_source *source)
+{
+    struct journal_slots *s = &b->journal.slots[lines];
+    if (b->journal.on) {
+        s->source = source;
+        s->marked = mu_startup_array(source->capacity, sizeof *s->marked);
+        s->is_marked = mu_startup_array(source->capacity, sizeof *s->is_marked);
+    }
+}
+
+void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t slot)
+{
+    struct journal_slots *s = &b->journal.slots[lines];
+    if (s->source && !s->is_marked[slot]) {
+        s->is_marked[slot] = true;
+        s->marked[s->count++] = slot;
+    }
+}
+
+/* --- to the disk ------------------------------------------------------------------------------ */
+
+/* When the run that goes on by the wall was at 0; a lock step's time stands still without us. */
+static uint64_t run_wall_ns(const struct broker *b)
+{
+    bool by_the_wall = b->clock.runs && !b->clock.lockstep;
+    return by_the_wall ? b->wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
+}
+
+static bool something_is_marked(const struct broker *b)
+{
+    const struct journal *j = &b->journal;
+    bool marked = j->first || j->agents_count || j->run_wall_ns != run_wall_ns(b);
+    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
+        marked = marked || j->slots[i].count || j->slots[i].reset;
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        marked = marked || b->depot.capsules[i].unsaved;
+    }
+    return marked;
+}
+
+bool journal_wanted(struct broker *b, muster_Level *level)
+{
+    struct journal *j = &b->journal;
+    if (!j->on || (j->failing && b->clock.now_ns < j->retry_ns)) {
+        return false;
+    }
+    if (!something_is_marked(b)) {
+        j->failing = false; /* the next durable mail will show whether it works again */
+        return false;
+    }
+    *level = muster_LEVEL_LOGGED;
+    for (const struct mail *m = j->first; m; m = m->journal_next) {
+        if (!m->journal_written && m->letter.level > *level) {
+            *level = m->letter.level;
+        }
+    }
+    j->at = (struct journal_cursor){.mail = j->first};
+    return true;
+}
+
+/* The names of those that a mail still waits for, and behind a slash what of its end is certain. */
+static const char *waiting_of(struct broker *b, const struct mail *m)
+{
+    struct mu_text t;
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
+    for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
+        mu_text_add(&t, t.len ? "," : "");
+        mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
+    }
+    const char *so_far = outcome_so_far(m);
+    mu_text_add(&t, so_far[0] ? "/" : "");
+    mu_text_add(&t, so_far);
+    return t.at;
+}
+
+static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
+{
+    if (m->at_ns[SCHEDULE_EXPIRY] == 0) { /* in flight it may be due already */
+        return 0;
+    }
+    uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = presence_wall_ns(b);
+    bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
+    return fits ? wall_ns + left_ns : INT64_MAX;
+}
+
+static bool next_agent(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    if (j->at.agent == j->agents_count) {
+        return false;
+    }
+    const struct agent *a = &b->registry.agents[j->agents[j->at.agent++]];
+    e->kind = JOURNAL_AGENT;
+    e->name = a->name;
+    e->agent_kind = a->saved_kind;
+    e->durable_seq = a->durable_seq;
+    e->failed_seq = a->failed_seq;
+    e->reserved_seq = a->reserved_seq;
+    return true;
+}
+
+/* Rows that follow each other go together. */
+static void gone_extend(struct journal *j, struct journal_entry *e)
+{
+    struct mail *m = j->at.mail;
+    while (m && m->journal_written && m->unsettled == 0 && m->row == e->last_row + 1) {
+        e->last_row = m->row;
+        m = m->journal_next;
+    }
+    j->at.mail = m;
+}
+
+static bool next_mail(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    while (j->at.mail && !j->at.mail->journal_written && j->at.mail->unsettled == 0) {
+        j->at.mail = j->at.mail->journal_next; /* came and went */
+    }
+    const struct mail *m = j->at.mail;
+    if (!m) {
+        return false;
+    }
+    j->at.mail = m->journal_next;
+    e->row = e->last_row = m->row;
+    if (m->unsettled == 0) {
+        e->kind = JOURNAL_GONE;
+        gone_extend(j, e);
+        return true;
+    }
+    e->kind = m->journal_written ? JOURNAL_WAITING : JOURNAL_MAIL;
+    e->letter = m->letter;
+    e->waiting = waiting_of(b, m);
+    e->expires_wall_ns = expires_wall_ns(b, m);
+    return true;
+}
+
+static bool next_line(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    for (; j->at.lines < JOURNAL_LINE_KINDS; j->at.lines++, j->at.line = 0, j->at.begun = false) {
+        struct journal_slots *s = &j->slots[j->at.lines];
+        e->lines = j->at.lines;
+        if (s->reset && !j->at.begun) {
+            j->at.begun = true;
+            e->kind = JOURNAL_RESET;
+            return true;
+        }
+        if (j->at.line < s->count) {
+            e->kind = JOURNAL_LINE;
+            e->slot = s->marked[j->at.line++];
+            if (!s->source->line(b, e->slot, &e->line)) {
+                e->line = (struct journal_line){.key = NULL};
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool next_clock(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    bool wanted = !j->at.clock_done && j->run_wall_ns != run_wall_ns(b);
+    j->at.clock_done = true;
+    e->kind = JOURNAL_CLOCK;
+    e->run_wall_ns = run_wall_ns(b);
+    return wanted;
+}
+
+static bool next_capsule(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    while (j->at.capsule < MU_CAPSULES_MAX) {
+        const struct depot_capsule *c = &b->depot.capsules[j->at.capsule++];
+        if (c->unsaved) {
+            e->kind = JOURNAL_CAPSULE;
+            e->name = b->registry.agents[c->agent].name;
+            e->epoch = c->epoch;
+            e->capsule = c->phase == DEPOT_FREE ? "" : c->text;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool journal_next(struct broker *b, struct journal_entry *entry)
+{
+    return next_agent(b, entry) || next_mail(b, entry) || next_line(b, entry) ||
+           next_clock(b, entry) || next_capsule(b, entry);
+}
+
+/* --- and how that went ------------------------------------------------------------------------ */
+
+static void mails_committed(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    struct mail *next = NULL;
+    for (struct mail *m = j->first; m; m = next) {
+        next = m->journal_next;
+        m->journal_listed = false;
+        m->journal_written = true;
+        if (m->unsettled > 0) {
+            router_stored(b, m);
+        }
+        store_release(&b->store, m);
+    }
+    j->first = j->last = NULL;
+}
+
+/* @return whether somebody may have it already: that is not to be undone */
+static bool mail_is_out(const struct broker *b, const struct mail *m)
+{
+    uint32_t post = m->posts;
+    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
+        post = b->mailbox.posts[post].sibling_next;
+    }
+    return post != MU_NONE;
+}
+
+/* It needs no disk, until the next durable mail of its sender. */
+static void ram_leave(struct broker *b, struct mail *m)
+{
+    struct agent *a = &b->registry.agents[m->sender];
+    a->ram_behind = true;
+    a->durable_order = 0;
+    m->row = 0;
+}
+
+/* New mails are not taken after all; what is on disk already, or under way, stays marked. */
+static void mails_failed(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    struct mail *m = j->first, *next = NULL;
+    j->first = j->last = NULL;
+    for (; m; m = next) {
+        next = m->journal_next;
+        m->journal_listed = false;
+        if (m->journal_written || mail_is_out(b, m)) {
+            mail_mark(j, m);
+        } else if (m->unsettled > 0) {
+            name_remove(j, m);
+            m->row = 0;
+            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : router_undo(b, m);
+        }
+        store_release(&b->store, m);
+    }
+}
+
+static void marks_clear(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    while (j->agents_count > 0) {
+        b->registry.agents[j->agents[--j->agents_count]].unsaved = false;
+    }
+    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
+        struct journal_slots *s = &j->slots[i];
+        s->reset = false;
+        while (s->count > 0) {
+            s->is_marked[s->marked[--s->count]] = false;
+        }
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        b->depot.capsules[i].unsaved = false;
+    }
+    j->run_wall_ns = run_wall_ns(b);
+}
+
+void journal_committed(struct broker *b, bool ok, uint64_t now_ns)
+{
+    struct journal *j = &b->journal;
+    bool failed_before = j->failing;
+    j->failing = !ok;
+    if (ok) {
+        j->commits++;
+        for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
+            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
+        }
+        mails_committed(b);
+        marks_clear(b);
+    } else {
+        j->failures++;
+        j->retry_ns = now_ns > UINT64_MAX - RETRY_NS ? UINT64_MAX : now_ns + RETRY_NS;
+        mails_failed(b);
+    }
+}

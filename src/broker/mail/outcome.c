@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/outcome.h"
+
+#include "broker/control/parts.h"
+#include "broker/mail/booking.h"
+#include "broker/membership/presence.h"
+
+#include <string.h>
+
+/* @return whether the news can wait: its sender sends what does not get through */
+static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
+{
+    bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
+    return bad && !presence_is_paced(b, sender) && pacer_holds(&b->pacer, sender, b->clock.now_ns);
+}
+
+void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
+                  muster_Outcome result)
+{
+    const struct agent *a = &b->registry.agents[sender];
+    if (a->process == MU_NONE && !a->awaited) { /* the absent are told nothing, nor is the broker */
+        return;
+    }
+    receipts_add(&b->receipts, sender, first_seq, last_seq, result);
+    if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
+        tenants_wake(&b->registry, &b->places, sender);
+    }
+}
+
+void outcome_tick(struct broker *b)
+{
+    uint32_t agent;
+    while ((agent = pacer_next(&b->pacer, b->clock.now_ns)) != MU_NONE) {
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+}
+
+void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)
+{
+    if (!m->answered) {
+        if (result != muster_OUTCOME_DELIVERED && result != muster_OUTCOME_STORED) {
+            journal_failed(b, m->sender, &m->letter);
+        }
+        m->answered = true;
+        m->answer = (uint8_t)result;
+        outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, result);
+    }
+}
+
+void outcome_refuse(struct broker *b, struct mail *m, uint32_t unknown, muster_Outcome result)
+{
+    outcome_end(b, m, unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : result);
+    store_release(&b->store, m);
+}
+
+void outcome_stored(struct broker *b, struct mail *m)
+{
+    if (!m->answered && !m->stored_told) {
+        m->stored_told = true;
+        outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, muster_OUTCOME_STORED);
+    }
+}
+
+/* The last word on a mail that all receivers are through with, as far as it is known here: what
+ * becomes of what another broker has taken over, that broker tells. */
+static void answer_settled(struct broker *b, struct mail *m)
+{
+    if (m->stored_ends_it) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (m->dropped) {
+        outcome_end(b, m, muster_OUTCOME_DROPPED);
+    } else if (m->expired) {
+        outcome_end(b, m, muster_OUTCOME_EXPIRED);
+    } else if (m->passed_on) {
+        outcome_stored(b, m);
+    } else {
+        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+    }
+}
+
+/* --- across a restart ------------------------------------------------------------------------- */
+
+/* What can be said, or be certain, of a mail that is still in a box. */
+static const struct {
+    const char *word;
+    bool told;
+} standings[] = {
+    [muster_OUTCOME_STORED] = {"stored", false},
+    [muster_OUTCOME_EXPIRED] = {"expired", false},
+    [muster_OUTCOME_DROPPED] = {"dropped", false},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
+    [muster_OUTCOME_REFUSED] = {"refused", true},
+};
+
+enum { STANDINGS = sizeof standings / sizeof standings[0] };
+
+const char *outcome_so_far(const struct mail *m)
+{
+    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
+                        : m->expired   ? muster_OUTCOME_EXPIRED
+                        : m->passed_on ? muster_OUTCOME_STORED
+                                       : muster_OUTCOME_DELIVERED;
+    const char *word = standings[m->answered ? m->answer : is].word;
+    return word ? word : "";
+}
+
+bool outcome_go_on(struct mail *m, const char *word)
+{
+    unsigned is = 0;
+    while (is < STANDINGS && (!standings[is].word || strcmp(standings[is].word, word) != 0)) {
+        is++;
+    }
+    if (is == STANDINGS) {
+        return false;
+    }
+    m->answered = standings[is].told;
+    m->answer = (uint8_t)is;
+    m->dropped = is == muster_OUTCOME_DROPPED;
+    m->expired = is == muster_OUTCOME_EXPIRED;
+    m->passed_on = is == muster_OUTCOME_STORED;
+    return true;
+}
+
+/* --- one receiver less ------------------------------------------------------------------------ */
+
+void outcome_settle(struct broker *b, struct mail *m)
+{
+    b->counters.waiting--;
+    MU_ASSERT(m->unsettled > 0);
+    m->unsettled--;
+    booking_give_back(b, m);
+    journal_settled(b, m);
+    if (m->unsettled == 0) {
+        schedule_remove(&b->due, m);
+        schedule_remove(&b->expiry, m);
+        ages_remove(&b->ages, m);
+        answer_settled(b, m);
+        store_release(&b->store, m);
+    }
+}

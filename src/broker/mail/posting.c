@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/posting.h"
+
+#include "broker/base/boxroom.h"
+#include "broker/control/parts.h"
+#include "broker/mail/booking.h"
+#include "broker/mail/circular.h"
+#include "broker/mail/outcome.h"
+#include "broker/membership/presence.h"
+#include "broker/services/router.h"
+
+bool posting_book(struct broker *b, struct mail *m, struct audience *to)
+{
+    to->veiled = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        to->veiled += audience_veils(b, m, to->agents[i]);
+    }
+    if (booking_take(b, m, to->count - to->veiled)) {
+        if (to->veiled > 0 && !booking_take_veiled(b, m, to->veiled)) {
+            audience_unveil(b, m, to);
+        }
+        return true;
+    }
+    b->counters.box_full += to->veiled; /* the others have been counted */
+    outcome_refuse(b, m, to->unknown, muster_OUTCOME_BOX_FULL);
+    return false;
+}
+
+/* --- one box ---------------------------------------------------------------------------------- */
+
+/* A mail goes out of a box to make room. */
+static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
+{
+    struct mail *m = b->mailbox.posts[victim].mail;
+    mailbox_withdraw(&b->mailbox, victim);
+    b->counters.dropped++;
+    booking_event(b, EVENT_DROPPED, agent, m->sender);
+    m->dropped = true;
+    outcome_settle(b, m);
+}
+
+/* Puts it into one box.  @return false when that has no room for it */
+static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held)
+{
+    uint32_t victim = MU_NONE;
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        presence_tell_number(b, agent);
+    }
+    enum boxroom room = boxroom_ask(&b->mailbox, agent, m, &victim);
+    for (; room == BOXROOM_DROP; room = boxroom_ask(&b->mailbox, agent, m, &victim)) {
+        post_drop(b, victim, agent);
+    }
+    if (room != BOXROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
+        booking_refused(b, m, agent, room == BOXROOM_OVER_SHARE ? SHARE_OVER : SHARE_FULL, 1);
+        return false;
+    }
+    b->counters.waiting++;
+    m->unsettled++;
+    if (audience_veils(b, m, agent)) {
+        mailbox_veil(&b->mailbox, m);
+    }
+    tenants_wake(&b->registry, &b->places, agent);
+    return true;
+}
+
+/* --- all of them ------------------------------------------------------------------------------ */
+
+bool posting_is_held(const struct broker *b, const struct mail *m)
+{
+    return m->letter.due_ns >= 0 &&
+           (!b->clock.runs || (uint64_t)m->letter.due_ns > runclock_run_ns(&b->clock));
+}
+
+void posting_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
+{
+    uint64_t now_ns = runclock_mail_ns(&b->clock);
+    ages_add(&b->ages, m, now_ns);
+    if (held) {
+        m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
+        schedule_add(&b->due, m);
+    }
+    if (m->letter.ttl_ns > 0 && now_ns + left_ns >= now_ns) {
+        m->at_ns[SCHEDULE_EXPIRY] = now_ns + left_ns;
+        schedule_add(&b->expiry, m);
+    }
+}
+
+/* What its sender is told at once.  fits: into each box that he may know of; stored: some of them
+ * are for those who do not take mail now */
+static void sender_answer(struct broker *b, struct mail *m, const struct audience *to, bool fits,
+                          bool stored)
+{
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (to->refused > 0) {
+        outcome_end(b, m, muster_OUTCOME_REFUSED);
+    } else if (to->unknown > 0) {
+        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
+    } else if (!fits) {
+        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (to->veiled > 0) {
+        m->stored_ends_it = m->tell_stored = true;
+    } else if (m->unsettled == 0) {
+        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+    } else if (stored && !is_ram) {
+        m->tell_stored = true; /* when it is */
+    } else if (stored) {
+        outcome_stored(b, m);
+    }
+}
+
+struct posted posting_put(struct broker *b, struct mail *m, const struct audience *to)
+{
+    struct posted done = {.held = posting_is_held(b, m), .fits = true};
+    done.stored = done.held;
+    enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
+    for (uint32_t i = 0; i < to->count; i++) {
+        uint32_t agent = to->agents[i];
+        if (registry_is_own(agent)) {
+            continue;
+        }
+        if (!post_put(b, m, agent, done.held)) {
+            done.fits = done.fits && audience_veils(b, m, agent);
+        } else {
+            done.stored = done.stored || router_gate(b, agent) < needs;
+        }
+    }
+    booking_give_back(b, m);
+    store_keep(m); /* what a desk answers may drop it from all boxes again */
+    if (m->unsettled == 0) {
+        store_release(&b->store, m);
+    } else {
+        posting_schedule(b, m, done.held, m->letter.ttl_ns);
+        journal_put(b, m);
+        circulars_note(b, m);
+    }
+    return done;
+}
+
+void posting_conclude(struct broker *b, struct mail *m, const struct audience *to,
+                      const struct posted *done)
+{
+    sender_answer(b, m, to, done->fits, done->stored);
+    store_release(&b->store, m);
+}

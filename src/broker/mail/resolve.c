@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/resolve.h"
+
+#include "broker/control/parts.h"
+#include "broker/mail/booking.h"
+#include "broker/membership/presence.h"
+#include "broker/services/query.h"
+#include "core/address.h"
+#include "core/attributes.h"
+#include "core/fields.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Begins reply_with of a question, and so in_reply_to of its answer. */
+static const char TICKET[] = "resolve-";
+
+/* Tickets for others than members of the lock step count from here: a question from outside does
+ * not shift those inside a run. */
+static const uint64_t OUTSIDE_TICKETS = 1ull << 62;
+
+void resolve_init(struct resolve *r, uint32_t agents)
+{
+    *r = (struct resolve){
+        .free = MU_NONE, .asked_first = MU_NONE, .asked_last = MU_NONE, .soonest_ns = UINT64_MAX};
+    r->waits = mu_startup_array(SHARE_SIDES * MU_RESOLVE_MAX, sizeof *r->waits);
+    r->queues = mu_startup_array(agents, sizeof *r->queues);
+}
+
+/* --- whom to ask ------------------------------------------------------------------------------ */
+
+/* @return who resolves an address, or MU_NONE */
+static uint32_t resolver_of(const struct broker *b, const char *dst)
+{
+    char text[MU_QUERY_MAX + 1];
+    struct mu_query query;
+    const struct services *s = &b->pages.services;
+    const struct mu_pairs *pairs = &s->pairs;
+    snprintf(text, sizeof text, "resolver scheme=%.*s", (int)strcspn(dst, ":"), dst);
+    if (mu_attributes_query(&query, text) != MU_OK) {
+        return MU_NONE;
+    }
+    uint32_t place = mu_pairs_start(pairs, "resolver"), line;
+    while ((line = mu_pairs_of(pairs, place++, "resolver")) != MU_NONE) {
+        uint32_t agent = registry_find(&b->registry, mu_pairs_second(pairs, line));
+        /* Who lives at another broker answers to that one. */
+        if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
+            mu_attributes_match(&query, "resolver", s->lines[line].attributes) &&
+            pages_shows(b, line, b->lockstep.on)) {
+            return agent;
+        }
+    }
+    return MU_NONE;
+}
+
+bool resolve_is_possible(const struct broker *b, const char *dst)
+{
+    return resolver_of(b, dst) != MU_NONE;
+}
+
+enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
+{
+    const struct resolve *r = &b->resolve;
+    const struct resolve_queue *queue = &r->queues[m->sender];
+    if (m->only != MU_NONE) { /* the broker that it came from has asked */
+        return RESOLVE_NOTHING;
+    }
+    bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
+    /* No address stands for the broker, and a resolver's answers must not wait for each other. */
+    bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;
+    if (!follows && !(is_address && resolve_is_possible(b, m->letter.dst))) {
+        return RESOLVE_NOTHING;
+    }
+    enum share_side side = presence_in_lockstep(b, m->sender) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
+    return full ? RESOLVE_FULL : RESOLVE_WAIT;
+}
+
+/* --- waiting ---------------------------------------------------------------------------------- */
+
+static uint32_t wait_take(struct resolve *r, const struct mail *m)
+{
+    uint32_t index = r->free;
+    if (index != MU_NONE) {
+        r->free = r->waits[index].next;
+    } else {
+        index = r->used++;
+    }
+    MU_ASSERT(index < SHARE_SIDES * MU_RESOLVE_MAX);
+    r->side_count[m->side]++;
+    r->waiting++;
+    return index;
+}
+
+static void asked_append(struct resolve *r, uint32_t index)
+{
+    struct resolve_wait *w = &r->waits[index];
+    w->asked_next = MU_NONE;
+    w->prev = r->asked_last;
+    *(w->prev == MU_NONE ? &r->asked_first : &r->waits[w->prev].asked_next) = index;
+    r->asked_last = index;
+}
+
+static void asked_remove(struct resolve *r, uint32_t index)
+{
+    const struct resolve_wait *w = &r->waits[index];
+    *(w->prev == MU_NONE ? &r->asked_first : &r->waits[w->prev].asked_next) = w->asked_next;
+    *(w->asked_next == MU_NONE ? &r->asked_last : &r->waits[w->asked_next].prev) = w->prev;
+}
+
+static uint64_t patience_ns(const struct broker *b)
+{
+    return b->clock.lockstep ? RESOLVE_PATIENCE_STEPS * b->lockstep.step_ns
+                             : RESOLVE_PATIENCE_MS * 1000000ull;
+}
+
+static void resolver_ask(struct broker *b, uint32_t index)
+{
+    char ticket[MU_FIELD_MAX + 1];
+    struct mu_text t;
+    struct resolve *r = &b->resolve;
+    struct resolve_wait *w = &r->waits[index];
+    bool inside = presence_in_lockstep(b, w->resolver);
+    w->state = RESOLVE_ASKED;
+    w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
+    w->until_ns = w->since_ns + patience_ns(b);
+    r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
+    r->asked++;
+    asked_append(r, index);
+    query_begin(b, &t, "resolve");
+    mu_fields_add_string(&t, w->mail->letter.dst);
+    mu_fields_add(&t, w->mail->letter.src);
+    snprintf(ticket, sizeof ticket, "%s%" PRIu64, TICKET, w->ticket);
+    query_ask(b, w->resolver, "resolve", ticket);
+}
+
+void resolve_wait(struct broker *b, struct mail *m)
+{
+    struct resolve *r = &b->resolve;
+    struct resolve_queue *queue = &r->queues[m->sender];
+    uint32_t index = wait_take(r, m);
+    struct resolve_wait *w = &r->waits[index];
+    *w = (struct resolve_wait){
+        .mail = m, .next = MU_NONE, .since_ns = runclock_mail_ns(&b->clock), .resolver = MU_NONE};
+    if (queue->count++ > 0) {
+        r->waits[queue->last].next = index;
+    } else {
+        queue->first = index;
+    }
+    queue->last = index;
+    if (mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME) {
+        w->resolver = resolver_of(b, m->letter.dst);
+    }
+    if (w->resolver != MU_NONE) {
+        resolver_ask(b, index);
+    }
+}
+
+struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail **answer)
+{
+    struct resolve *r = &b->resolve;
+    struct resolve_queue *queue = &r->queues[sender];
+    if (queue->count == 0 || r->waits[queue->first].state == RESOLVE_ASKED) {
+        return NULL;
+    }
+    uint32_t index = queue->first;
+    struct resolve_wait w = r->waits[index];
+    queue->first = w.next;
+    queue->count--;
+    r->waits[index].next = r->free;
+    r->free = index;
+    r->side_count[w.mail->side]--;
+    r->waiting--;
+    booking_give_back(b, w.mail);
+    uint64_t waited_ns = runclock_mail_ns(&b->clock) - w.since_ns;
+    if (w.mail->letter.ttl_ns > 0) { /* 0 would be for ever */
+        uint64_t ttl_ns = w.mail->letter.ttl_ns;
+        w.mail->letter.ttl_ns = ttl_ns > waited_ns ? ttl_ns - waited_ns : 1;
+    }
+    *answer = w.answer;
+    return w.mail;
+}
+
+/* It is known, or (answer NULL) will never be, whom an address stands for.  @return whose mail */
+static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answer)
+{
+    struct resolve *r = &b->resolve;
+    struct resolve_wait *w = &r->waits[index];
+    asked_remove(r, index);
+    w->state = RESOLVE_ANSWERED;
+    w->answer = answer;
+    if (answer) {
+        store_keep(answer);
+    }
+    return w->mail->sender;
+}
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+bool resolve_is_answer(const struct mail *m)
+{
+    return m->letter.layer == 2 && strncmp(m->letter.in_reply_to, TICKET, sizeof TICKET - 1) == 0;
+}
+
+/* @return the mail that waits for this answer, or MU_NONE */
+static uint32_t wait_find(const struct resolve *r, const struct mail *m)
+{
+    char *end;
+    const char *digits = m->letter.in_reply_to + sizeof TICKET - 1;
+    uint64_t ticket = strtoull(digits, &end, 10);
+    if (digits[0] < '0' || digits[0] > '9' || *end != '\0') {
+        return MU_NONE;
+    }
+    uint32_t index = r->asked_first;
+    while (index != MU_NONE && r->waits[index].ticket != ticket) {
+        index = r->waits[index].asked_next;
+    }
+    return index != MU_NONE && r->waits[index].resolver == m->sender ? index : MU_NONE;
+}
+
+/* @return whether the content is nothing but symbols and strings */
+static bool answer_is_fields(const char *content)
+{
+    char field[MU_NAME_MAX + 1];
+    struct mu_text read;
+    mu_text_init(&read, field, sizeof field);
+    while (!mu_fields_end(content)) {
+        const char *before = content;
+        (void)mu_fields_next(&content, &read); /* what is too long is a field all the same */
+        if (content == before) {
+            return false;
+        }
+    }
+    return true;
+}
+
+uint32_t resolve_take_answer(struct broker *b, struct mail *m)
+{
+    uint32_t index = wait_find(&b->resolve, m);
+    /* In a list of receivers it could have waited itself. */
+    if (index == MU_NONE || strcmp(m->letter.dst, "broker") != 0) {
+        b->resolve.refused++;
+        return MU_NONE;
+    }
+    bool good = strcmp(m->letter.performative, "inform") == 0;
+    if (good && !answer_is_fields(m->letter.content)) {
+        b->counters.malformed++;
+        good = false;
+    }
+    return wait_answer(b, index, good ? m : NULL);
+}
+
+/* --- time ------------------------------------------------------------------------------------- */
+
+uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
+{
+    struct resolve *r = &b->resolve;
+    if (mail_ns < r->soonest_ns) {
+        return MU_NONE;
+    }
+    uint64_t soonest_ns = UINT64_MAX;
+    for (uint32_t i = r->asked_first; i != MU_NONE; i = r->waits[i].asked_next) {
+        if (r->waits[i].until_ns <= mail_ns) {
+            return wait_answer(b, i, NULL);
+        }
+        soonest_ns = r->waits[i].until_ns < soonest_ns ? r->waits[i].until_ns : soonest_ns;
+    }
+    r->soonest_ns = soonest_ns;
+    return MU_NONE;
+}
+
+uint64_t resolve_deadline_mail_ns(const struct broker *b)
+{
+    return b->resolve.asked_first != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
+}
+
+uint32_t resolve_give_up(struct broker *b)
+{
+    uint32_t first = b->resolve.asked_first;
+    return first != MU_NONE ? wait_answer(b, first, NULL) : MU_NONE;
+}

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/announce.h"
+
+#include "broker/base/sample.h"
+#include "broker/control/parts.h"
+
+#include <string.h>
+
+/* How often the first part is said again: as those of processes. */
+static const uint64_t HEARTBEAT_NS = 300000000;
+
+static char nothing[1];
+
+static void part_mark(struct liaison *l, uint32_t part)
+{
+    l->due_count += !l->due[part];
+    l->due[part] = true;
+}
+
+static uint32_t agents_said(const struct broker *b)
+{
+    return b->registry.count - REGISTRY_OWN;
+}
+
+void announce_all(struct broker *b)
+{
+    for (uint32_t i = 0; i < agents_said(b); i += MU_PART_AGENTS) {
+        part_mark(&b->liaison, i / MU_PART_AGENTS);
+    }
+    part_mark(&b->liaison, 0);
+    b->liaison.version_said = b->registry.changes.version;
+}
+
+void announce_to(struct broker *b, uint32_t listeners)
+{
+    if (b->liaison.listeners == 0 && listeners > 0) {
+        announce_all(b);
+    }
+    b->liaison.listeners = listeners;
+}
+
+static void changes_mark(struct broker *b)
+{
+    struct liaison *l = &b->liaison;
+    const struct changes *c = &b->registry.changes;
+    if (l->version_said == c->version) {
+        return;
+    }
+    for (uint32_t agent = changes_after(c, l->version_said); agent != MU_NONE;
+         agent = changes_next(c, agent)) {
+        if (!registry_is_own(agent)) {
+            part_mark(l, (agent - REGISTRY_OWN) / MU_PART_AGENTS);
+        }
+    }
+    l->version_said = c->version;
+}
+
+static muster_Entry entry_of(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    muster_Entry e = {.name = a->name,
+                      .kind = a->is.kind,
+                      .state = muster_STATE_ABSENT,
+                      .home = nothing,
+                      .via = nothing,
+                      .host = nothing,
+                      .reason = nothing,
+                      .last_seq = registry_last_seq(a)};
+    if (a->process == MU_NONE) {
+        return e;
+    }
+    bool is_here = a->is.home[0] == '\0';
+    e.state = a->is.state;
+    e.no_broadcasts = a->is.no_broadcasts;
+    e.home = is_here ? b->name : a->is.home;
+    e.via = is_here ? nothing : a->place + strlen("broker.");
+    e.hops = a->is.hops;
+    e.since_wall_ns = a->is.since_wall_ns;
+    e.host = a->is.host;
+    e.busy_since_wall_ns = a->is.busy_since_wall_ns;
+    e.reason = a->is.reason;
+    e.pid = a->is.pid;
+    return e;
+}
+
+bool announce_next(struct broker *b, muster_Registration *out)
+{
+    struct liaison *l = &b->liaison;
+    if (l->listeners == 0) {
+        return false;
+    }
+    changes_mark(b);
+    if (l->due_count == 0) {
+        return false;
+    }
+    uint32_t part = 0;
+    while (!l->due[part]) {
+        part++;
+    }
+    l->part_open = part;
+    uint32_t first = part * MU_PART_AGENTS, count = agents_said(b) - first;
+    count = count < MU_PART_AGENTS ? count : MU_PART_AGENTS;
+    for (uint32_t i = 0; i < count; i++) {
+        l->entries[i] = entry_of(b, REGISTRY_OWN + first + i);
+    }
+    *out = (muster_Registration){.process = b->place,
+                                 .part = part,
+                                 .broker = nothing,
+                                 .incarnation = b->incarnation,
+                                 .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),
+                                 .pid = b->registry.agents[REGISTRY_BROKER].is.pid,
+                                 .is_broker = true};
+    out->agents._buffer = l->entries;
+    out->agents._length = out->agents._maximum = count;
+    return true;
+}
+
+void announce_done(struct broker *b)
+{
+    struct liaison *l = &b->liaison;
+    l->due[l->part_open] = false;
+    l->due_count--;
+    l->count.announced++;
+}
+
+void announce_tick(struct broker *b)
+{
+    struct liaison *l = &b->liaison;
+    if (announce_deadline_ns(b) <= b->clock.now_ns) {
+        part_mark(l, 0);
+        l->beat_ns = b->clock.now_ns + HEARTBEAT_NS;
+    }
+}
+
+uint64_t announce_deadline_ns(const struct broker *b)
+{
+    return b->liaison.listeners > 0 ? b->liaison.beat_ns : UINT64_MAX;
+}

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/relay.h"
+
+#include "broker/base/border.h"
+#include "broker/control/parts.h"
+#include "broker/mail/booking.h"
+#include "broker/mail/outcome.h"
+#include "broker/membership/announce.h"
+#include "broker/membership/presence.h"
+#include "broker/services/router.h"
+#include "core/name.h"
+
+#include <string.h>
+
+/* --- mail ------------------------------------------------------------------------------------- */
+
+/* @return the sender of a mail, entered if it is new; MU_NONE: the white pages are full */
+static uint32_t sender_of(struct broker *b, const char *src)
+{
+    uint32_t sender = registry_find(&b->registry, src);
+    if (sender == MU_NONE && (sender = registry_add(&b->registry, src)) != MU_NONE) {
+        registry_touch(&b->registry, sender);
+    }
+    if (sender != MU_NONE && !registry_is_own(sender) &&
+        b->registry.agents[sender].process == MU_NONE) {
+        struct agent *a = &b->registry.agents[sender];
+        a->awaited = true; /* its neighbour will say that it is there */
+        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : presence_wall_ns(b);
+    }
+    return sender;
+}
+
+/* @return why it goes no further, or DELIVERED */
+static muster_Outcome objection_to(struct broker *b, const muster_Mail *m)
+{
+    if (m->hops > MU_HOPS_MAX) {
+        b->liaison.count.hops_refused++;
+        return muster_OUTCOME_REFUSED;
+    }
+    if (!border_mail(m)) {
+        b->counters.malformed++;
+        return muster_OUTCOME_REFUSED;
+    }
+    if (m->level != muster_LEVEL_RAM && !journal_takes(b)) {
+        b->counters.sent++;
+        b->counters.no_store++;
+        return muster_OUTCOME_NO_STORE;
+    }
+    return muster_OUTCOME_DELIVERED;
+}
+
+static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const muster_Mail *from)
+{
+    muster_Mail letter = *from;
+    letter.hops++;
+    letter.due_ns = -1; /* it has waited for its time already */
+    muster_Outcome objection = objection_to(b, &letter);
+    if (objection != muster_OUTCOME_DELIVERED) {
+        outcome_tell(b, sender, letter.seq, letter.seq, objection);
+        return;
+    }
+    struct mail *m = store_put(&b->store, &letter);
+    if (!m) {
+        b->counters.sent++;
+        b->counters.box_full++;
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
+        outcome_tell(b, sender, letter.seq, letter.seq, muster_OUTCOME_BOX_FULL);
+        return;
+    }
+    m->sender = sender;
+    m->payer = registry_is_own(sender) ? agent : sender;
+    m->only = agent;
+    if (!b->lockstep.on || !router_meets_lockstep(b, m)) {
+        (void)router_route(b, m);
+    } else if (!lockstep_keep(b, m, true)) {
+        router_turn_away(b, m);
+    }
+}
+
+static bool parcel_is_whole(const muster_Parcel *p)
+{
+    return border_string(p->box, MU_NAME_MAX) && border_string(p->letter.src, MU_NAME_MAX) &&
+           mu_name_valid(p->letter.src) && p->number > 0;
+}
+
+static void ack_owe(struct peer *p, uint32_t agent)
+{
+    if (!p->ack_due[agent]) {
+        p->ack_due[agent] = true;
+        p->acks[p->acks_count++] = agent;
+    }
+}
+
+/* @return whether a parcel is the next one of its box: where one is missing it was lost, and the
+ *         neighbour will begin there again */
+static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number)
+{
+    return number == p->taken[agent] + 1;
+}
+
+static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
+{
+    uint32_t agent = MU_NONE, sender = MU_NONE;
+    if (parcel_is_whole(parcel)) {
+        agent = registry_find(&b->registry, parcel->box);
+        sender = sender_of(b, parcel->letter.src);
+    }
+    if (agent == MU_NONE || registry_is_own(agent)) {
+        b->counters.malformed++;
+        return;
+    }
+    if (parcel->number <= p->taken[agent]) {
+        ack_owe(p, agent);
+        b->liaison.count.repeated++;
+        return;
+    }
+    if (!number_follows(p, agent, parcel->number)) {
+        b->counters.gaps++;
+        return;
+    }
+    ack_owe(p, agent);
+    p->taken[agent] = parcel->number;
+    b->liaison.count.parcels_in++;
+    if (sender == MU_NONE) { /* no room for its name: what follows must not wait until there is */
+        b->counters.sent++;
+        b->counters.box_full++;
+        return;
+    }
+    mail_take(b, agent, sender, &parcel->letter);
+}
+
+/* What others have had from a box is not for us. */
+static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict *v)
+{
+    uint32_t agent =
+        border_string(v->agent, MU_NAME_MAX) ? registry_find(&b->registry, v->agent) : MU_NONE;
+    if (agent == MU_NONE || registry_is_own(agent)) {
+        b->counters.malformed++;
+    } else if (v->last_seq > p->taken[agent]) {
+        p->taken[agent] = v->last_seq;
+    }
+}
+
+/* --- receipts, groups, services --------------------------------------------------------------- */
+
+/* What becomes of mail at other brokers is no business of those in a lock step. */
+static void receipt_take(struct broker *b, const struct peer *p, const muster_Receipt *r)
+{
+    uint32_t agent =
+        border_string(r->agent, MU_NAME_MAX) ? registry_find(&b->registry, r->agent) : MU_NONE;
+    if (agent == MU_NONE || r->first_seq == 0 || r->first_seq > r->last_seq ||
+        (unsigned)r->result > muster_OUTCOME_NO_STORE) {
+        b->counters.malformed++;
+        return;
+    }
+    const struct agent *a = &b->registry.agents[agent];
+    b->liaison.count.receipts_in++;
+    bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
+    if (!goes_back && !presence_in_lockstep(b, agent)) {
+        outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
+    }
+}
+
+static void lines_take(struct broker *b, const muster_Delivery *d)
+{
+    struct said said = pages_said(b);
+    struct said by_the_wall = {.stamp_ns = presence_wall_ns(b), .origin = said.origin};
+    for (uint32_t i = 0; i < d->memberships._length; i++) {
+        const muster_Membership *m = &d->memberships._buffer[i];
+        if (m->group && m->agent && m->origin &&
+            groups_merge(&b->pages.groups, m, said.inside) != MU_MALFORMED) {
+            continue;
+        }
+        b->counters.malformed++;
+    }
+    for (uint32_t i = 0; i < d->offers._length; i++) {
+        const muster_Offer *o = &d->offers._buffer[i];
+        if (o->service && o->agent && o->origin && o->attributes &&
+            services_merge(&b->pages.services, o, &by_the_wall, runclock_mail_ns(&b->clock)) !=
+                MU_MALFORMED) {
+            continue;
+        }
+        b->counters.malformed++;
+    }
+    pages_tell(b);
+}
+
+/* The neighbour has not heard us for a while, or not yet in this life. */
+static void roll_call_take(struct broker *b, const struct peer *p)
+{
+    uint32_t place = places_find(&b->places, p->place);
+    announce_all(b);
+    if (place != MU_NONE) {
+        presence_tell_again(b, place);
+    }
+}
+
+void relay_take(struct broker *b, const muster_Delivery *d)
+{
+    if (!border_string(d->process, MU_PROCESS_MAX) || !border_string(d->broker, MU_NAME_MAX) ||
+        !mu_name_valid(d->broker) || strcmp(d->process, b->place) != 0 ||
+        strcmp(d->broker, b->name) == 0) {
+        b->counters.malformed++;
+        return;
+    }
+    struct peer *p = liaison_meet(b, d->broker, d->broker_incarnation);
+    if (!p) {
+        return;
+    }
+    if (d->roll_call) {
+        roll_call_take(b, p);
+    }
+    for (uint32_t i = 0; i < d->verdicts._length; i++) {
+        verdict_take(b, p, &d->verdicts._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->parcels._length; i++) {
+        parcel_take(b, p, &d->parcels._buffer[i]);
+    }
+    for (uint32_t i = 0; i < d->receipts._length; i++) {
+        receipt_take(b, p, &d->receipts._buffer[i]);
+    }
+    lines_take(b, d);
+}
+
+/* --- acknowledgements ------------------------------------------------------------------------- */
+
+/* Moves those to the end whose mail this broker has as safely as it is asked to.
+ * @return how many they are */
+static uint32_t acks_ready(const struct broker *b, struct peer *p)
+{
+    uint32_t waiting = 0;
+    for (uint32_t i = 0; i < p->acks_count; i++) {
+        uint32_t agent = p->acks[i];
+        if (lockstep_keeps_relayed(&b->lockstep, agent)) {
+            p->acks[i] = p->acks[waiting];
+            p->acks[waiting++] = agent;
+        }
+    }
+    return p->acks_count - waiting;
+}
+
+bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
+{
+    struct liaison *l = &b->liaison;
+    uint32_t i = 0, ready = 0;
+    while (i < l->peers_count && (ready = acks_ready(b, &l->peers[i])) == 0) {
+        i++;
+    }
+    if (i == l->peers_count) {
+        return false;
+    }
+    struct peer *p = &l->peers[i];
+    l->peer_open = i;
+    l->acks_open_count = ready < LIAISON_ACKS ? ready : LIAISON_ACKS;
+    for (uint32_t k = 0; k < l->acks_open_count; k++) {
+        uint32_t agent = p->acks[p->acks_count - 1 - k];
+        l->acks_open[k] =
+            (muster_Ack){.box = b->registry.agents[agent].name, .number = p->taken[agent]};
+    }
+    *out = (muster_Up){
+        .process = b->place, .broker_incarnation = p->incarnation, .step = muster_STEP_NOW};
+    out->acks._buffer = l->acks_open;
+    out->acks._length = out->acks._maximum = l->acks_open_count;
+    *peer = p->name;
+    return true;
+}
+
+void relay_up_sent(struct broker *b)
+{
+    struct peer *p = &b->liaison.peers[b->liaison.peer_open];
+    for (; b->liaison.acks_open_count > 0; b->liaison.acks_open_count--) {
+        p->ack_due[p->acks[--p->acks_count]] = false;
+    }
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/names/registry.h"
+
+#include "broker/base/sample.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void registry_init(struct registry *r)
+{
+    *r = (struct registry){0};
+    r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
+    r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
+    changes_init(&r->changes, REGISTRY_MAX);
+    mu_table_init(&r->names, REGISTRY_MAX);
+}
+
+uint32_t registry_find(const struct registry *r, const char *name)
+{
+    return mu_table_find(&r->names, name);
+}
+
+bool registry_is_own(uint32_t agent)
+{
+    return agent < REGISTRY_OWN;
+}
+
+const char *registry_objection(const char *name, muster_Kind kind)
+{
+    if (!mu_name_valid(name)) {
+        return "not a valid name";
+    }
+    if (!mu_name_reserved(name)) {
+        return NULL;
+    }
+    if (strcmp(name, "observer") != 0 && strcmp(name, "operator") != 0) {
+        return "reserved name";
+    }
+    return kind == muster_KIND_SPECIAL ? NULL : "reserved for a special agent";
+}
+
+/* The place of a name in the order; names are entered once, so that linear insertion is cheap. */
+static void order_insert(struct registry *r, uint32_t agent)
+{
+    uint32_t lo = 0, hi = r->count;
+    while (lo < hi) {
+        uint32_t mid = lo + (hi - lo) / 2;
+        if (strcmp(r->agents[r->order[mid]].name, r->agents[agent].name) < 0) {
+            lo = mid + 1;
+        } else {
+            hi = mid;
+        }
+    }
+    memmove(&r->order[lo + 1], &r->order[lo], (r->count - lo) * sizeof *r->order);
+    r->order[lo] = agent;
+}
+
+uint32_t registry_add(struct registry *r, const char *name)
+{
+    if (r->count == REGISTRY_MAX) {
+        return MU_NONE;
+    }
+    uint32_t index = r->count;
+    struct agent *a = &r->agents[index];
+    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
+    a->is.state = muster_STATE_ABSENT;
+    bool fits = mu_text_copy(a->name, sizeof a->name, name);
+    MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);
+    order_insert(r, index);
+    r->count++;
+    return index;
+}
+
+void registry_mark_page(struct registry *r, uint32_t page)
+{
+    if (!r->pages_due[page]) {
+        r->pages_due[page] = true;
+        r->news[(r->news_head + r->news_count++) % REGISTRY_PAGES] = page;
+    }
+}
+
+void registry_touch(struct registry *r, uint32_t agent)
+{
+    changes_touch(&r->changes, agent);
+    registry_mark_page(r, agent / REGISTRY_PAGE);
+}
+
+uint64_t registry_last_seq(const struct agent *a)
+{
+    uint64_t earlier = a->seen_seq ? 0 : a->earlier_seq;
+    uint64_t last = a->seen_seq > a->durable_seq ? a->seen_seq : a->durable_seq;
+    last = last > a->elsewhere_seq ? last : a->elsewhere_seq;
+    return last > earlier ? last : earlier;
+}
+
+uint32_t registry_next_page(struct registry *r)
+{
+    if (r->news_count == 0) {
+        return MU_NONE;
+    }
+    uint32_t page = r->news[r->news_head];
+    r->news_head = (r->news_head + 1) % REGISTRY_PAGES;
+    r->news_count--;
+    r->pages_due[page] = false;
+    return page;
+}
+
+void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
+                   const struct presence *presence, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    r->present += a->process == MU_NONE && !registry_is_own(agent);
+    a->process = process;
+    (void)mu_text_copy(a->place, sizeof a->place, place);
+    a->is = *presence;
+    a->since_wall_ns = wall_ns;
+    a->verdict_due = process != MU_NONE;
+    a->gone = a->awaited = a->ended = a->handed = false;
+    registry_touch(r, agent);
+}
+
+void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    MU_ASSERT(a->process != MU_NONE);
+    r->present--;
+    a->process = MU_NONE;
+    a->is.state = muster_STATE_ABSENT;
+    a->since_wall_ns = wall_ns;
+    a->verdict_due = false;
+    a->gone = false;
+    registry_touch(r, agent);
+}
+
+bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
+                     uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    bool same_state = a->is.state == presence->state;
+    bool same = same_state && a->is.kind == presence->kind && a->is.pid == presence->pid &&
+                strcmp(a->is.host, presence->host) == 0 &&
+                strcmp(a->is.home, presence->home) == 0 &&
+                a->is.busy_since_wall_ns == presence->busy_since_wall_ns &&
+                strcmp(a->is.reason, presence->reason) == 0;
+    a->is = *presence;
+    a->handed = false;
+    if (same) {
+        return false;
+    }
+    if (!same_state) {
+        a->since_wall_ns = wall_ns;
+    }
+    registry_touch(r, agent);
+    return true;
+}
+
+bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns)
+{
+    struct agent *a = &r->agents[agent];
+    if (a->is.state == state) {
+        return false;
+    }
+    a->is.state = state;
+    a->since_wall_ns = wall_ns;
+    registry_touch(r, agent);
+    return true;
+}
+
+void registry_line(const struct registry *r, uint32_t agent, const char *broker, muster_Member *out)
+{
+    struct agent *a = &r->agents[agent];
+    *out = (muster_Member){.name = a->name,
+                           .kind = a->is.kind,
+                           .state = a->is.state,
+                           .process = a->place,
+                           .host = a->is.host,
+                           .pid = a->is.pid,
+                           .since_wall_ns = a->since_wall_ns,
+                           .busy_since_wall_ns = a->is.busy_since_wall_ns,
+                           .reason = a->is.reason};
+    out->broker = a->is.home[0] ? a->is.home : sample_text(broker);
+}
+
+const char *registry_kind_word(muster_Kind kind)
+{
+    static const char *const words[] = {"agent", "robot", "host", "special"};
+    return (unsigned)kind < sizeof words / sizeof words[0] ? words[kind] : NULL;
+}
+
+const char *registry_state_word(muster_State state)
+{
+    static const char *const words[] = {"standby", "running", "suspended", "moving", "absent"};
+    return (unsigned)state < sizeof words / sizeof words[0] ? words[state] : NULL;
+}

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/names/registry.h"
+#include "broker/node/disk_bundle.h"
+#include "broker/node/disk_parts.h"
+#include "core/log.h"
+
+#include <stdio.h>
+
+/* The log grows to so many pages of 4 kB before it is copied into the file while mail pours in. */
+enum { LOG_PAGES_MAX = 4096 };
+
+/* So long nothing must have been written for the log to be copied in a quiet moment. */
+static const uint64_t QUIET_NS = 1000000000;
+
+const char *const disk_line_words[JOURNAL_LINE_KINDS] = {
+    [JOURNAL_GROUPS] = "group", [JOURNAL_SERVICES] = "service"};
+
+bool disk_run(struct disk *d, const char *sql)
+{
+    return sqlite3_exec(d->db, sql, NULL, NULL, NULL) == SQLITE_OK;
+}
+
+/* --- rows ------------------------------------------------------------------------------------- */
+
+/* A statement whose parameters are bound one after the other. */
+struct filling {
+    sqlite3_stmt *statement;
+    int count;
+};
+
+static struct filling fill(struct disk *d, enum disk_statement which)
+{
+    return (struct filling){.statement = d->statements[which]};
+}
+
+/* What is empty takes no room.  The text must stay until the statement has run. */
+static void fill_text(struct filling *f, const char *s)
+{
+    if (s && s[0]) {
+        sqlite3_bind_text(f->statement, ++f->count, s, -1, SQLITE_STATIC);
+    } else {
+        sqlite3_bind_null(f->statement, ++f->count);
+    }
+}
+
+static void fill_number(struct filling *f, uint64_t number)
+{
+    sqlite3_bind_int64(f->statement, ++f->count, (int64_t)number);
+}
+
+static void fill_number_or_null(struct filling *f, uint64_t number)
+{
+    if (number) {
+        fill_number(f, number);
+    } else {
+        sqlite3_bind_null(f->statement, ++f->count);
+    }
+}
+
+bool disk_step(sqlite3_stmt *statement)
+{
+    int result = sqlite3_step(statement);
+    (void)sqlite3_reset(statement); /* says again what the step has said */
+    return result == SQLITE_DONE;
+}
+
+static bool put_agent(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_PUT_AGENT);
+    fill_text(&f, e->name);
+    fill_text(&f, registry_kind_word(e->agent_kind));
+    fill_number(&f, e->durable_seq);
+    fill_number(&f, e->reserved_seq);
+    fill_number(&f, e->failed_seq);
+    return disk_step(f.statement);
+}
+
+static bool set_waiting(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_PUT_WAITS);
+    fill_number(&f, e->row);
+    fill_text(&f, e->waiting);
+    return disk_step(f.statement);
+}
+
+static bool put_line(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE);
+    fill_text(&f, disk_line_words[e->lines]);
+    fill_number(&f, e->slot);
+    if (e->line.key) {
+        fill_text(&f, e->line.key);
+        fill_text(&f, e->line.agent);
+        fill_number(&f, e->line.present);
+        fill_text(&f, e->line.attributes);
+        fill_number_or_null(&f, e->line.lease_ns);
+        fill_number(&f, e->line.stamp_ns);
+        fill_text(&f, e->line.origin);
+    }
+    return disk_step(f.statement);
+}
+
+static bool drop_lines(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_DROP_LINES);
+    fill_text(&f, disk_line_words[e->lines]);
+    return disk_step(f.statement);
+}
+
+static bool put_capsule(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, e->capsule[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE);
+    fill_text(&f, e->name);
+    if (e->capsule[0]) {
+        fill_number(&f, e->epoch);
+        fill_text(&f, e->capsule);
+    }
+    return disk_step(f.statement);
+}
+
+static bool put_clock(struct disk *d, const struct journal_entry *e)
+{
+    struct filling f = fill(d, DISK_PUT_META);
+    fill_text(&f, "run_wall_ns");
+    fill_number(&f, e->run_wall_ns);
+    return disk_step(f.statement);
+}
+
+/* --- transactions ----------------------------------------------------------------------------- */
+
+static bool entries_write(struct disk *d, struct broker *b)
+{
+    static bool (*const write[])(struct disk *, const struct journal_entry *) = {
+        [JOURNAL_AGENT] = put_agent,     [JOURNAL_MAIL] = disk_bundle_put,
+        [JOURNAL_WAITING] = set_waiting, [JOURNAL_GONE] = disk_bundle_drop,
+        [JOURNAL_LINE] = put_line,       [JOURNAL_RESET] = drop_lines,
+        [JOURNAL_CLOCK] = put_clock,     [JOURNAL_CAPSULE] = put_capsule};
+    struct journal_entry e;
+    disk_bundle_begin(d);
+    while (journal_next(b, &e)) {
+        if (!write[e.kind](d, &e)) {
+            return false;
+        }
+    }
+    return disk_bundle_end(d);
+}
+
+/* The pragma means nothing inside a transaction, so it comes before. */
+static bool sync_set(struct disk *d, bool full)
+{
+    if (d->full_sync != full &&
+        !disk_run(d, full ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL")) {
+        return false;
+    }
+    d->full_sync = full;
+    return true;
+}
+
+static void trouble_tell(struct disk *d, bool ok, const char *why)
+{
+    if (!ok && !d->troubled) {
+        mu_log(MU_LOG_ERROR, "store-cannot-write",
+               "file=%s error=\"%s\" durable mail is refused until it can", d->path, why);
+    } else if (ok && d->troubled) {
+        mu_log(MU_LOG_WARNING, "store-writes-again", "file=%s", d->path);
+    }
+    d->troubled = !ok;
+}
+
+/* @return whether the log is there */
+static bool log_stat(const struct disk *d, struct stat *out)
+{
+    char path[PATH_MAX + sizeof "-wal"];
+    snprintf(path, sizeof path, "%s-wal", d->path);
+    return stat(path, out) == 0;
+}
+
+/* It comes with the first commit, and stays until the store is closed. */
+static void log_note(struct disk *d)
+{
+    if (d->log.st_ino == 0 && !log_stat(d, &d->log)) {
+        d->log.st_ino = 0;
+    }
+}
+
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+bool disk_has_moved(struct disk *d)
+{
+    struct stat now;
+    if (stat(d->path, &now) != 0 || !is_same(&now, &d->file)) {
+        return true;
+    }
+    return d->log.st_ino != 0 && (!log_stat(d, &now) || !is_same(&now, &d->log));
+}
+
+static void log_copy(struct disk *d, int how)
+{
+    /* What cannot be copied now stays in the log, where it is as safe. */
+    if (sqlite3_wal_checkpoint_v2(d->db, NULL, how, NULL, NULL) == SQLITE_OK) {
+        d->log_pages = 0;
+    }
+}
+
+bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t now_ns)
+{
+    char why[128] = "";
+    bool written = sync_set(d, level == muster_LEVEL_SYNCED) &&
+                   disk_step(d->statements[DISK_BEGIN]) &&
+                   (!d->unbegun || disk_incarnation_put(d)) && entries_write(d, b);
+    bool moved = written && disk_has_moved(d);
+    bool ok = written && !moved && disk_step(d->statements[DISK_COMMIT]);
+    if (ok) {
+        d->unbegun = false;
+        log_note(d);
+    } else {
+        snprintf(why, sizeof why, "%s",
+                 moved ? "it was removed or replaced while it was in use" : sqlite3_errmsg(d->db));
+        if (!sqlite3_get_autocommit(d->db)) {
+            (void)disk_step(d->statements[DISK_ROLLBACK]);
+        }
+    }
+    trouble_tell(d, ok, why);
+    d->wrote_ns = now_ns;
+    if (ok && d->log_pages > LOG_PAGES_MAX) {
+        log_copy(d, SQLITE_CHECKPOINT_PASSIVE);
+    }
+    journal_committed(b, ok, now_ns);
+    return ok;
+}
+
+void disk_rest(struct disk *d, uint64_t now_ns)
+{
+    if (d->log_pages > 0 && now_ns - d->wrote_ns > QUIET_NS) {
+        log_copy(d, SQLITE_CHECKPOINT_TRUNCATE);
+        d->wrote_ns = now_ns;
+    }
+}
+
+void disk_close(struct disk *d)
+{
+    for (int i = 0; i < DISK_STATEMENTS; i++) {
+        sqlite3_finalize(d->statements[i]);
+    }
+    if (d->file.st_ino != 0 && disk_has_moved(d)) { /* what bears its name now is not ours */
+        (void)sqlite3_db_config(d->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
+    }
+    sqlite3_close(d->db); /* copies the log into the file, and removes it */
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/disk_parts.h"
+#include "core/text.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+bool disk_default_path(char *path, size_t size, int domain, const char *broker)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    struct mu_text t;
+    mu_text_init(&t, path, size);
+    if (state && state[0] == '/') {
+        mu_text_add(&t, state);
+    } else if (home && home[0] == '/') {
+        mu_text_format(&t, "%s/.local/state", home);
+    } else {
+        return false;
+    }
+    mu_text_format(&t, "/muster/%d-%s.db", domain, broker);
+    return !t.cut;
+}
+
+bool disk_make_folders(const char *path)
+{
+    char folder[PATH_MAX];
+    if (!mu_text_copy(folder, sizeof folder, path)) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    for (char *slash = strchr(folder + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(folder, 0700) != 0 && errno != EEXIST) {
+            return false;
+        }
+        *slash = '/';
+    }
+    return true;
+}
