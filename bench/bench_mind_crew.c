@@ -32,13 +32,13 @@ static bool cycle(struct mind *m, uint64_t robot, uint64_t step)
         sonar_m[i] = 0.8F + 0.21F * (float)((step / 8 + robot + 3 * i) % 20);
     }
     double turn_rad = remainder(0.02 * (double)(step + robot), 2 * M_PI);
-    struct mind_percept percept = {.time_ns = step * MU_STEP_NS,
-                                   .x_m = (double)robot + cos(turn_rad),
-                                   .y_m = sin(turn_rad),
-                                   .heading_rad = turn_rad,
-                                   .forward_m_s = 0.2,
-                                   .sonar_count = SONARS,
-                                   .sonar_m = sonar_m};
+    struct mu_percept percept = {.time_ns = step * MU_STEP_NS,
+                                 .x_m = (double)robot + cos(turn_rad),
+                                 .y_m = sin(turn_rad),
+                                 .heading_rad = turn_rad,
+                                 .forward_m_s = 0.2,
+                                 .sonar_count = SONARS,
+                                 .sonar_m = sonar_m};
     struct mind_act act;
     mind_percept(m, &percept);
     mind_fire(m, &act);

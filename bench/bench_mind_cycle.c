@@ -28,17 +28,17 @@ static bool cycle(struct mind *m, uint64_t step)
     struct mu_blob blob = {0xFF0000, 0.3 * turn_rad, 0.1, 2 + cos(turn_rad)};
     struct mu_fiducial marks[] = {{1, 0.4 + 0.1 * turn_rad, 1.5 + 0.1 * turn_rad, 0.2},
                                   {2, -0.4 + 0.1 * turn_rad, 1.7 - 0.1 * turn_rad, 0.3}};
-    struct mind_percept percept = {.time_ns = step * MU_STEP_NS,
-                                   .x_m = 2 * cos(turn_rad),
-                                   .y_m = 2 * sin(turn_rad),
-                                   .heading_rad = turn_rad,
-                                   .forward_m_s = 0.2,
-                                   .sonar_count = SONARS,
-                                   .sonar_m = sonar_m,
-                                   .blob_count = 1,
-                                   .blobs = &blob,
-                                   .fiducial_count = 2,
-                                   .fiducials = marks};
+    struct mu_percept percept = {.time_ns = step * MU_STEP_NS,
+                                 .x_m = 2 * cos(turn_rad),
+                                 .y_m = 2 * sin(turn_rad),
+                                 .heading_rad = turn_rad,
+                                 .forward_m_s = 0.2,
+                                 .sonar_count = SONARS,
+                                 .sonar_m = sonar_m,
+                                 .blob_count = 1,
+                                 .blobs = &blob,
+                                 .fiducial_count = 2,
+                                 .fiducials = marks};
     struct mind_act act;
     mind_percept(m, &percept);
     mind_fire(m, &act);

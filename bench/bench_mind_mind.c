@@ -27,11 +27,11 @@ static bool cycle(struct mind *m, uint64_t step)
         sonar_m[i] = 4.0F + 0.01F * (float)((step + i) % 16);
     }
     double x_m = 0.02 * (double)(step % 1000);
-    struct mind_percept percept = {.time_ns = step * MU_STEP_NS,
-                                   .x_m = x_m,
-                                   .forward_m_s = 0.2,
-                                   .sonar_count = SONARS,
-                                   .sonar_m = sonar_m};
+    struct mu_percept percept = {.time_ns = step * MU_STEP_NS,
+                                 .x_m = x_m,
+                                 .forward_m_s = 0.2,
+                                 .sonar_count = SONARS,
+                                 .sonar_m = sonar_m};
     char content[64];
     snprintf(content, sizeof content, "mate-pos red %.3f 100.0", 1000.0 * x_m + 1500.0);
     struct mind_mail mail = {step + 1, "red", "", "", "", "", "", "", content, 0};

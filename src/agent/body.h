@@ -9,9 +9,6 @@
 #include "mind/mind.h"
 #include "muster/agent.h"
 
-/** @return the percept for the mind; it points to where p points */
-struct mind_percept body_percept(const struct mu_percept *p);
-
 /** Hands on what the rules have the body do in this step. */
 void body_act(mu_agent *a, const struct mind_act *act);
 

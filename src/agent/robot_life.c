@@ -225,12 +225,11 @@ void robot_settle(struct robot *r)
     if (!r->percept_waits) {
         return;
     }
-    struct mind_percept percept = body_percept(&r->percept);
     r->percept_waits = false;
     if (r->bodiless) {
-        mind_feel_nothing(r->mind, percept.time_ns);
+        mind_feel_nothing(r->mind, r->percept.time_ns);
     } else {
-        mind_percept(r->mind, &percept);
+        mind_percept(r->mind, &r->percept);
     }
 }
 

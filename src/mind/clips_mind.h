@@ -136,7 +136,7 @@ struct mind {
     uint64_t asked; /* questions so far, for reply-with */
 
     /* percepts */
-    struct mind_percept percept;
+    struct mu_percept percept;
     float sonar[MU_SONARS_MAX], laser_m[MU_BEAMS_MAX];
     struct mu_blob blobs[MU_BLOBS_MAX];
     struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];

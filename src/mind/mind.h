@@ -12,28 +12,13 @@
 #include "core/fault.h"
 #include "core/text.h"
 #include "muster/kind.h"
+#include "muster/percept.h"
 #include "muster/result.h"
 #include "planner/route.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* As struct mu_percept has it; what it points to is copied. */
-struct mind_percept {
-    uint64_t time_ns; /* simulated */
-    double x_m, y_m, heading_rad;
-    double forward_m_s, turn_rad_s;
-    bool stalled;
-    double gps_x_m, gps_y_m, compass_rad;
-    double odometer_x_m, odometer_y_m, odometer_heading_rad;
-    double battery_share; /* < 0: it has none */
-    uint32_t bumpers, gripper;
-    size_t sonar_count, laser_count, blob_count, fiducial_count;
-    const float *sonar_m, *laser_m;
-    const struct mu_blob *blobs;
-    const struct mu_fiducial *fiducials;
-};
 
 /* A mail that came; every string is set, "" where the sender said nothing. */
 struct mind_mail {
@@ -231,9 +216,9 @@ MU_MUST_USE mu_result mind_set_global(struct mind *m, const char *name, const ch
  */
 uint32_t mind_senses(const struct mind *m);
 
-/** Replaces the percept facts; events become facts; message facts age and go.  Opens a control
- * step. */
-void mind_percept(struct mind *m, const struct mind_percept *percept);
+/** Opens a control step: copies the percept, and replaces the percept facts; events become facts;
+ * message facts age and go. */
+void mind_percept(struct mind *m, const struct mu_percept *percept);
 
 /** The same for a mind that has no body, or has lost it: its percept facts go. */
 void mind_feel_nothing(struct mind *m, uint64_t time_ns);

@@ -171,7 +171,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     m->act = (struct mind_act){.drives = false};
 }
 
-void mind_percept(struct mind *m, const struct mind_percept *percept)
+void mind_percept(struct mind *m, const struct mu_percept *percept)
 {
     m->step++;
     if (CLIPS_BROKEN(m)) {

@@ -155,18 +155,18 @@ static void trial_place(struct trial *t, struct router *router, struct mu_random
     exit(EXIT_FAILURE);
 }
 
-static struct mind_percept percept_of(const struct engine_percept *p, uint64_t time_ns)
+static struct mu_percept percept_of(const struct engine_percept *p, uint64_t time_ns)
 {
-    return (struct mind_percept){.time_ns = time_ns,
-                                 .x_m = p->pose.x_m,
-                                 .y_m = p->pose.y_m,
-                                 .heading_rad = p->pose.heading_rad,
-                                 .forward_m_s = p->forward_m_s,
-                                 .turn_rad_s = p->turn_rad_s,
-                                 .stalled = p->stalled,
-                                 .battery_share = p->battery_share,
-                                 .sonar_count = p->sonar_count,
-                                 .sonar_m = p->sonar_m};
+    return (struct mu_percept){.time_ns = time_ns,
+                               .x_m = p->pose.x_m,
+                               .y_m = p->pose.y_m,
+                               .heading_rad = p->pose.heading_rad,
+                               .forward_m_s = p->forward_m_s,
+                               .turn_rad_s = p->turn_rad_s,
+                               .stalled = p->stalled,
+                               .battery_share = p->battery_share,
+                               .sonar_count = p->sonar_count,
+                               .sonar_m = p->sonar_m};
 }
 
 static double trial_far(const struct trial *t)
@@ -179,7 +179,7 @@ static double trial_far(const struct trial *t)
 static bool trial_step(struct trial *t, uint64_t time_ns)
 {
     const struct engine_percept *p = engine_sense_all(t->engine, t->wanted);
-    struct mind_percept percept = percept_of(&p[0], time_ns);
+    struct mu_percept percept = percept_of(&p[0], time_ns);
     struct mind_act act;
     mind_percept(t->mind, &percept);
     mind_fire(t->mind, &act);

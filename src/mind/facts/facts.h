@@ -38,7 +38,7 @@ void sensors_set_fiducial(struct mind *m, const struct mu_fiducial *f, struct mu
                           size_t at);
 
 /** Writes time s, x mm, y mm, speed mm/s, turn rate deg/s, compass deg in (-180, 180]. */
-void sensors_set_position(const struct mind_percept *p, double out[6]);
+void sensors_set_position(const struct mu_percept *p, double out[6]);
 
 /* percept.c */
 
@@ -46,13 +46,13 @@ void sensors_set_position(const struct mind_percept *p, double out[6]);
 enum { PERCEPT_REALS = 12 };
 
 /** Says where they are. */
-void percept_reals(struct mind_percept *p, double *reals[PERCEPT_REALS]);
+void percept_reals(struct mu_percept *p, double *reals[PERCEPT_REALS]);
 
 /** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
 void percept_show(struct mind *m);
 
 /** Replaces the percept and its facts. */
-void percept_take(struct mind *m, const struct mind_percept *p);
+void percept_take(struct mind *m, const struct mu_percept *p);
 
 /** There is no percept any more: its facts go, the time stays. */
 void percept_lose(struct mind *m, uint64_t time_ns);

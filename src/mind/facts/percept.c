@@ -122,7 +122,7 @@ static size_t percept_ranges(float *to, const float *from_m, size_t count, size_
     return count;
 }
 
-void percept_reals(struct mind_percept *p, double *reals[PERCEPT_REALS])
+void percept_reals(struct mu_percept *p, double *reals[PERCEPT_REALS])
 {
     double *const all[PERCEPT_REALS] = {&p->x_m,
                                         &p->y_m,
@@ -139,7 +139,7 @@ void percept_reals(struct mind_percept *p, double *reals[PERCEPT_REALS])
     memcpy(reals, all, sizeof all);
 }
 
-static void percept_copy_body(struct mind_percept *p)
+static void percept_copy_body(struct mu_percept *p)
 {
     double *reals[PERCEPT_REALS];
     percept_reals(p, reals);
@@ -148,7 +148,7 @@ static void percept_copy_body(struct mind_percept *p)
     }
 }
 
-static void percept_copy_sights(struct mind *m, const struct mind_percept *p)
+static void percept_copy_sights(struct mind *m, const struct mu_percept *p)
 {
     size_t blobs = p->blob_count < MU_BLOBS_MAX ? p->blob_count : MU_BLOBS_MAX;
     size_t fiducials = p->fiducial_count < MU_FIDUCIALS_MAX ? p->fiducial_count : MU_FIDUCIALS_MAX;
@@ -169,7 +169,7 @@ static void percept_copy_sights(struct mind *m, const struct mind_percept *p)
     m->percept.fiducials = m->fiducials;
 }
 
-static void percept_copy(struct mind *m, const struct mind_percept *p)
+static void percept_copy(struct mind *m, const struct mu_percept *p)
 {
     m->percept = *p;
     percept_copy_body(&m->percept);
@@ -181,7 +181,7 @@ static void percept_copy(struct mind *m, const struct mind_percept *p)
     m->sensed = true;
 }
 
-void percept_take(struct mind *m, const struct mind_percept *p)
+void percept_take(struct mind *m, const struct mu_percept *p)
 {
     m->diary_fact = CLIPS_DIARY_SENSED;
     percept_retract_all(m);
@@ -195,7 +195,7 @@ void percept_take(struct mind *m, const struct mind_percept *p)
 
 void percept_lose(struct mind *m, uint64_t time_ns)
 {
-    const struct mind_percept nothing = {.time_ns = time_ns, .battery_share = -1};
+    const struct mu_percept nothing = {.time_ns = time_ns, .battery_share = -1};
     percept_retract_all(m);
     percept_copy(m, &nothing);
     m->sensed = m->ring_unseen = false;

@@ -79,7 +79,7 @@ void sensors_set_fiducial(struct mind *m, const struct mu_fiducial *f, struct mu
     clips_value_set_float(m->env, fields, at + 3, value_norm_deg(f->heading_rad * VALUE_DEG));
 }
 
-void sensors_set_position(const struct mind_percept *p, double out[6])
+void sensors_set_position(const struct mu_percept *p, double out[6])
 {
     out[0] = (double)p->time_ns * 1e-9;
     out[1] = p->x_m * 1000;

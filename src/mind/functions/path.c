@@ -17,7 +17,7 @@ void clips_plan_call(void *env, DATA_OBJECT *out)
 {
     static struct route route; /* large, and of use only until the fields are made */
     struct mind *m = clips_env_mind(env);
-    const struct mind_percept *p = &m->percept;
+    const struct mu_percept *p = &m->percept;
     double to_mm[2];
     clips_value_bool(env, out, false);
     if (!clips_value_numbers(env, "plan", 2, to_mm)) {

@@ -199,7 +199,7 @@ void sensors_fiducials(void *env, DATA_OBJECT *out)
 void sensors_gps(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = clips_env_mind(env);
-    const struct mind_percept *p = &m->percept;
+    const struct mu_percept *p = &m->percept;
     if (!m->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
@@ -211,7 +211,7 @@ void sensors_gps(void *env, DATA_OBJECT *out)
 void sensors_odometer(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = clips_env_mind(env);
-    const struct mind_percept *p = &m->percept;
+    const struct mu_percept *p = &m->percept;
     if (!m->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;

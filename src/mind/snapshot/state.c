@@ -5,11 +5,10 @@
 
 #include <string.h>
 
-    /* --- numbers
-       ---------------------------------------------------------------------------------- */
+/* --- numbers
+   ---------------------------------------------------------------------------------- */
 
-    static bool
-    reals_load(struct capsule *c, double **reals, size_t count)
+static bool reals_load(struct capsule *c, double **reals, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (!clips_capsule_real(c, reals[i])) {
@@ -92,7 +91,7 @@ static bool facts_load(struct capsule *c, struct fact **facts, size_t count)
 
 static void percept_save(struct mind *m, struct mu_text *out)
 {
-    struct mind_percept *p = &m->percept;
+    struct mu_percept *p = &m->percept;
     double *reals[PERCEPT_REALS];
     percept_reals(p, reals);
     mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
@@ -123,7 +122,7 @@ static void percept_save(struct mind *m, struct mu_text *out)
 static bool percept_line_load(struct capsule *c)
 {
     struct mind *m = c->mind;
-    struct mind_percept p = {.time_ns = 0};
+    struct mu_percept p = {.time_ns = 0};
     double *reals[PERCEPT_REALS];
     uint64_t n[5];
     percept_reals(&p, reals);

@@ -121,15 +121,15 @@ static void sense(struct body *b, uint64_t time_ns)
     for (size_t i = 0; i < SONARS; i++) {
         sonar[i] = cast(b, looks[i] / 180 * pi);
     }
-    struct mind_percept p = {.time_ns = time_ns,
-                             .x_m = b->x,
-                             .y_m = b->y,
-                             .heading_rad = b->heading,
-                             .forward_m_s = b->forward,
-                             .turn_rad_s = b->turn,
-                             .stalled = b->stalled,
-                             .sonar_count = SONARS,
-                             .sonar_m = sonar};
+    struct mu_percept p = {.time_ns = time_ns,
+                           .x_m = b->x,
+                           .y_m = b->y,
+                           .heading_rad = b->heading,
+                           .forward_m_s = b->forward,
+                           .turn_rad_s = b->turn,
+                           .stalled = b->stalled,
+                           .sonar_count = SONARS,
+                           .sonar_m = sonar};
     mind_percept(b->mind, &p);
 }
 

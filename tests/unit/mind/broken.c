@@ -112,7 +112,7 @@ static void test_a_broken_mind_answers_that_it_is(void)
     struct mu_text out;
     struct mu_fault fault;
     struct mind_act act;
-    struct mind_percept percept = {.time_ns = 0};
+    struct mu_percept percept = {.time_ns = 0};
     begin();
     CU_ASSERT_EQUAL(say("(defrule near (sonar $?) => )"), MU_OK);
     break_it(0);

@@ -136,15 +136,15 @@ static void world_step(struct soul *s, uint64_t step)
     for (size_t i = 0; i < SONARS; i++) {
         sonar[i] = (float)(0.2 + 4.8 * mu_random_unit(&r));
     }
-    struct mind_percept p = {.time_ns = step * MU_STEP_NS,
-                             .x_m = 10 * mu_random_unit(&r) - 5,
-                             .y_m = 10 * mu_random_unit(&r) - 5,
-                             .heading_rad = 6.28 * mu_random_unit(&r) - 3.14,
-                             .forward_m_s = 0.4 * mu_random_unit(&r),
-                             .stalled = mu_random_between(&r, 0, 9) == 0,
-                             .battery_share = -1,
-                             .sonar_count = SONARS,
-                             .sonar_m = sonar};
+    struct mu_percept p = {.time_ns = step * MU_STEP_NS,
+                           .x_m = 10 * mu_random_unit(&r) - 5,
+                           .y_m = 10 * mu_random_unit(&r) - 5,
+                           .heading_rad = 6.28 * mu_random_unit(&r) - 3.14,
+                           .forward_m_s = 0.4 * mu_random_unit(&r),
+                           .stalled = mu_random_between(&r, 0, 9) == 0,
+                           .battery_share = -1,
+                           .sonar_count = SONARS,
+                           .sonar_m = sonar};
     mind_percept(s->mind, &p);
     for (int i = 0; i < 3; i++) {
         static const char *const from[] = {"red", "green", "yellow"};
@@ -297,7 +297,7 @@ static void test_mail_and_events_come_along(void)
     soul_load(&stays, "(defrule wait (never) (mail (performative ask-one)) =>)\n"
                       "(deffunction take (?id ?from ?p ?c) (assert (took ?c)))\n"
                       "(on-layer 4 take)\n(deffunction later () (getmsg))\n");
-    struct mind_percept p = {.time_ns = MU_STEP_NS, .battery_share = 0.5};
+    struct mu_percept p = {.time_ns = MU_STEP_NS, .battery_share = 0.5};
     mind_percept(stays.mind, &p);
     struct mind_mail asked = {1, "red", "ask-one", "", "", "q1", "", "", "where \"are\" you", 0};
     struct mind_mail prose = {2, "green", "", "english", "", "", "", "", "plain\ntext", 0};

@@ -51,7 +51,7 @@ static const char *diary(struct mind *m)
 static void step(struct mind *m, double x_m)
 {
     struct mind_act act;
-    struct mind_percept percept = {.time_ns = 100000000, .x_m = x_m, .battery_share = -1};
+    struct mu_percept percept = {.time_ns = 100000000, .x_m = x_m, .battery_share = -1};
     mind_percept(m, &percept);
     mind_fire(m, &act);
 }
@@ -153,7 +153,7 @@ static void test_look(void)
     struct mind *m = mind_with(true, "(defrule look (position $?) => (get-fact-list) "
                                      "(assert (seen)))\n");
     const float sonar_m[] = {1};
-    struct mind_percept percept = {
+    struct mu_percept percept = {
         .time_ns = 100000000, .sonar_m = sonar_m, .sonar_count = 1, .battery_share = -1};
     struct mind_act act;
     diary(m);

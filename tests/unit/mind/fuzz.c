@@ -428,11 +428,11 @@ static bool line_do(struct fuzz *f, const char *line)
 static void step_do(struct fuzz *f)
 {
     float sonar_m[SONARS] = {0};
-    struct mind_percept percept = {.time_ns = ++f->step * MU_STEP_NS,
-                                   .battery_share = -1,
-                                   .stalled = draw(f, 1),
-                                   .sonar_count = SONARS,
-                                   .sonar_m = sonar_m};
+    struct mu_percept percept = {.time_ns = ++f->step * MU_STEP_NS,
+                                 .battery_share = -1,
+                                 .stalled = draw(f, 1),
+                                 .sonar_count = SONARS,
+                                 .sonar_m = sonar_m};
     struct mind_mail mail = {.id = f->step,
                              .src = "red",
                              .performative = "",

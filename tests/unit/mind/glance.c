@@ -188,12 +188,12 @@ static void step(struct soul *s, uint64_t n, uint32_t most)
     for (size_t i = 0; i < SONARS; i++) {
         sonar[i] = (float)(0.2 + 4.8 * mu_random_unit(&r));
     }
-    struct mind_percept p = {.time_ns = n * MU_STEP_NS,
-                             .x_m = 10 * mu_random_unit(&r) - 5,
-                             .y_m = 10 * mu_random_unit(&r) - 5,
-                             .battery_share = -1,
-                             .sonar_count = SONARS,
-                             .sonar_m = sonar};
+    struct mu_percept p = {.time_ns = n * MU_STEP_NS,
+                           .x_m = 10 * mu_random_unit(&r) - 5,
+                           .y_m = 10 * mu_random_unit(&r) - 5,
+                           .battery_share = -1,
+                           .sonar_count = SONARS,
+                           .sonar_m = sonar};
     mind_percept(s->mind, &p);
     snprintf(content, sizeof content, "mate-pos red %d %d", (int)mu_random_between(&r, 0, 5000),
              (int)mu_random_between(&r, 0, 5000));

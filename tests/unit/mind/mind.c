@@ -82,11 +82,11 @@ static mu_result answers(struct mind *m, const char *line, const char *want)
 
 static void sense(struct mind *m)
 {
-    struct mind_percept p = {.time_ns = steps++ * MU_STEP_NS,
-                             .x_m = 1,
-                             .y_m = 2,
-                             .sonar_count = SONARS,
-                             .sonar_m = sonar_m};
+    struct mu_percept p = {.time_ns = steps++ * MU_STEP_NS,
+                           .x_m = 1,
+                           .y_m = 2,
+                           .sonar_count = SONARS,
+                           .sonar_m = sonar_m};
     mind_percept(m, &p);
 }
 
@@ -483,19 +483,19 @@ static void test_percepts_that_are_no_numbers(void)
     float bad[2] = {NAN, INFINITY};
     struct mu_blob blob = {0xff0000, NAN, INFINITY, NAN};
     struct mu_fiducial fiducial = {1, NAN, INFINITY, NAN};
-    struct mind_percept p = {.x_m = NAN,
-                             .y_m = INFINITY,
-                             .gps_x_m = NAN,
-                             .compass_rad = INFINITY,
-                             .battery_share = NAN,
-                             .sonar_count = 2,
-                             .sonar_m = bad,
-                             .laser_count = 2,
-                             .laser_m = bad,
-                             .blob_count = 1,
-                             .blobs = &blob,
-                             .fiducial_count = 1,
-                             .fiducials = &fiducial};
+    struct mu_percept p = {.x_m = NAN,
+                           .y_m = INFINITY,
+                           .gps_x_m = NAN,
+                           .compass_rad = INFINITY,
+                           .battery_share = NAN,
+                           .sonar_count = 2,
+                           .sonar_m = bad,
+                           .laser_count = 2,
+                           .laser_m = bad,
+                           .blob_count = 1,
+                           .blobs = &blob,
+                           .fiducial_count = 1,
+                           .fiducials = &fiducial};
     mind_percept(m, &p);
     CU_ASSERT_EQUAL(answers(m, "(gps) (sonar)", "(0.0 0.0 0.0)\n(0.0 0.0)\n"), MU_OK);
     CU_ASSERT_EQUAL(answers(m, "(laser) (camera)", "(0.0 0.0)\n(red 0.0 0.0 0.0)\n"), MU_OK);
@@ -510,12 +510,12 @@ static void test_limit_readings(void)
     static struct mu_blob blobs[MU_BLOBS_MAX + 1];
     static struct mu_fiducial fiducials[MU_FIDUCIALS_MAX + 1];
     struct mind *m = open_mind(NULL);
-    struct mind_percept p = {.laser_count = MU_BEAMS_MAX + 1,
-                             .laser_m = laser_m,
-                             .blob_count = MU_BLOBS_MAX + 1,
-                             .blobs = blobs,
-                             .fiducial_count = MU_FIDUCIALS_MAX + 1,
-                             .fiducials = fiducials};
+    struct mu_percept p = {.laser_count = MU_BEAMS_MAX + 1,
+                           .laser_m = laser_m,
+                           .blob_count = MU_BLOBS_MAX + 1,
+                           .blobs = blobs,
+                           .fiducial_count = MU_FIDUCIALS_MAX + 1,
+                           .fiducials = fiducials};
     mind_percept(m, &p);
     CU_ASSERT_EQUAL(answers(m, "(length$ (laser))", "1024\n"), MU_OK);
     CU_ASSERT_EQUAL(answers(m, "(div (length$ (camera)) 4)", "32\n"), MU_OK);

@@ -74,7 +74,7 @@ static void percept(void)
     for (size_t i = 0; i < SONARS; i++) {
         sonar_m[i] = 0.25F + (float)i;
     }
-    struct mind_percept p = {
+    struct mu_percept p = {
         .time_ns = 100000000, .x_m = 1.25, .sonar_count = SONARS, .sonar_m = sonar_m};
     mind_percept(mind, &p);
 }
