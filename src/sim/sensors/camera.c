@@ -30,13 +30,12 @@ static bool camera_looks_for(const struct camera *camera, uint32_t rgb)
 }
 
 /* @return the first column after those that see the same as this one */
-static uint32_t camera_run(const struct camera *camera, const struct camera_scene *scene,
-                           uint32_t first)
+static uint32_t camera_run(const struct camera *camera, const struct sensing *at, uint32_t first)
 {
-    const struct solid *seen = gather_solid(scene->gather, scene->hit[first]);
+    const struct solid *seen = gather_solid(at->gather, at->hit[first]);
     uint32_t k = first + 1;
-    while (k < camera->table.count && scene->hit[k] != FAN_NOTHING) {
-        const struct solid *next = gather_solid(scene->gather, scene->hit[k]);
+    while (k < camera->table.count && at->hit[k] != FAN_NOTHING) {
+        const struct solid *next = gather_solid(at->gather, at->hit[k]);
         if (next->owner != seen->owner || next->rgb != seen->rgb) {
             break;
         }
@@ -60,26 +59,26 @@ static size_t camera_rank(struct engine_blob blobs[], size_t count, const struct
     return count;
 }
 
-size_t camera_read(const struct camera *camera, const struct camera_scene *scene,
+size_t camera_read(const struct camera *camera, const struct sensing *at,
                    struct engine_blob blobs[])
 {
-    struct frame at = frame_join(&scene->robot, &camera->place);
-    struct fan_eye eye = {at.x, at.y, at.c, at.s, camera->range_m, SOLID_SHOWS};
+    struct frame from = frame_join(&at->robot, &camera->place);
+    struct fan_eye eye = {from.x, from.y, from.c, from.s, camera->range_m, SOLID_SHOWS};
     const struct fan_table *table = &camera->table;
-    fan_kernel()->sweep(table, &eye, scene->near, scene->range_m, scene->hit);
+    fan_kernel()->sweep(table, &eye, &at->near.solids, at->range_m, at->hit);
     size_t count = 0;
     for (uint32_t first = 0, next; first < table->count; first = next) {
         next = first + 1;
-        if (scene->hit[first] == FAN_NOTHING) {
+        if (at->hit[first] == FAN_NOTHING) {
             continue;
         }
-        next = camera_run(camera, scene, first);
-        uint32_t rgb = gather_solid(scene->gather, scene->hit[first])->rgb;
+        next = camera_run(camera, at, first);
+        uint32_t rgb = gather_solid(at->gather, at->hit[first])->rgb;
         double middle = table->first_rad + table->step_rad * (first + next - 1) / 2;
         struct engine_blob blob = {.rgb = rgb,
                                    .bearing_rad = middle,
                                    .width_rad = table->step_rad * (next - first),
-                                   .range_m = scene->range_m[(first + next - 1) / 2]};
+                                   .range_m = at->range_m[(first + next - 1) / 2]};
         if (camera_looks_for(camera, rgb)) {
             count = camera_rank(blobs, count, &blob);
         }

@@ -23,20 +23,20 @@ static bool fiducials_is_mark(const struct solid *bearer)
 }
 
 /* @return whether nothing stands before the bearer */
-static bool fiducials_free(const struct fiducials_scene *scene, const struct frame *eye,
+static bool fiducials_free(const struct sensing *at, const struct frame *eye,
                            const struct solid *bearer, double range)
 {
     const double from[2] = {eye->x, eye->y};
     const double along[2] = {(bearer->x - eye->x) / range, (bearer->y - eye->y) / range};
     const struct solid *hit;
-    struct grid_eye sees = {scene->self, SOLID_ALL};
-    (void)grid_find(scene->grid, sees, from, along, range, &hit);
+    struct grid_eye sees = {at->self, SOLID_ALL};
+    (void)grid_find(at->grid, sees, from, along, range, &hit);
     return hit ? hit == bearer || (hit->owner != SOLID_NOBODY && hit->owner == bearer->owner)
                : fiducials_is_mark(bearer);
 }
 
 /* @return whether it is seen */
-static bool fiducials_look(const struct fiducials *finder, const struct fiducials_scene *scene,
+static bool fiducials_look(const struct fiducials *finder, const struct sensing *at,
                            const struct frame *eye, const struct solid *bearer,
                            struct engine_fiducial *out)
 {
@@ -47,7 +47,7 @@ static bool fiducials_look(const struct fiducials *finder, const struct fiducial
         return false;
     }
     double bearing = atan2(eye->c * gy - eye->s * gx, eye->c * gx + eye->s * gy);
-    if (fabs(bearing) > finder->half_fov_rad || !fiducials_free(scene, eye, bearer, range)) {
+    if (fabs(bearing) > finder->half_fov_rad || !fiducials_free(at, eye, bearer, range)) {
         return false;
     }
     double c = eye->c * bearer->c + eye->s * bearer->s;
@@ -75,15 +75,15 @@ static size_t fiducials_rank(struct engine_fiducial found[], size_t count,
     return count;
 }
 
-size_t fiducials_read(const struct fiducials *finder, const struct fiducials_scene *scene,
+size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,
                       struct engine_fiducial found[])
 {
-    struct frame eye = frame_join(&scene->robot, &finder->place);
+    struct frame eye = frame_join(&at->robot, &finder->place);
     size_t count = 0;
-    for (size_t k = 0; k < scene->near->count; k++) {
-        const struct solid *bearer = gather_solid(scene->gather, scene->near->id[k]);
+    for (size_t k = 0; k < at->near.solids.count; k++) {
+        const struct solid *bearer = gather_solid(at->gather, at->near.solids.id[k]);
         struct engine_fiducial one;
-        if (bearer->fiducial != 0 && fiducials_look(finder, scene, &eye, bearer, &one)) {
+        if (bearer->fiducial != 0 && fiducials_look(finder, at, &eye, bearer, &one)) {
             count = fiducials_rank(found, count, &one);
         }
     }

@@ -22,47 +22,49 @@ double laser_reach(const struct laser *laser)
     return laser->table.count ? laser->range.max_m + hypot(laser->place.x, laser->place.y) : 0;
 }
 
-static void laser_sweep(const struct laser *laser, const struct laser_scene *scene)
+static void laser_sweep(const struct laser *laser, const struct sensing *at)
 {
-    struct frame at = frame_join(&scene->robot, &laser->place);
-    struct fan_eye eye = {at.x, at.y, at.c, at.s, laser->range.max_m, SOLID_ECHOES};
-    fan_kernel()->sweep(&laser->table, &eye, scene->near, scene->range_m, NULL);
+    struct frame eye = frame_join(&at->robot, &laser->place);
+    struct fan_eye fan = {eye.x, eye.y, eye.c, eye.s, laser->range.max_m, SOLID_ECHOES};
+    fan_kernel()->sweep(&laser->table, &fan, &at->near.solids, at->range_m, NULL);
 }
 
 /* Beams that do not know where they point are no fan: each is a ray of its own. */
-static void laser_scatter(const struct laser *laser, const struct laser_scene *scene)
+static void laser_scatter(const struct laser *laser, const struct sensing *at)
 {
-    struct frame at = frame_join(&scene->robot, &laser->place);
-    const double from[2] = {at.x, at.y};
+    struct frame eye = frame_join(&at->robot, &laser->place);
+    const double from[2] = {eye.x, eye.y};
+    uint64_t key = sensing_key(at, DRAW_LASER_ANGLE);
     for (uint32_t k = 0; k < laser->table.count; k++) {
         double x = laser->table.along_x[k];
         double y = laser->table.along_y[k];
-        double along[2] = {at.c * x - at.s * y, at.s * x + at.c * y};
-        noise_turn(&laser->noise, along, draw_bits(scene->angle_key, k));
-        scene->range_m[k] = grid_ray(scene->grid, scene->self, from, along, laser->range.max_m);
+        double along[2] = {eye.c * x - eye.s * y, eye.s * x + eye.c * y};
+        noise_turn(&laser->noise, along, draw_bits(key, k));
+        at->range_m[k] = grid_ray(at->grid, at->self, from, along, laser->range.max_m);
     }
 }
 
-static void laser_blur(const struct laser *laser, const struct laser_scene *scene)
+static void laser_blur(const struct laser *laser, const struct sensing *at)
 {
+    uint64_t key = sensing_key(at, DRAW_LASER);
     for (uint32_t k = 0; k < laser->table.count; k++) {
-        uint64_t bits = draw_bits(scene->key, k);
-        scene->range_m[k] = noise_range(&laser->noise, &laser->range, scene->range_m[k], bits);
+        uint64_t bits = draw_bits(key, k);
+        at->range_m[k] = noise_range(&laser->noise, &laser->range, at->range_m[k], bits);
     }
 }
 
-void laser_read(const struct laser *laser, const struct laser_scene *scene, float range_m[])
+void laser_read(const struct laser *laser, const struct sensing *at, float range_m[])
 {
     if (laser->noise.angle_rad > 0) {
-        laser_scatter(laser, scene);
+        laser_scatter(laser, at);
     } else {
-        laser_sweep(laser, scene);
+        laser_sweep(laser, at);
     }
     if (!noise_is_exact(&laser->noise)) {
-        laser_blur(laser, scene);
+        laser_blur(laser, at);
     }
     const struct noise_limits limits = laser->range;
     for (uint32_t k = 0; k < laser->table.count; k++) {
-        range_m[k] = (float)noise_clip(&limits, scene->range_m[k]);
+        range_m[k] = (float)noise_clip(&limits, at->range_m[k]);
     }
 }

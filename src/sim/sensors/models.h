@@ -9,6 +9,28 @@
 #include "sim/sensors/fan.h"
 #include "sim/sensors/sensors.h"
 
+/*
+ * What one thread reads sensors with: where, whose and when, and memory for what is on its way.
+ */
+struct sensing {
+    const struct grid *grid;
+    const struct gather *gather;
+    uint64_t seed, step; /* of all noise */
+    struct frame robot;
+    int32_t self;            /* the robot's number: the owner of what it does not see */
+    struct gather_list near; /* what lies within the reach of all but the sonars */
+    struct fan_rays rays;    /* those of a ring of sonars */
+    uint64_t key;            /* of what the ring draws */
+    double *range_m;         /* of each beam of a laser or camera */
+    int64_t *hit;            /* what each met, as in struct fan_kernel */
+};
+
+/** @return the key of what a sensor draws now */
+static inline uint64_t sensing_key(const struct sensing *at, enum draw_use use)
+{
+    return draw_key(at->seed, (uint64_t)at->self, use, at->step);
+}
+
 /* --- noise ------------------------------------------------------------------------------------ */
 
 /*
@@ -69,29 +91,14 @@ struct sonar_ring {
     bool mirrors;   /* what one hears depends on the surface that it meets */
 };
 
-/* Whose ring it is, now. */
-struct sonar_place {
-    struct frame robot;
-    int32_t self; /* the owner of what it does not hear */
-    uint64_t key; /* of its noise: draw_key(..., DRAW_SONAR, ...) */
-};
-
 /** Takes memory. */
 void sonar_init(struct sonar_ring *ring, const struct world_robot *robot);
 
-/** Reads all sonars, ray by ray. */
-void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
-                const struct sonar_place *place, float range_m[]);
-
 /**
- * Reads all sonars of a ring without mirrors, all rays at once: to the same bits.
- *
- * @param rays, found  scratch: room for the ring's rays, and as gather_cast has it
- * @return false: too much is near, and nothing was read
+ * Reads all sonars: all rays at once, or, where much is near or surfaces mirror, ray by ray; to the
+ * same bits.
  */
-bool sonar_read_near(const struct sonar_ring *ring, const struct gather *gather,
-                     const struct sonar_place *place, struct fan_rays *rays, uint32_t *found,
-                     float range_m[]);
+void sonar_read(const struct sonar_ring *ring, struct sensing *at, float range_m[]);
 
 /* --- laser ------------------------------------------------------------------------------------ */
 
@@ -106,16 +113,6 @@ struct laser {
     struct fan_table table; /* count 0: there is none */
 };
 
-/* What a robot's eyes work on. */
-struct laser_scene {
-    struct frame robot;
-    int32_t self;
-    const struct grid *grid;
-    const struct gather_solids *near; /* what is near the robot, without itself */
-    double *range_m;                  /* scratch, room as in the table */
-    uint64_t key, angle_key;          /* of its noise: DRAW_LASER and DRAW_LASER_ANGLE */
-};
-
 /** Takes memory. */
 void laser_init(struct laser *laser, const struct world_laser *from);
 
@@ -123,7 +120,7 @@ void laser_init(struct laser *laser, const struct world_laser *from);
 double laser_reach(const struct laser *laser);
 
 /** Reads all samples, from right to left. */
-void laser_read(const struct laser *laser, const struct laser_scene *scene, float range_m[]);
+void laser_read(const struct laser *laser, const struct sensing *at, float range_m[]);
 
 /* --- camera ----------------------------------------------------------------------------------- */
 
@@ -139,14 +136,6 @@ struct camera {
     struct fan_table table; /* one beam for each column's middle; count 0: there is none */
 };
 
-struct camera_scene {
-    struct frame robot;
-    const struct gather *gather;
-    const struct gather_solids *near; /* what is near the robot, without itself */
-    double *range_m;                  /* scratch, room as in the table */
-    int64_t *hit;                     /* likewise */
-};
-
 /** Takes memory. */
 void camera_init(struct camera *camera, const struct world_camera *from);
 
@@ -160,7 +149,7 @@ double camera_reach(const struct camera *camera);
  * @param blobs  out: room for MU_BLOBS_MAX; the nearest, nearest first
  * @return how many
  */
-size_t camera_read(const struct camera *camera, const struct camera_scene *scene,
+size_t camera_read(const struct camera *camera, const struct sensing *at,
                    struct engine_blob blobs[]);
 
 /* --- fiducials -------------------------------------------------------------------------------- */
@@ -175,14 +164,6 @@ struct fiducials {
     double half_fov_rad;
 };
 
-struct fiducials_scene {
-    struct frame robot;
-    int32_t self;
-    const struct grid *grid;
-    const struct gather *gather;
-    const struct gather_solids *near; /* what is near the robot, without itself */
-};
-
 void fiducials_init(struct fiducials *finder, const struct world_fiducial_finder *from);
 
 /** @return how far from the robot's middle it sees; 0: there is none */
@@ -195,7 +176,7 @@ double fiducials_reach(const struct fiducials *finder);
  * @param found  out: room for MU_FIDUCIALS_MAX; the nearest, nearest first
  * @return how many
  */
-size_t fiducials_read(const struct fiducials *finder, const struct fiducials_scene *scene,
+size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,
                       struct engine_fiducial found[]);
 
 #endif

@@ -57,14 +57,6 @@ struct sensors_memory {
     size_t record_count, range_count, blob_count, fiducial_count;
 };
 
-/* What one thread works with. */
-struct sensors_worker {
-    struct gather_list list;
-    struct fan_rays rays;
-    double *range_m;
-    int64_t *hit;
-};
-
 struct sensors {
     struct sensors_scene scene;
     struct gather gather;
@@ -73,7 +65,7 @@ struct sensors {
     struct sensors_robot *robots;
     size_t robot_count;
     struct sensors_memory memory;
-    struct sensors_worker *workers;
+    struct sensing *workers; /* one for each thread */
     struct pool *pool;
     /* Of the job that is being done: */
     const uint32_t *wanted;
@@ -184,10 +176,13 @@ static void sensors_workers_init(struct sensors *s)
     size_t threads = pool_threads(s->pool);
     s->workers = mu_startup_array(threads, sizeof *s->workers);
     for (size_t k = 0; k < threads; k++) {
-        gather_list_init(&s->workers[k].list, &s->gather);
-        fan_rays_init(&s->workers[k].rays, rays);
-        s->workers[k].range_m = mu_startup_array(beams + FAN_PAD, sizeof(double));
-        s->workers[k].hit = mu_startup_array(beams + FAN_PAD, sizeof(int64_t));
+        struct sensing *worker = &s->workers[k];
+        *worker =
+            (struct sensing){.grid = s->scene.grid, .gather = &s->gather, .seed = s->scene.seed};
+        gather_list_init(&worker->near, &s->gather);
+        fan_rays_init(&worker->rays, rays);
+        worker->range_m = mu_startup_array(beams + FAN_PAD, sizeof(double));
+        worker->hit = mu_startup_array(beams + FAN_PAD, sizeof(int64_t));
     }
 }
 
@@ -247,80 +242,30 @@ static uint32_t sensors_take_due(const struct sensors *s, struct sensors_robot *
     return due;
 }
 
-static uint64_t sensors_key(const struct sensors *s, size_t robot, enum draw_use use)
-{
-    return draw_key(s->scene.seed, robot, use, s->step);
-}
-
-static void sensors_read_sonars(const struct sensors *s, size_t i, struct sensors_worker *worker)
-{
-    const struct sensors_robot *r = &s->robots[i];
-    struct sonar_place place = {r->frame, (int32_t)i, sensors_key(s, i, DRAW_SONAR)};
-    const struct sonar_ring *ring = &r->kind->sonars;
-    if (ring->mirrors ||
-        !sonar_read_near(ring, &s->gather, &place, &worker->rays, worker->list.found, r->sonar_m)) {
-        sonar_read(ring, s->scene.grid, &place, r->sonar_m);
-    }
-}
-
-static void sensors_read_laser(const struct sensors *s, size_t i,
-                               const struct sensors_worker *worker)
-{
-    const struct sensors_robot *r = &s->robots[i];
-    struct laser_scene scene = {.robot = r->frame,
-                                .self = (int32_t)i,
-                                .grid = s->scene.grid,
-                                .near = &worker->list.solids,
-                                .range_m = worker->range_m,
-                                .key = sensors_key(s, i, DRAW_LASER),
-                                .angle_key = sensors_key(s, i, DRAW_LASER_ANGLE)};
-    laser_read(&r->kind->laser, &scene, r->laser_m);
-}
-
-static void sensors_read_camera(const struct sensors *s, size_t i,
-                                const struct sensors_worker *worker)
-{
-    struct sensors_robot *r = &s->robots[i];
-    struct camera_scene scene = {.robot = r->frame,
-                                 .gather = &s->gather,
-                                 .near = &worker->list.solids,
-                                 .range_m = worker->range_m,
-                                 .hit = worker->hit};
-    r->record->blob_count = camera_read(&r->kind->camera, &scene, r->blobs);
-}
-
-static void sensors_read_finder(const struct sensors *s, size_t i,
-                                const struct sensors_worker *worker)
-{
-    struct sensors_robot *r = &s->robots[i];
-    struct fiducials_scene scene = {.robot = r->frame,
-                                    .self = (int32_t)i,
-                                    .grid = s->scene.grid,
-                                    .gather = &s->gather,
-                                    .near = &worker->list.solids};
-    r->record->fiducial_count = fiducials_read(&r->kind->finder, &scene, r->fiducials);
-}
-
 static void sensors_read_robot(const struct sensors *s, size_t i, uint32_t wanted,
-                               struct sensors_worker *worker)
+                               struct sensing *at)
 {
     struct sensors_robot *r = &s->robots[i];
+    const struct sensors_kind *kind = r->kind;
     uint32_t due = sensors_take_due(s, r, wanted);
+    at->robot = r->frame;
+    at->self = (int32_t)i;
+    at->step = s->step;
     if (due & SENSORS_NEAR) {
-        struct gather_circle circle = {r->frame.x, r->frame.y, r->kind->reach_m};
-        gather_near(&s->gather, &circle, (int32_t)i, &worker->list);
+        struct gather_circle circle = {r->frame.x, r->frame.y, kind->reach_m};
+        gather_near(&s->gather, &circle, at->self, &at->near);
     }
     if (due & (1u << WORLD_SONAR)) {
-        sensors_read_sonars(s, i, worker);
+        sonar_read(&kind->sonars, at, r->sonar_m);
     }
     if (due & (1u << WORLD_LASER)) {
-        sensors_read_laser(s, i, worker);
+        laser_read(&kind->laser, at, r->laser_m);
     }
     if (due & (1u << WORLD_CAMERA)) {
-        sensors_read_camera(s, i, worker);
+        r->record->blob_count = camera_read(&kind->camera, at, r->blobs);
     }
     if (due & (1u << WORLD_FIDUCIALS)) {
-        sensors_read_finder(s, i, worker);
+        r->record->fiducial_count = fiducials_read(&kind->finder, at, r->fiducials);
     }
 }
 

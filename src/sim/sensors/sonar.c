@@ -62,69 +62,42 @@ static bool sonar_is_lost(const struct sonar *sonar, const struct solid *hit, co
     return -(along[0] * normal[0] + along[1] * normal[1]) < sonar->least_cos;
 }
 
-static double sonar_cast(const struct sonar *sonar, const struct grid *grid, int32_t self,
-                         const double from[2], const double along[2])
+static double sonar_cast(const struct sonar *sonar, const struct sensing *at, const double from[2],
+                         const double along[2])
 {
     if (sonar->least_cos <= 0) {
-        return grid_ray(grid, self, from, along, sonar->range.max_m);
+        return grid_ray(at->grid, at->self, from, along, sonar->range.max_m);
     }
     const struct solid *hit;
-    struct grid_eye eye = {self, SOLID_ECHOES};
-    double range = grid_find(grid, eye, from, along, sonar->range.max_m, &hit);
+    struct grid_eye eye = {at->self, SOLID_ECHOES};
+    double range = grid_find(at->grid, eye, from, along, sonar->range.max_m, &hit);
     return sonar_is_lost(sonar, hit, from, along, range) ? sonar->range.max_m : range;
 }
 
-static void sonar_at(const struct sonar *sonar, const struct frame *robot, double from[2])
+/* Casts the rays of a ring one by one through the grid. */
+static void sonar_cast_each(const struct sonar_ring *ring, struct sensing *at)
 {
-    from[0] = robot->x + robot->c * sonar->x - robot->s * sonar->y;
-    from[1] = robot->y + robot->s * sonar->x + robot->c * sonar->y;
+    struct fan_rays *rays = &at->rays;
+    for (size_t i = 0; i < ring->count; i++) {
+        const struct sonar *sonar = &ring->sonars[i];
+        for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
+            const double from[2] = {rays->from_x[k], rays->from_y[k]};
+            const double along[2] = {rays->along_x[k], rays->along_y[k]};
+            rays->range_m[k] = sonar_cast(sonar, at, from, along);
+        }
+    }
 }
 
-static void sonar_along(const struct sonar_ring *ring, size_t i, const struct sonar_place *place,
+static void sonar_along(const struct sonar_ring *ring, size_t i, const struct sensing *at,
                         uint32_t k, double along[2])
 {
     const struct sonar *sonar = &ring->sonars[i];
     const struct sonar_ray *ray = &ring->rays[k];
-    const struct frame *robot = &place->robot;
+    const struct frame *robot = &at->robot;
     along[0] = robot->c * ray->x - robot->s * ray->y;
     along[1] = robot->s * ray->x + robot->c * ray->y;
     if (sonar->noise.angle_rad > 0) { /* the whole cone is turned */
-        noise_turn(&sonar->noise, along, draw_bits(place->key, i + MU_SONARS_MAX));
-    }
-}
-
-static double sonar_hear(const struct sonar_ring *ring, size_t i, const struct grid *grid,
-                         const struct sonar_place *place)
-{
-    const struct sonar *sonar = &ring->sonars[i];
-    double from[2];
-    double along[2];
-    double nearest = sonar->range.max_m;
-    sonar_at(sonar, &place->robot, from);
-    for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
-        sonar_along(ring, i, place, k, along);
-        double range = sonar_cast(sonar, grid, place->self, from, along);
-        nearest = range < nearest ? range : nearest;
-    }
-    return nearest;
-}
-
-/* What a sonar says of the nearest echo. */
-static float sonar_tell(const struct sonar_ring *ring, size_t i, const struct sonar_place *place,
-                        double range)
-{
-    const struct sonar *sonar = &ring->sonars[i];
-    if (!noise_is_exact(&sonar->noise)) {
-        range = noise_range(&sonar->noise, &sonar->range, range, draw_bits(place->key, i));
-    }
-    return (float)noise_clip(&sonar->range, range);
-}
-
-void sonar_read(const struct sonar_ring *ring, const struct grid *grid,
-                const struct sonar_place *place, float range_m[])
-{
-    for (size_t i = 0; i < ring->count; i++) {
-        range_m[i] = sonar_tell(ring, i, place, sonar_hear(ring, i, grid, place));
+        noise_turn(&sonar->noise, along, draw_bits(at->key, i + MU_SONARS_MAX));
     }
 }
 
@@ -138,42 +111,51 @@ static void sonar_put_ray(struct fan_rays *rays, size_t k, const double from[2],
     rays->range_m[k] = range_m;
 }
 
-static void sonar_put_rays(const struct sonar_ring *ring, const struct sonar_place *place,
-                           struct fan_rays *rays)
+/* Lays out the rays of a ring in the world. */
+static void sonar_put_rays(const struct sonar_ring *ring, struct sensing *at)
 {
+    const struct frame *robot = &at->robot;
     double from[2] = {0, 0};
     double along[2] = {1, 0};
     for (size_t i = 0; i < ring->count; i++) {
         const struct sonar *sonar = &ring->sonars[i];
-        sonar_at(sonar, &place->robot, from);
+        from[0] = robot->x + robot->c * sonar->x - robot->s * sonar->y;
+        from[1] = robot->y + robot->s * sonar->x + robot->c * sonar->y;
         for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
-            sonar_along(ring, i, place, k, along);
-            sonar_put_ray(rays, k, from, along, sonar->range.max_m);
+            sonar_along(ring, i, at, k, along);
+            sonar_put_ray(&at->rays, k, from, along, sonar->range.max_m);
         }
     }
     for (size_t k = ring->ray_count; k % FAN_PAD != 0; k++) {
-        sonar_put_ray(rays, k, from, along, 0);
+        sonar_put_ray(&at->rays, k, from, along, 0);
     }
-    rays->count = ring->ray_count;
-    rays->returns = SOLID_ECHOES;
+    at->rays.count = ring->ray_count;
+    at->rays.returns = SOLID_ECHOES;
 }
 
-bool sonar_read_near(const struct sonar_ring *ring, const struct gather *gather,
-                     const struct sonar_place *place, struct fan_rays *rays, uint32_t *found,
-                     float range_m[])
+/* What a sonar says of the nearest echo. */
+static float sonar_tell(const struct sonar *sonar, size_t i, const struct sensing *at)
 {
-    struct gather_circle circle = {place->robot.x, place->robot.y, ring->reach_m + SONAR_SLACK_M};
-    sonar_put_rays(ring, place, rays);
-    if (!gather_cast(gather, &circle, place->self, rays, found)) {
-        return false;
+    const double *range_m = at->rays.range_m;
+    double nearest = sonar->range.max_m;
+    for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
+        nearest = range_m[k] < nearest ? range_m[k] : nearest;
+    }
+    if (!noise_is_exact(&sonar->noise)) {
+        nearest = noise_range(&sonar->noise, &sonar->range, nearest, draw_bits(at->key, i));
+    }
+    return (float)noise_clip(&sonar->range, nearest);
+}
+
+void sonar_read(const struct sonar_ring *ring, struct sensing *at, float range_m[])
+{
+    struct gather_circle circle = {at->robot.x, at->robot.y, ring->reach_m + SONAR_SLACK_M};
+    at->key = sensing_key(at, DRAW_SONAR);
+    sonar_put_rays(ring, at);
+    if (ring->mirrors || !gather_cast(at->gather, &circle, at->self, &at->rays, at->near.found)) {
+        sonar_cast_each(ring, at);
     }
     for (size_t i = 0; i < ring->count; i++) {
-        const struct sonar *sonar = &ring->sonars[i];
-        double nearest = sonar->range.max_m;
-        for (uint32_t k = sonar->first_ray; k < sonar->first_ray + sonar->ray_count; k++) {
-            nearest = rays->range_m[k] < nearest ? rays->range_m[k] : nearest;
-        }
-        range_m[i] = sonar_tell(ring, i, place, nearest);
+        range_m[i] = sonar_tell(&ring->sonars[i], i, at);
     }
-    return true;
 }
