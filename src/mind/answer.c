@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Questions of one word that deffunctions answer: (ask-one red status) calls (answer-status). */
+/*
+ * What a mind answers: a question of one word by a deffunction, (ask-one red status) calls
+ * (answer-status); its goal; its facts; a mail of a layer by the handlers of that layer.
+ */
+#include "core/performatives.h"
 #include "mind/engine/value.h"
+#include "mind/facts/facts.h"
 #include "mind/functions/send.h"
 
 #include <string.h>
@@ -38,13 +43,188 @@ bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *o
     }
     struct expr call = {.type = PCALL, .value = f};
     DATA_OBJECT result;
-    clips_env_enter(m, CLIPS_MODE_FIRE);
+    environment_enter(m, CLIPS_MODE_FIRE);
     clips_guard_start(m, 0);
     clips_diary_mail(m, mail);
     bool good = !EvaluateExpression(m->env, &call, &result) && answer_write(m, &result, out);
-    bool failed = clips_env_leave(m);
+    bool failed = environment_leave(m);
     if (failed || m->said.len > 0) {
-        clips_fire_complain(m, "function", EnvGetDeffunctionName(m->env, f));
+        complaint_show(m, "function", EnvGetDeffunctionName(m->env, f));
     }
     return good && !failed;
+}
+
+static void field_add(struct mu_text *out, const struct field *f)
+{
+    switch (f->type) {
+    case FLOAT: clips_text_add_float(out, ValueToDouble(f->value)); break;
+    case INTEGER: mu_text_format(out, "%lld", ValueToLong(f->value)); break;
+    case STRING:
+    case SYMBOL:
+    case INSTANCE_NAME: mu_text_add(out, ValueToString(f->value)); break;
+    default: mu_text_add(out, "?"); break;
+    }
+}
+
+void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1])
+{
+    struct mu_text out;
+    mu_text_init(&out, goal, MU_FIELD_MAX + 1);
+    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, "goal") : NULL;
+    if (!t || !t->implied || !t->lastFact) {
+        return;
+    }
+    const struct multifield *words = t->lastFact->theProposition.theFields[0].value;
+    for (long i = 0; i < words->multifieldLength; i++) {
+        mu_text_add(&out, i > 0 ? " " : "");
+        field_add(&out, &words->theFields[i]);
+    }
+}
+
+/* --- handlers of layers ----------------------------------------------------------------------- */
+
+static uint32_t layer_of(const struct mind_mail *mail)
+{
+    return mail->layer ? mail->layer : MU_LAYER_SPEECH;
+}
+
+bool mind_has_layer(const struct mind *m, uint32_t layer)
+{
+    for (size_t i = 0; i < m->handler_count; i++) {
+        if (m->handlers[i].layer == layer) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* @return whether the handler took the mail; one that ends in an error has not */
+static bool layer_call(struct mind *m, const struct mind_mail *mail, const char *function,
+                       DATA_OBJECT *content)
+{
+    const char *performative = mail->performative[0] ? mail->performative : "nil";
+    struct deffunctionStruct *f = layers_function(m, function);
+    if (!f) {
+        return false;
+    }
+    struct expr arguments[LAYERS_ARGUMENTS] = {
+        {.type = INTEGER, .value = EnvAddLong(m->env, (long long)mail->id)},
+        {.type = SYMBOL, .value = EnvAddSymbol(m->env, mail->src)},
+        {.type = SYMBOL, .value = EnvAddSymbol(m->env, performative)},
+        {.type = MULTIFIELD, .value = content}};
+    for (size_t i = 0; i + 1 < LAYERS_ARGUMENTS; i++) {
+        arguments[i].nextArg = &arguments[i + 1];
+        AtomInstall(m->env, arguments[i].type, arguments[i].value);
+    }
+    struct expr call = {.type = PCALL, .value = f, .argList = arguments};
+    DATA_OBJECT result;
+    environment_enter(m, CLIPS_MODE_FIRE);
+    m->handled = mail;
+    EvaluateExpression(m->env, &call, &result);
+    m->handled = NULL;
+    bool passes = result.type == SYMBOL && result.value == EnvFalseSymbol(m->env);
+    bool failed = environment_leave(m);
+    for (size_t i = 0; i + 1 < LAYERS_ARGUMENTS; i++) {
+        AtomDeinstall(m->env, arguments[i].type, arguments[i].value);
+    }
+    if (failed || m->said.len > 0) {
+        complaint_show(m, "function", function);
+    }
+    return !passes && !failed;
+}
+
+bool mind_handle(struct mind *m, const struct mind_mail *mail)
+{
+    struct clips_handler chain[CLIPS_HANDLERS_MAX]; /* a handler may add others */
+    size_t count = m->handler_count;
+    bool list, taken = false;
+    if (!mind_has_layer(m, layer_of(mail)) || CLIPS_BROKEN(m)) {
+        return false;
+    }
+    memcpy(chain, m->handlers, count * sizeof chain[0]);
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    clips_diary_mail(m, mail);
+    struct multifield *fields = mailbox_content(m, mail, &list);
+    MultifieldInstall(m->env, fields);
+    DATA_OBJECT content = {
+        .type = MULTIFIELD, .value = fields, .begin = 0, .end = fields->multifieldLength - 1};
+    while (count-- > 0 && !taken) {
+        if (chain[count].layer == layer_of(mail)) {
+            taken = layer_call(m, mail, ValueToString(chain[count].function), &content);
+        }
+    }
+    MultifieldDeinstall(m->env, fields);
+    AddToMultifieldList(m->env, fields); /* what the handlers left behind may still point to it */
+    CleanCurrentGarbageFrame(m->env, NULL);
+    CallPeriodicTasks(m->env);
+    environment_leave(m);
+    return taken;
+}
+
+bool mind_understands(const struct mind *m, const struct mind_mail *mail)
+{
+    const char *word = mail->performative;
+    if (mail->in_reply_to[0] || mu_performative_answers(word)) {
+        return true;
+    }
+    if (layer_of(mail) == MU_LAYER_SPEECH) {
+        return word[0] == '\0' || mu_performative_known(word);
+    }
+    return layer_of(mail) > MU_LAYER_SPEECH && mind_has_layer(m, layer_of(mail));
+}
+
+/* --- the question for facts ------------------------------------------------------------------- */
+
+/* What was cut ends with a whole character of UTF-8. */
+static void facts_end_character(struct mu_text *out, size_t start)
+{
+    size_t lead = out->len;
+    while (lead > start && ((unsigned char)out->at[lead - 1] & 0xc0) == 0x80) {
+        lead--;
+    }
+    if (lead > start && (unsigned char)out->at[lead - 1] >= 0xc0) {
+        out->len = lead - 1;
+        out->at[out->len] = '\0';
+    }
+}
+
+mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
+{
+    if (CLIPS_BROKEN(m)) {
+        m->out = NULL;
+        mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
+        return MU_ABSENT;
+    }
+    struct deftemplate *t = relation[0] ? EnvFindDeftemplate(m->env, relation) : NULL;
+    size_t start = out->len;
+    unsigned count = 0;
+    if (relation[0] && !t) {
+        mu_text_format(out, "no facts %.63s\n", relation);
+        return MU_ABSENT;
+    }
+    m->out = out;
+    environment_enter(m, CLIPS_MODE_LINE);
+    percept_show(m);
+    clips_guard_start(m, 0);
+    for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !out->cut;
+         f = EnvGetNextFact(m->env, f)) {
+        if (!t || f->whichDeftemplate == t) {
+            PrintFactWithIdentifier(m->env, WDISPLAY, f);
+            EnvPrintRouter(m->env, WDISPLAY, "\n");
+            count++;
+        }
+    }
+    environment_leave(m);
+    m->out = NULL;
+    bool whole = !out->cut;
+    if (whole) {
+        mu_text_format(out, "For a total of %u fact%s.\n", count, count == 1 ? "" : "s");
+    }
+    clips_text_as_written(out->at + start);
+    out->len = start + strlen(out->at + start);
+    if (!whole) {
+        facts_end_character(out, start);
+    }
+    return MU_OK;
 }

@@ -229,24 +229,34 @@ struct mind {
     char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
 };
 
-/* clips_env.c */
-struct mind *clips_env_mind(void *env);
+/* environment.c */
+
+static inline struct mind *environment_mind(void *env)
+{
+    return GetEnvironmentContext(env);
+}
+
+/** Takes out of an environment what rules must not reach, and sends its output to the mind. */
+void environment_install(struct mind *m);
+
+/** Builds the globals that C code knows.  @return whether CLIPS has taken them */
+bool environment_build(struct mind *m);
 
 /** Before every call into CLIPS: its error flags are sticky (6.30), so they are cleared. */
-void clips_env_enter(struct mind *m, enum clips_mode mode);
+void environment_enter(struct mind *m, enum clips_mode mode);
 
 /** After every call.  @return whether it ended in an error */
-bool clips_env_leave(struct mind *m);
+bool environment_leave(struct mind *m);
 
 /** Visits each module, which is the current one meanwhile. */
-void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
+void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
 
 /** @return the number that a global is set to; its first value when it is set to none */
-double clips_env_global(const struct mind *m, enum clips_global which);
+double environment_global(const struct mind *m, enum clips_global which);
 
 /* clips_heap.c */
 
-/** Makes the environment of a mind; from here on, clips_env_mind knows whose it is. */
+/** Makes the environment of a mind; from here on, environment_mind knows whose it is. */
 void clips_heap_make(struct mind *m);
 
 /** Gives back all memory of the environment, without a look at what stands in it. */
@@ -308,8 +318,14 @@ void clips_override_install(struct mind *m);
 /* clips_format.c */
 void *clips_format_call(void *env);
 
-/* clips_load.c */
+/* load.c */
+
+/** Loads one form after the other; what a file extends comes first. */
 mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_fault *fault);
+
+/** What was loaded begins: initial facts, first values. */
+mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault);
 void clips_load_reserve(struct mind *m);
 void clips_load_install(struct mind *m);
 
@@ -327,56 +343,13 @@ void clips_place_note(struct mind *m, const char *form, const char *path, int li
 /** Adds " (FILE:LINE)" where the construct of that name is from a file. */
 void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
 
-/* clips_message.c */
-void clips_message_reserve(struct mind *m);
-void clips_message_install(struct mind *m);
+/* step.c */
+void step_install(struct mind *m);
 
-/** Makes a mail's content a message fact; what it tells again goes. */
-void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
-
-/**
- * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
- *
- * @return false: there is no room
- */
-bool clips_message_enter(struct mind *m, const struct clips_message *entry);
-
-/** The message fact of a mail goes, if it still stands. */
-void clips_message_forget(struct mind *m, uint64_t id);
-
-/** What is too old goes. */
-void clips_message_age(struct mind *m);
-
-/* clips_mail.c */
-void clips_mail_reserve(struct mind *m);
-void clips_mail_install(struct mind *m);
-
-/** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
-struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list);
-
-struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source);
-
-/* clips_parked.c */
-void clips_parked_reserve(struct mind *m);
-void clips_parked_install(struct mind *m);
-
-/**
- * Keeps a mail for (getmsg).  Where no construct calls that, the oldest go to make room.
- *
- * @return MU_OK, or MU_FULL: refused
- */
-mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool clips);
-
-/** @return the oldest, or NULL; it and its content stay until it is dropped */
-const struct clips_parked_mail *clips_parked_first(const struct mind *m, const char **content);
-
-void clips_parked_drop(struct mind *m);
-
-/* clips_fire.c */
-void clips_fire_install(struct mind *m);
+/* complaint.c */
 
 /** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
-void clips_fire_complain(struct mind *m, const char *kind, const char *name);
+void complaint_show(struct mind *m, const char *kind, const char *name);
 
 /* clips_failure.c */
 
@@ -417,11 +390,6 @@ void clips_diary_told(struct mind *m, const struct mind_letter *letter);
 /** What is left on the agenda when a step's firing has ended. */
 void clips_diary_agenda(struct mind *m);
 
-/* clips_event.c */
-
-/** What has happened since the last step becomes facts. */
-void clips_event_assert(struct mind *m);
-
 /* clips_layer.c */
 
 /**
@@ -431,15 +399,13 @@ void clips_event_assert(struct mind *m);
  */
 MU_MUST_USE mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function);
 
+/** @return the deffunction of that name if it can be called as a handler, or NULL */
+struct deffunctionStruct *layers_function(const struct mind *m, const char *name);
+
+enum { LAYERS_ARGUMENTS = 4 }; /* of a handler: id, from, performative, content */
+
 /* clips_functions.c */
 void clips_functions_install(struct mind *m);
-
-/* Parses a call as CLIPS does that of a function without a parser. */
-struct expr *clips_functions_parse(void *env, struct expr *top, const char *source);
-
-/* Has a parser of ours note who calls a function; all else of it stays. */
-void clips_functions_note(struct mind *m, const char *name,
-                          struct expr *(*parse)(void *env, struct expr *top, const char *source));
 
 /* clips_findall.c */
 struct expr *clips_findall_parse(void *env, struct expr *top, const char *source);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a person types on a console, or another agent has done by (you-do). */
+#include "core/glance.h"
 #include "mind/engine/value.h"
 #include "mind/facts/facts.h"
 
+#include <ctype.h>
 #include <string.h>
 
 enum { LINE_FORM_MAX = 4 * CLIPS_LINE_MAX };
@@ -82,11 +84,11 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
     bool done = true;
     while (done && (f = clips_text_form(&line, &number)).kind != CLIPS_FORM_END) {
-        clips_env_enter(m, CLIPS_MODE_LINE);
+        environment_enter(m, CLIPS_MODE_LINE);
         percept_show(m);
         clips_diary_line(m, f);
         done = line_run(m, f);
-        clips_env_leave(m);
+        environment_leave(m);
     }
     if (m->stopped) {
         mu_text_format(out, "stopped: the guard for %s\n", m->stopped);
@@ -97,49 +99,152 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     return done ? MU_OK : MU_MALFORMED;
 }
 
-/* The field as text that reads back; false: it is not exactly one field. */
-static bool line_field(const char *field, struct mu_text *out)
+/* --- lines that only look --------------------------------------------------------------------- */
+
+/*
+ * They are answered between two steps.  A run in which somebody looks is the run in which nobody
+ * does: what looking needs is put back as it was.
+ */
+
+/* What a call into CLIPS changes of itself. */
+struct glance_before {
+    uint64_t units, worked;
+    uint32_t allocations, diary_lost;
+    const char *stopped;
+    long memory_max;
+    bool ring_unseen;
+    struct mu_text diary;
+    long long next_fact;
+    unsigned long long time_tag;
+};
+
+static struct glance_before glance_begin(struct mind *m)
 {
-    const char *rest = field;
-    struct clips_field f = clips_text_field(&rest);
-    struct clips_field more = clips_text_field(&rest);
-    if (f.kind == CLIPS_FIELD_END || f.kind == CLIPS_FIELD_BAD || more.kind != CLIPS_FIELD_END) {
-        return false;
-    }
-    if (f.kind == CLIPS_FIELD_SYMBOL) {
-        char word[256];
-        if (f.len >= sizeof word) {
-            return false;
-        }
-        memcpy(word, f.at, f.len);
-        word[f.len] = '\0';
-        clips_text_add_symbol(out, word);
-    } else {
-        mu_text_add(out, field);
-    }
-    return !out->cut;
+    struct glance_before before = {.units = m->units,
+                                   .worked = m->worked,
+                                   .allocations = m->allocations,
+                                   .stopped = m->stopped,
+                                   .memory_max = m->memory_max,
+                                   .ring_unseen = m->ring_unseen,
+                                   .diary = m->diary,
+                                   .diary_lost = m->diary_lost,
+                                   .next_fact = FactData(m->env)->NextFactIndex,
+                                   .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
+    environment_enter(m, CLIPS_MODE_LINE);
+    m->sheltered = false; /* a mind that is short of memory does not break because of a look */
+    m->units = m->worked = 0;
+    m->memory_max = LONG_MAX;
+    percept_show(m);
+    return before;
 }
 
-/* Redefines the global, so that the value is also what (reset) gives it. */
-mu_result mind_set_global(struct mind *m, const char *name, const char *field)
+static void glance_end(struct mind *m, const struct glance_before *before)
 {
-    char bytes[512];
-    struct mu_text build;
-    DATA_OBJECT value;
-    mu_text_init(&build, bytes, sizeof bytes);
-    if (CLIPS_BROKEN(m)) {
-        return MU_MALFORMED;
+    if (before->ring_unseen) {
+        fact_retract(m, &m->ring_fact);
     }
-    if (!EnvGetDefglobalValue(m->env, name, &value)) {
+    CleanCurrentGarbageFrame(m->env, NULL);
+    FactData(m->env)->NextFactIndex = before->next_fact;
+    DefruleData(m->env)->CurrentEntityTimeTag = before->time_tag;
+    m->ring_unseen = before->ring_unseen;
+    m->diary = before->diary;
+    m->diary.at[m->diary.len] = '\0';
+    m->diary_lost = before->diary_lost;
+    m->units = before->units;
+    m->worked = before->worked;
+    m->allocations = before->allocations;
+    m->stopped = before->stopped;
+    m->memory_max = before->memory_max;
+    (void)environment_leave(m);
+}
+
+/* Rules may have given a word of the list another meaning.  @return whether it is the engine's */
+static bool glance_is_plain(struct mind *m, const char *line)
+{
+    char name[MU_GLANCE_LINE_MAX + 1];
+    const char *word = line;
+    size_t len = mu_glance_word(line, &word);
+    if (len == 0) {
+        return true;
+    }
+    memcpy(name, word, len);
+    name[len] = '\0';
+    return FindFunction(m->env, name) && !LookupDefgenericInScope(m->env, name) &&
+           !LookupDeffunctionInScope(m->env, name);
+}
+
+/* @return whether CLIPS did it */
+static bool glance_run(struct mind *m, const char *line)
+{
+    bool done = RouteCommand(m->env, line, TRUE);
+    bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
+    FlushPPBuffer(m->env);
+    SetPPBufferStatus(m->env, OFF);
+    return done && !failed;
+}
+
+mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out)
+{
+    char sink_bytes[1];
+    struct mu_text sink;
+    size_t start = out->len;
+    if (!m->env || !mu_glance_is(line) || !glance_is_plain(m, line)) {
         return MU_ABSENT;
     }
-    mu_text_format(&build, "(defglobal ?*%s* = ", name);
-    if (!line_field(field, &build)) {
-        return MU_MALFORMED;
+    mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
+    m->out = &sink; /* who watches facts does not see the one that is shown here alone */
+    struct glance_before before = glance_begin(m);
+    m->out = out;
+    bool done = glance_run(m, line);
+    m->out = &sink;
+    glance_end(m, &before);
+    m->out = NULL;
+    clips_text_as_written(out->at + start);
+    out->len = start + strlen(out->at + start);
+    return done ? MU_OK : MU_MALFORMED;
+}
+
+/* --- words, for whoever completes what a person types ----------------------------------------- */
+
+/* What CLIPS parses by itself. */
+static const char *const words_constructs[] = {
+    "defrule",   "deffacts", "deftemplate", "deffunction", "defglobal",
+    "defmodule", "defclass", "defgeneric",  "defmethod",   "definstances"};
+
+/* Names that CLIPS gave to its own parts, (query-...) and others, nobody types. */
+static void words_add(struct mu_text *out, char kind, const char *name)
+{
+    if (isalpha((unsigned char)name[0]) && !strpbrk(name, "() \n")) {
+        mu_text_format(out, "%c %s\n", kind, name);
     }
-    mu_text_add(&build, ")");
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
-    bool built = EnvBuild(m->env, build.at);
-    return clips_env_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
+}
+
+static void words_functions(struct mind *m, struct mu_text *out)
+{
+    for (size_t i = 0; i < sizeof words_constructs / sizeof words_constructs[0]; i++) {
+        words_add(out, 'f', words_constructs[i]);
+    }
+    for (const struct FunctionDefinition *f = GetFunctionList(m->env); f; f = f->next) {
+        words_add(out, 'f', ValueToString(f->callFunctionName));
+    }
+    for (void *f = EnvGetNextDeffunction(m->env, NULL); f; f = EnvGetNextDeffunction(m->env, f)) {
+        words_add(out, 'f', EnvGetDeffunctionName(m->env, f));
+    }
+}
+
+void mind_words(struct mind *m, struct mu_text *out)
+{
+    if (!m->env) {
+        return;
+    }
+    words_functions(m, out);
+    for (void *r = EnvGetNextDefrule(m->env, NULL); r; r = EnvGetNextDefrule(m->env, r)) {
+        words_add(out, 'r', EnvGetDefruleName(m->env, r));
+    }
+    for (void *t = EnvGetNextDeftemplate(m->env, NULL); t; t = EnvGetNextDeftemplate(m->env, t)) {
+        words_add(out, 't', EnvGetDeftemplateName(m->env, t));
+    }
+    for (void *g = EnvGetNextDefglobal(m->env, NULL); g; g = EnvGetNextDefglobal(m->env, g)) {
+        mu_text_format(out, "g ?*%s*\n", EnvGetDefglobalName(m->env, g));
+    }
 }

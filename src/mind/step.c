@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One step's firing of rules. */
-#include "core/hash.h"
+/* A step: what a mind is told, and the firing of its rules. */
 #include "mind/facts/facts.h"
 
 #include <stdio.h>
@@ -9,102 +8,32 @@
 /* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
 static void fire_after_rule(void *env)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     if (m->sense_again || m->travel.kind != MIND_STAYS) {
         EnvHalt(env);
     }
 }
 
-void clips_fire_install(struct mind *m)
+void step_install(struct mind *m)
 {
     EnvAddRunFunction(m->env, "mu-step", fire_after_rule, 0);
-}
-
-/* @return whether this complaint was shown before, be it of other numbers; remembers it */
-static bool fire_was_shown(struct mind *m, const char *text)
-{
-    uint64_t hash = MU_HASH_EMPTY;
-    for (const char *c = text; *c; c++) {
-        bool number = (*c >= '0' && *c <= '9') || *c == '.' || *c == '-';
-        hash = number ? hash : mu_hash_bytes(hash, c, 1);
-    }
-    for (size_t i = 0; i < m->shown_count; i++) {
-        if (m->shown[i] == hash) {
-            return true;
-        }
-    }
-    if (m->shown_count == CLIPS_SHOWN_MAX) {
-        return true;
-    }
-    m->shown[m->shown_count++] = hash;
-    return false;
-}
-
-/* Leaves out of what was said that the actions of this very rule were halted. */
-static void complaint_cut(char *said, const char *kind)
-{
-    static const char halt[] = "[PRCCODE4] Execution halted during the actions of def";
-    char *halted = strstr(said, halt);
-    while (halted && strncmp(halted + sizeof halt - 1, kind, strlen(kind)) != 0) {
-        halted = strstr(halted + 1, halt);
-    }
-    if (halted) {
-        *halted = '\0';
-    }
-}
-
-/* Adds what was said, as one line. */
-static void complaint_add(struct mu_text *line, const char *said)
-{
-    size_t start = line->len;
-    for (const char *s = said; *s; s++) {
-        bool blank = line->len == start || line->at[line->len - 1] == ' ';
-        if (*s != '\n') {
-            mu_text_add_bytes(line, s, 1);
-        } else if (!blank) {
-            mu_text_add(line, " ");
-        }
-    }
-}
-
-void clips_fire_complain(struct mind *m, const char *kind, const char *name)
-{
-    char bytes[CLIPS_SAID_MAX];
-    struct mu_text line;
-    mu_text_init(&line, bytes, sizeof bytes);
-    mu_text_format(&line, "%s %s", kind, name);
-    clips_place_add(m, name, &line);
-    mu_text_add(&line, ": ");
-    clips_text_as_written(m->said.at);
-    complaint_cut(m->said.at, kind);
-    size_t start = line.len;
-    complaint_add(&line, m->said.at);
-    if (line.len == start) {
-        mu_text_format(&line, "stopped%s%s", m->stopped ? " by the guard for " : "",
-                       m->stopped ? m->stopped : "");
-    }
-    if (!fire_was_shown(m, line.at) && m->options.ports.print) {
-        m->options.ports.print(m->options.ports.self, line.at);
-        m->options.ports.print(m->options.ports.self, "\n");
-    }
-    mu_text_clear(&m->said);
 }
 
 /* Fires rules until one errs, the step ends, or the budget is used. */
 static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
 {
-    clips_env_enter(m, CLIPS_MODE_FIRE);
+    environment_enter(m, CLIPS_MODE_FIRE);
     m->firing = true;
     long long fired = EnvRun(m->env, budget);
     m->firing = false;
     bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
-    clips_env_leave(m);
+    environment_leave(m);
     *failed = halted;
     if (halted) {
         clips_failure_note(m);
     }
     if (m->said.len > 0 || halted) {
-        clips_fire_complain(m, "rule", m->rule ? m->rule : "?");
+        complaint_show(m, "rule", m->rule ? m->rule : "?");
     }
     return (uint32_t)fired;
 }
@@ -177,15 +106,15 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
     if (CLIPS_BROKEN(m)) {
         return;
     }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
+    environment_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     clips_diary_cause(m, 'S', "", "");
     percept_take(m, percept);
-    clips_event_assert(m);
-    clips_message_age(m);
+    events_assert(m);
+    messages_age(m);
     EnvDecrementGCLocks(m->env);
-    clips_env_leave(m);
+    environment_leave(m);
 }
 
 void mind_feel_nothing(struct mind *m, uint64_t time_ns)
@@ -194,10 +123,180 @@ void mind_feel_nothing(struct mind *m, uint64_t time_ns)
     if (CLIPS_BROKEN(m)) {
         return;
     }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
+    environment_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     percept_lose(m, time_ns);
-    clips_event_assert(m);
-    clips_message_age(m);
-    clips_env_leave(m);
+    events_assert(m);
+    messages_age(m);
+    environment_leave(m);
+}
+
+void mind_event(struct mind *m, enum mu_event event)
+{
+    m->pending[event] = true;
+}
+
+void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
+{
+    volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
+    *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
+    m->pending[event] = true;
+    if (!CLIPS_BROKEN(m)) {
+        environment_enter(m, CLIPS_MODE_QUIET);
+        clips_guard_start(m, 0);
+        events_assert(m);
+        awaited = events_are_awaited(m, event);
+        environment_leave(m);
+    }
+    if (awaited) {
+        mind_fire(m, act);
+    }
+}
+
+void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome)
+{
+    char what[2 * (MU_FIELD_MAX + 1)];
+    struct mu_text t;
+    if (CLIPS_BROKEN(m) || !m->event->patternNetwork) {
+        return;
+    }
+    mu_text_init(&t, what, sizeof what);
+    mu_text_format(&t, "%s %s", verb, to);
+    mind_refused(m, what, outcome);
+}
+
+void mind_refused(struct mind *m, const char *change, const char *reason)
+{
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    events_refuse(m, change, reason);
+    environment_leave(m);
+}
+
+mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
+{
+    if (CLIPS_BROKEN(m)) {
+        return MU_FULL;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    clips_diary_mail(m, mail);
+    mu_result r = mailbox_take(m, mail);
+    environment_leave(m);
+    return r;
+}
+
+/* One that depends on another may go with it: the list is read anew each time. */
+static void relations_clear(struct mind *m, const char *const *relations)
+{
+    for (; *relations; relations++) {
+        const struct deftemplate *t = EnvFindDeftemplate(m->env, *relations);
+        bool gone = true;
+        while (t && t->factList && gone) {
+            gone = EnvRetract(m->env, t->factList);
+        }
+    }
+}
+
+void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations)
+{
+    m->step++;
+    if (CLIPS_BROKEN(m)) {
+        return;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    m->percept.time_ns = time_ns;
+    relations_clear(m, relations);
+    events_assert(m);
+    messages_age(m);
+    environment_leave(m);
+}
+
+mu_result mind_tell(struct mind *m, const char *fact)
+{
+    if (clips_text_check(fact) || CLIPS_BROKEN(m)) {
+        return MU_MALFORMED;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    const struct fact *told = EnvAssertString(m->env, fact);
+    bool failed = environment_leave(m);
+    return told && !failed ? MU_OK : MU_MALFORMED;
+}
+
+/* Looks on from the slot behind the last one that was found.
+ * @return index of the slot, or -1 */
+static long slot_find(const struct deftemplate *t, const char *name, long from)
+{
+    for (int round = 0; round < 2; round++) {
+        long at = 0;
+        for (const struct templateSlot *s = t->slotList; s; s = s->next, at++) {
+            if (at >= from && strcmp(ValueToString(s->slotName), name) == 0) {
+                return s->multislot ? -1 : at;
+            }
+        }
+        from = 0;
+    }
+    return -1;
+}
+
+static void slot_fill(void *env, struct field *to, const struct mind_slot *slot)
+{
+    switch (slot->kind) {
+    case MIND_SLOT_SYMBOL:
+    case MIND_SLOT_STRING:
+        to->type = slot->kind == MIND_SLOT_SYMBOL ? SYMBOL : STRING;
+        to->value = EnvAddSymbol(env, slot->word);
+        break;
+    case MIND_SLOT_REAL:
+        to->type = FLOAT;
+        to->value = EnvAddDouble(env, slot->real);
+        break;
+    case MIND_SLOT_COUNT:
+        to->type = INTEGER;
+        to->value = EnvAddLong(env, (long long)slot->count);
+        break;
+    }
+}
+
+/* @return the fact, asserted; NULL: it has not got such a slot, or is there already */
+static struct fact *slots_assert(void *env, struct deftemplate *t, const struct mind_slot *slots,
+                                 size_t count)
+{
+    long at = -1;
+    struct fact *f = EnvCreateFact(env, t);
+    for (size_t i = 0; i < count; i++) {
+        at = slot_find(t, slots[i].name, at + 1);
+        if (at < 0) {
+            ReturnFact(env, f);
+            return NULL;
+        }
+        slot_fill(env, &f->theProposition.theFields[at], &slots[i]);
+    }
+    EnvAssignFactSlotDefaults(env, f);
+    return EnvAssert(env, f);
+}
+
+mu_result mind_tell_slots(struct mind *m, const char *relation, const struct mind_slot *slots,
+                          size_t count)
+{
+    if (CLIPS_BROKEN(m)) {
+        return MU_MALFORMED;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    struct deftemplate *t = EnvFindDeftemplate(m->env, relation);
+    bool whole = t && !t->implied && slots_assert(m->env, t, slots, count) != NULL;
+    bool failed = environment_leave(m);
+    return whole && !failed ? MU_OK : MU_MALFORMED;
+}
+
+bool mind_looks_at(const struct mind *m, const char *relation)
+{
+    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, relation) : NULL;
+    return t && fact_is_used(t);
 }

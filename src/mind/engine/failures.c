@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What is counted of rules that fail, and when it is enough. */
-#include "mind/engine/value.h"
-#include "mind/functions/table.h"
+#include "mind/clips_mind.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -42,21 +41,4 @@ void clips_failure_note(struct mind *m)
     snprintf(m->reason, sizeof m->reason, "rule %.32s failed %u times%s%s", line->rule,
              (unsigned)line->count, m->stopped ? ": " : "", m->stopped ? m->stopped : "");
     m->act.enough = m->reason;
-}
-
-void mind_forgive(struct mind *m)
-{
-    clips_failure_clear(m);
-}
-
-void clips_failure_call(void *env, DATA_OBJECT *out)
-{
-    const struct mind *m = clips_env_mind(env);
-    struct multifield *fields = EnvCreateMultifield(env, (long)(2 * m->failing_count));
-    for (size_t i = 0; i < m->failing_count; i++) {
-        clips_value_set_symbol(env, fields, 2 * i, m->failing[i].rule);
-        fields->theFields[2 * i + 1].type = INTEGER;
-        fields->theFields[2 * i + 1].value = EnvAddLong(env, m->failing[i].count);
-    }
-    clips_value_multifield(out, fields);
 }

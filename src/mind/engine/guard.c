@@ -113,7 +113,7 @@ static bool guard_count(struct mind *m, uint64_t units)
 /* CLIPS calls this at each turn of a loop, at each return of a function and after each rule. */
 static void guard_tick(void *env)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     if (!guard_count(m, CLIPS_UNITS_A_TICK)) {
         return;
     }
@@ -190,7 +190,7 @@ void __wrap_EvaluateProcActions(void *env, struct defmodule *module, struct expr
                                 int variables, DATA_OBJECT *result, void (*end)(void *))
 {
     const char *here = __builtin_frame_address(0);
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     if (!m) { /* CLIPS makes its own first instances before the mind is tied to it */
         __real_EvaluateProcActions(env, module, actions, variables, result, end);
         return;

@@ -124,7 +124,7 @@ static void line_add_basis(struct mu_text *out, const struct partialMatch *basis
 
 static void diary_asserted(void *env, void *fact)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     size_t start = m->diary.len;
     mu_text_format(&m->diary, "%c%lld ", m->diary_fact == CLIPS_DIARY_SHOWN ? '=' : '+',
                    ((const struct fact *)fact)->factIndex);
@@ -134,7 +134,7 @@ static void diary_asserted(void *env, void *fact)
 
 static void diary_retracted(void *env, void *fact)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     size_t start = m->diary.len;
     mu_text_format(&m->diary, "-%lld", ((const struct fact *)fact)->factIndex);
     line_end(m, start);

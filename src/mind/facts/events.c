@@ -31,7 +31,7 @@ static bool is_of_interest(const struct mind *m, size_t event)
     return !of_moves || m->event->patternNetwork;
 }
 
-void clips_event_assert(struct mind *m)
+void events_assert(struct mind *m)
 {
     for (size_t i = 0; i < MU_EVENTS; i++) {
         bool pending = m->pending[i];
@@ -41,11 +41,6 @@ void clips_event_assert(struct mind *m)
             event_fact(m, &event_names[i], 1, &m->events[i]);
         }
     }
-}
-
-void mind_event(struct mind *m, enum mu_event event)
-{
-    m->pending[event] = true;
 }
 
 static bool stands_on(const struct activation *a, const struct fact *fact)
@@ -74,50 +69,20 @@ static void agenda_look(struct mind *m, void *self)
     }
 }
 
-static bool is_awaited(struct mind *m, const struct fact *fact)
+bool events_are_awaited(struct mind *m, enum mu_event event)
 {
-    struct awaited awaited = {.fact = fact};
-    clips_env_each_module(m, &awaited, agenda_look);
+    struct awaited awaited = {.fact = m->events[event]};
+    if (awaited.fact) {
+        environment_each_module(m, &awaited, agenda_look);
+    }
     return awaited.is;
 }
 
-void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
-{
-    volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
-    *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
-    m->pending[event] = true;
-    if (!CLIPS_BROKEN(m)) {
-        clips_env_enter(m, CLIPS_MODE_QUIET);
-        clips_guard_start(m, 0);
-        clips_event_assert(m);
-        awaited = m->events[event] && is_awaited(m, m->events[event]);
-        clips_env_leave(m);
-    }
-    if (awaited) {
-        mind_fire(m, act);
-    }
-}
-
-void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome)
-{
-    char what[2 * (MU_FIELD_MAX + 1)];
-    struct mu_text t;
-    if (CLIPS_BROKEN(m) || !m->event->patternNetwork) {
-        return;
-    }
-    mu_text_init(&t, what, sizeof what);
-    mu_text_format(&t, "%s %s", verb, to);
-    mind_refused(m, what, outcome);
-}
-
-void mind_refused(struct mind *m, const char *change, const char *reason)
+void events_refuse(struct mind *m, const char *change, const char *reason)
 {
     char bytes[2 * (MU_FIELD_MAX + 1)];
     const char *words[EVENT_WORDS_MAX] = {"refused", bytes, reason};
     size_t count = 3;
-    if (CLIPS_BROKEN(m)) {
-        return;
-    }
     mu_text_copy(bytes, sizeof bytes, change);
     char *blank = strchr(bytes, ' ');
     if (blank) { /* which change, and of what */
@@ -125,9 +90,6 @@ void mind_refused(struct mind *m, const char *change, const char *reason)
         words[2] = blank + 1;
         words[count++] = reason;
     }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
     event_fact(m, words, count, &m->refused[m->refused_next]);
     m->refused_next = (m->refused_next + 1) % CLIPS_REFUSED_MAX;
-    clips_env_leave(m);
 }

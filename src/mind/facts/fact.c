@@ -35,3 +35,24 @@ bool fact_is_used(const struct deftemplate *template)
     }
     return template->patternNetwork || template->watch || template->busyCount - 1 > facts;
 }
+
+/* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
+bool facts_build(struct mind *m)
+{
+    struct deftemplate **implied[] = {&m->position, &m->ring,    &m->laser, &m->blob,
+                                      &m->fiducial, &m->message, &m->event};
+    static const char *const names[] = {"position", "sonar",   "laser", "blob",
+                                        "fiducial", "message", "event"};
+    if (!EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
+                          " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
+                          " (slot conversation) (multislot content) (slot layer))")) {
+        return false;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
+        (*implied[i])->busyCount++;
+    }
+    m->mail = EnvFindDeftemplate(m->env, "mail");
+    m->mail->busyCount++;
+    return true;
+}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file facts.h
- * What the engine is told from outside, as facts: percepts.
+ * What the engine is told from outside, as facts: percepts, mail, events of the agent's life.
  */
 #ifndef MUSTER_MIND_FACTS_FACTS_H
 #define MUSTER_MIND_FACTS_FACTS_H
@@ -9,6 +9,9 @@
 #include "mind/clips_mind.h"
 
 /* fact.c */
+
+/** Builds the templates that C code knows.  @return whether CLIPS has taken them */
+bool facts_build(struct mind *m);
 
 /** Takes the reference to a fact back, retracting it if it is still there. */
 void fact_retract(struct mind *m, struct fact **fact);
@@ -56,5 +59,67 @@ void percept_take(struct mind *m, const struct mu_percept *p);
 
 /** There is no percept any more: its facts go, the time stays. */
 void percept_lose(struct mind *m, uint64_t time_ns);
+void percept_install(struct mind *m);
+
+/* messages.c */
+void messages_reserve(struct mind *m);
+void messages_install(struct mind *m);
+
+/** Makes a mail's content a message fact; what it tells again goes. */
+void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
+
+/**
+ * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ *
+ * @return false: there is no room
+ */
+bool messages_enter(struct mind *m, const struct clips_message *entry);
+
+/** The message fact of a mail goes, if it still stands. */
+void messages_forget(struct mind *m, uint64_t id);
+
+/** What is too old goes. */
+void messages_age(struct mind *m);
+
+/* mailbox.c */
+void mailbox_reserve(struct mind *m);
+void mailbox_install(struct mind *m);
+
+/** As mind_take_mail. */
+MU_MUST_USE mu_result mailbox_take(struct mind *m, const struct mind_mail *mail);
+
+/** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
+struct multifield *mailbox_content(struct mind *m, const struct mind_mail *mail, bool *list);
+
+/** (getmsg), and its parser, which notes that a construct calls it. */
+void mailbox_getmsg(void *env, DATA_OBJECT *out);
+struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source);
+
+/* mail_ring.c */
+void mail_ring_reserve(struct mind *m);
+void mail_ring_install(struct mind *m);
+
+/**
+ * Keeps a mail for (getmsg).  Where no construct calls that, the oldest go to make room.
+ *
+ * @return MU_OK, or MU_FULL: refused
+ */
+mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips);
+
+/** @return the oldest, or NULL; it and its content stay until it is dropped */
+const struct clips_parked_mail *mail_ring_first(const struct mind *m, const char **content);
+
+void mail_ring_drop(struct mind *m);
+
+/* events.c */
+
+/** What has happened since the last step becomes facts. */
+void events_assert(struct mind *m);
+
+/** @return whether the event's fact stands, and a rule is about to fire for it */
+bool events_are_awaited(struct mind *m, enum mu_event event);
+
+/** As mind_refused. */
+void events_refuse(struct mind *m, const char *change, const char *reason);
 
 #endif

@@ -3,17 +3,17 @@
  * Mail for (getmsg) that has no mail fact, as text: most robots never ask for it, and to copy a
  * text into a ring costs next to nothing.
  */
-#include "mind/clips_mind.h"
+#include "mind/facts/facts.h"
 #include "muster/memory.h"
 
 #include <string.h>
 
-void clips_parked_reserve(struct mind *m)
+void mail_ring_reserve(struct mind *m)
 {
     m->parked = mu_startup_alloc(sizeof *m->parked);
 }
 
-void clips_parked_install(struct mind *m)
+void mail_ring_install(struct mind *m)
 {
     m->parked->first = m->parked->count = 0;
 }
@@ -41,7 +41,7 @@ static bool parked_place(struct clips_parked *p, uint32_t bytes, uint32_t *at)
     return *at == end || start >= bytes;
 }
 
-mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool clips)
+mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips)
 {
     struct clips_parked *p = m->parked;
     uint32_t len = (uint32_t)strnlen(mail->content, MU_CONTENT_MAX);
@@ -50,7 +50,7 @@ mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool cl
         if (m->rules_getmsg) {
             return MU_FULL;
         }
-        clips_parked_drop(m);
+        mail_ring_drop(m);
     }
     struct clips_parked_mail *to = parked_at(p, p->count++);
     *to = (struct clips_parked_mail){.id = mail->id,
@@ -64,7 +64,7 @@ mu_result clips_parked_put(struct mind *m, const struct mind_mail *mail, bool cl
     return MU_OK;
 }
 
-const struct clips_parked_mail *clips_parked_first(const struct mind *m, const char **content)
+const struct clips_parked_mail *mail_ring_first(const struct mind *m, const char **content)
 {
     struct clips_parked *p = m->parked;
     const struct clips_parked_mail *first = p->count > 0 ? parked_at(p, 0) : NULL;
@@ -72,7 +72,7 @@ const struct clips_parked_mail *clips_parked_first(const struct mind *m, const c
     return first;
 }
 
-void clips_parked_drop(struct mind *m)
+void mail_ring_drop(struct mind *m)
 {
     struct clips_parked *p = m->parked;
     MU_ASSERT(p->count > 0);

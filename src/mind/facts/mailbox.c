@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
 #include "mind/engine/value.h"
-#include "mind/functions/table.h"
+#include "mind/facts/facts.h"
 
 #include <string.h>
 
 enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
 
-void clips_mail_reserve(struct mind *m)
+void mailbox_reserve(struct mind *m)
 {
-    clips_message_reserve(m);
-    clips_parked_reserve(m);
+    messages_reserve(m);
+    mail_ring_reserve(m);
 }
 
-void clips_mail_install(struct mind *m)
+void mailbox_install(struct mind *m)
 {
-    clips_message_install(m);
-    clips_parked_install(m);
+    messages_install(m);
+    mail_ring_install(m);
 }
 
 static void field_set(struct mind *m, struct field *to, struct clips_field f)
@@ -168,44 +168,37 @@ static bool mail_is_clips(const struct mind_mail *mail)
     return mail->language[0] == '\0' || strcmp(mail->language, "clips") == 0;
 }
 
-struct multifield *clips_mail_content(struct mind *m, const struct mind_mail *mail, bool *list)
+struct multifield *mailbox_content(struct mind *m, const struct mind_mail *mail, bool *list)
 {
     struct multifield *fields = mail_is_clips(mail) ? mail_fields(m, mail->content) : NULL;
     *list = fields != NULL;
     return fields ? fields : mail_raw(m, mail->content);
 }
 
-mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
+mu_result mailbox_take(struct mind *m, const struct mind_mail *mail)
 {
     struct mind_mail letter = *mail;
     bool list;
     letter.language = mail_is_clips(mail) ? "clips" : mail->language;
-    if (CLIPS_BROKEN(m)) {
-        return MU_FULL;
-    }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
-    clips_diary_mail(m, mail);
     EnvIncrementGCLocks(m->env);
-    struct multifield *fields = clips_mail_content(m, mail, &list);
+    struct multifield *fields = mailbox_content(m, mail, &list);
     mu_result r = mail_queue(m, &letter, fields);
     if (r == MU_ABSENT) {
-        r = clips_parked_put(m, &letter, list);
+        r = mail_ring_put(m, &letter, list);
     }
     if (list) {
-        clips_message_add(m, mail->id, EnvAddSymbol(m->env, mail->src), fields);
+        messages_add(m, mail->id, EnvAddSymbol(m->env, mail->src), fields);
     } else {
         ReturnMultifield(m->env, fields);
     }
     EnvDecrementGCLocks(m->env);
-    clips_env_leave(m);
     return r;
 }
 
 /* Notes that a construct takes mail in this way. */
-struct expr *clips_mail_parse_getmsg(void *env, struct expr *top, const char *source)
+struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     m->rules_getmsg = m->rules_getmsg || ConstructData(env)->ParsingConstruct;
     top = CollectArguments(env, top, source);
     if (top && top->argList) {
@@ -238,7 +231,7 @@ static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)
 {
     const struct field *slots = f->theProposition.theFields;
     getmsg_answer(m->env, &slots[MAIL_FROM], slots[MAIL_CONTENT].value, out);
-    clips_message_forget(m, mail_number(f));
+    messages_forget(m, mail_number(f));
     EnvRetract(m->env, f);
 }
 
@@ -249,16 +242,16 @@ static void getmsg_parked(struct mind *m, const struct clips_parked_mail *mail, 
     struct multifield *fields = mail->clips ? mail_fields(m, content) : mail_raw(m, content);
     getmsg_answer(m->env, &from, fields, out);
     ReturnMultifield(m->env, fields);
-    clips_message_forget(m, mail->id);
-    clips_parked_drop(m);
+    messages_forget(m, mail->id);
+    mail_ring_drop(m);
 }
 
-void clips_mail_getmsg(void *env, DATA_OBJECT *out)
+void mailbox_getmsg(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     const char *content;
     struct fact *f = EnvGetNextFactInTemplate(env, m->mail, NULL);
-    const struct clips_parked_mail *parked = clips_parked_first(m, &content);
+    const struct clips_parked_mail *parked = mail_ring_first(m, &content);
     bool fact_first = f && (!parked || mail_number(f) < parked->id);
     EnvSetMultifieldErrorValue(env, out);
     if (fact_first) {

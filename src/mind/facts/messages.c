@@ -3,12 +3,12 @@
 #include "mind/facts/facts.h"
 #include "muster/memory.h"
 
-void clips_message_reserve(struct mind *m)
+void messages_reserve(struct mind *m)
 {
     m->messages = mu_startup_alloc(sizeof *m->messages);
 }
 
-void clips_message_install(struct mind *m)
+void messages_install(struct mind *m)
 {
     struct clips_messages *all = m->messages;
     *all = (struct clips_messages){.free = 0};
@@ -49,7 +49,7 @@ static void message_remove(struct mind *m, uint16_t index)
     all->free = index;
 }
 
-void clips_message_age(struct mind *m)
+void messages_age(struct mind *m)
 {
     struct clips_messages *all = m->messages;
     while (all->oldest && m->step - all->at[all->oldest].step >= CLIPS_MESSAGE_STEPS) {
@@ -71,7 +71,7 @@ static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void 
     }
 }
 
-bool clips_message_enter(struct mind *m, const struct clips_message *entry)
+bool messages_enter(struct mind *m, const struct clips_message *entry)
 {
     struct clips_messages *all = m->messages;
     uint16_t index = all->free;
@@ -95,7 +95,7 @@ bool clips_message_enter(struct mind *m, const struct clips_message *entry)
     return true;
 }
 
-void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
+void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
 {
     struct clips_messages *all = m->messages;
     bool some = fields->multifieldLength > 0;
@@ -113,11 +113,11 @@ void clips_message_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct mult
     e.fact = fact_assert(m, m->message, fields);
     EnvSetFactDuplication(m->env, FALSE);
     if (e.fact) {
-        (void)clips_message_enter(m, &e);
+        (void)messages_enter(m, &e);
     }
 }
 
-void clips_message_forget(struct mind *m, uint64_t id)
+void messages_forget(struct mind *m, uint64_t id)
 {
     for (uint16_t i = m->messages->oldest; i; i = m->messages->at[i].newer) {
         if (m->messages->at[i].id == id) {

@@ -36,7 +36,7 @@ static struct fact *percept_sonar(struct mind *m)
 static struct fact *percept_laser(struct mind *m)
 {
     size_t count = m->percept.laser_count;
-    if (count == 0 || !(mind_senses(m) & MU_SENSE_LASER)) {
+    if (count == 0 || !(fact_is_used(m->laser) || m->senses_named & MU_SENSE_LASER)) {
         return NULL;
     }
     struct multifield *fields = CreateMultifield2(m->env, (long)count + 1);
@@ -199,4 +199,15 @@ void percept_lose(struct mind *m, uint64_t time_ns)
     percept_retract_all(m);
     percept_copy(m, &nothing);
     m->sensed = m->ring_unseen = false;
+}
+
+/* (reset) takes it with the other facts. */
+static void percept_reset(void *env)
+{
+    environment_mind(env)->ring_unseen = false;
+}
+
+void percept_install(struct mind *m)
+{
+    EnvAddResetFunction(m->env, "mu-percept", percept_reset, 100);
 }

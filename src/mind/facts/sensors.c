@@ -26,18 +26,6 @@ void sensors_note(struct mind *m, const char *word)
     }
 }
 
-uint32_t mind_senses(const struct mind *m)
-{
-    if (!m->env) {
-        return m->senses_named;
-    }
-    uint32_t used = (fact_is_used(m->ring) ? MU_SENSE_SONAR : 0u) |
-                    (fact_is_used(m->laser) ? MU_SENSE_LASER : 0u) |
-                    (fact_is_used(m->blob) ? MU_SENSE_CAMERA : 0u) |
-                    (fact_is_used(m->fiducial) ? MU_SENSE_FIDUCIALS : 0u);
-    return used | m->senses_named;
-}
-
 /* The colours that have a name: X11's, which world files use. */
 static const struct {
     uint32_t rgb;

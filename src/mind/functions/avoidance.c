@@ -78,7 +78,7 @@ static double way_lean(const double ring_mm[WAY_FRONT])
 
 void clips_way_clear(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     double arg[2] = {0, INFINITY};
     double ring_mm[WAY_FRONT];
     EnvSetMultifieldErrorValue(env, out);
@@ -92,9 +92,9 @@ void clips_way_clear(void *env, DATA_OBJECT *out)
     double want_deg = fmax(-90, fmin(value_norm_deg(arg[0]), 90));
     double turns_deg = m->percept.turn_rad_s * VALUE_DEG / way_turn_s;
     double way_deg = way_direction(ring_mm, want_deg, fmax(-90, fmin(turns_deg, 90)),
-                                   clips_env_global(m, CLIPS_CARE));
+                                   environment_global(m, CLIPS_CARE));
     way_deg += way_lean(ring_mm);
-    double room_mm = fmax(0, way_room(ring_mm) - clips_env_global(m, CLIPS_SONAR_MARGIN));
+    double room_mm = fmax(0, way_room(ring_mm) - environment_global(m, CLIPS_SONAR_MARGIN));
     if (room_mm == 0 && fabs(way_deg) < way_aside_deg) {
         way_deg = copysign(way_aside_deg, way_deg);
     }

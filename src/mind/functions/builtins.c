@@ -77,7 +77,7 @@ static void override_result(void *env, enum override which, DATA_OBJECT *out)
 
 static void override_parse(void *env, enum override which, DATA_OBJECT *out)
 {
-    percept_show(clips_env_mind(env));     /* what is built now may have a pattern of it */
+    percept_show(environment_mind(env));   /* what is built now may have a pattern of it */
     static char bytes[2 * CLIPS_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
@@ -95,7 +95,7 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
         clips_value_refuse(env, override_names[which], wanted);
         return;
     }
-    clips_place_note(clips_env_mind(env), text, NULL, 0);
+    clips_place_note(environment_mind(env), text, NULL, 0);
     mu_text_init(&rewritten, bytes, sizeof bytes);
     clips_text_rewrite(&rewritten, text, strlen(text));
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};
@@ -184,7 +184,7 @@ static void *override_gensym(void *env)
     long long *number = GetEnvironmentData(env, OVERRIDE_GENSYM_DATA);
     do {
         snprintf(word, sizeof word, "gen%lld", (*number)++);
-    } while (clips_guard_charge(clips_env_mind(env), CLIPS_UNITS_A_TICK) &&
+    } while (clips_guard_charge(environment_mind(env), CLIPS_UNITS_A_TICK) &&
              FindSymbolHN(env, word));
     return EnvAddSymbol(env, word);
 }
@@ -192,13 +192,13 @@ static void *override_gensym(void *env)
 /* Those look at all facts that there are. */
 static void override_facts(void *env)
 {
-    percept_show(clips_env_mind(env));
+    percept_show(environment_mind(env));
     override_print_facts(env);
 }
 
 static void override_list(void *env, DATA_OBJECT *out)
 {
-    percept_show(clips_env_mind(env));
+    percept_show(environment_mind(env));
     override_list_facts(env, out);
 }
 

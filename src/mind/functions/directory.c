@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Groups and the yellow pages, as rules see them. */
+/* Groups, the yellow pages, the white pages, and lines that are set aside, as rules see them. */
 #include "core/attributes.h"
 #include "core/name.h"
 #include "mind/engine/value.h"
@@ -25,7 +25,7 @@ static bool group_name(void *env, const char *function, const char *wanted, cons
 static void group_begin(void *env, enum mind_change change, const char *name,
                         const char *attributes, DATA_OBJECT *out)
 {
-    const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
     clips_value_bool(
         env, out, ports->change && ports->change(ports->self, change, name, attributes) == MU_OK);
 }
@@ -118,7 +118,7 @@ void clips_group_advertise(void *env, DATA_OBJECT *out)
 
 static void list_answer(void *env, enum mind_list list, const char *of, DATA_OBJECT *out)
 {
-    const struct mind_ports *ports = &clips_env_mind(env)->options.ports;
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
     size_t count = 0;
     while (ports->entry && ports->entry(ports->self, list, of, count)) {
         count++;
@@ -216,5 +216,69 @@ void clips_group_find_service(void *env, DATA_OBJECT *out)
     list_answer(env, MIND_PROVIDERS, query, out);
     if (query[0] == '*') {
         names_once(out);
+    }
+}
+
+void clips_social_my_name(void *env, DATA_OBJECT *out)
+{
+    clips_value_symbol(env, out, environment_mind(env)->options.name);
+}
+
+void clips_social_lookup(void *env, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
+    struct mind_member member;
+    const char *name;
+    clips_value_bool(env, out, false);
+    if (!clips_value_word(env, "lookup", 1, &name) || !ports->lookup ||
+        ports->lookup(ports->self, name, &member) != MU_OK) {
+        return;
+    }
+    struct multifield *fields = EnvCreateMultifield(env, 4);
+    clips_value_set_symbol(env, fields, 0, member.name);
+    clips_value_set_symbol(env, fields, 1, member.kind);
+    clips_value_set_symbol(env, fields, 2, member.state);
+    clips_value_set_word(env, fields, 3, member.host);
+    clips_value_multifield(out, fields);
+}
+
+void clips_social_listing(void *env, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
+    struct mind_member member;
+    size_t count = 0;
+    while (ports->listing && ports->listing(ports->self, count, &member) == MU_OK) {
+        count++;
+    }
+    struct multifield *fields = EnvCreateMultifield(env, (long)count);
+    for (size_t i = 0; i < count; i++) {
+        bool there = ports->listing(ports->self, i, &member) == MU_OK;
+        clips_value_set_symbol(env, fields, i, there ? member.name : "nil");
+    }
+    clips_value_multifield(out, fields);
+}
+
+void clips_aside_list(void *env, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
+    size_t count = 0;
+    while (ports->aside && ports->aside(ports->self, count)) {
+        count++;
+    }
+    struct multifield *fields = EnvCreateMultifield(env, (long)count);
+    for (size_t i = 0; i < count; i++) {
+        fields->theFields[i].type = STRING;
+        fields->theFields[i].value = EnvAddSymbol(env, ports->aside(ports->self, i));
+    }
+    clips_value_multifield(out, fields);
+}
+
+void clips_aside_drop(void *env, DATA_OBJECT *out)
+{
+    const struct mind_ports *ports = &environment_mind(env)->options.ports;
+    long long number;
+    clips_value_bool(env, out, false);
+    if (clips_value_whole(env, "drop-aside", 1, &number) && number > 0 && ports->drop_aside) {
+        clips_value_bool(env, out, ports->drop_aside(ports->self, (size_t)number - 1));
     }
 }

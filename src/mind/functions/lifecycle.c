@@ -3,6 +3,7 @@
  * What a line, or a rule, says of the agent's own life: run, step, suspend, and stopping before a
  * rule.  Nothing changes here; the robot asks what was wished when the line or the step is over.
  */
+#include "core/name.h"
 #include "mind/engine/value.h"
 #include "mind/functions/table.h"
 
@@ -30,7 +31,7 @@ static uint32_t control_count(void *env, const char *function)
 
 static void control_step(void *env, DATA_OBJECT *out, const char *function)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     uint32_t rules = EnvRtnArgCount(env) > 0 ? control_count(env, function) : 1;
     clips_value_bool(env, out, rules > 0);
     if (rules > 0 && m->mode == CLIPS_MODE_LINE) {
@@ -41,7 +42,7 @@ static void control_step(void *env, DATA_OBJECT *out, const char *function)
 /* (run) on a line asks the life cycle to go on: rules fire in steps only. */
 void clips_control_run(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     if (EnvRtnArgCount(env) > 0) {
         control_step(env, out, "run");
         return;
@@ -60,15 +61,7 @@ void clips_control_step(void *env, DATA_OBJECT *out)
 void clips_control_suspend(void *env, DATA_OBJECT *out)
 {
     clips_value_bool(env, out, true);
-    control_wish(clips_env_mind(env), MIND_WISH_SUSPEND, 0);
-}
-
-enum mind_wish mind_wish(struct mind *m, uint32_t *rules)
-{
-    enum mind_wish wish = m->wish;
-    *rules = m->wish_rules;
-    m->wish = MIND_WISH_NOTHING;
-    return wish;
+    control_wish(environment_mind(env), MIND_WISH_SUSPEND, 0);
 }
 
 /* --- stopping before a rule ------------------------------------------------------------------- */
@@ -114,7 +107,67 @@ bool clips_control_stops(struct mind *m)
     return true;
 }
 
-void mind_go_on(struct mind *m)
+/* --- (moveTo), (clone), (dispose): where a mind is to go when its step is over ------------------
+ */
+
+/* The name that an argument is.  @return false: it is none, and the call has ended in an error */
+static bool name_take(void *env, const char *function, int index, char name[MU_NAME_MAX + 1])
 {
-    m->passes = m->stands[0] != '\0';
+    const char *word;
+    if (!clips_value_word(env, function, index, &word)) {
+        return false;
+    }
+    if (!mu_name_valid(word) || mu_name_reserved(word)) {
+        clips_value_refuse(env, function, "a name");
+        return false;
+    }
+    return mu_text_copy(name, MU_NAME_MAX + 1, word);
+}
+
+static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
+{
+    struct mind *m = environment_mind(env);
+    bool first = m->travel.kind == MIND_STAYS;
+    if (first) {
+        m->travel = w;
+    }
+    clips_value_bool(env, out, first);
+}
+
+void clips_mobility_move(void *env, DATA_OBJECT *out)
+{
+    struct mind_travel w = {.kind = MIND_MOVES};
+    clips_value_bool(env, out, false);
+    if (name_take(env, "moveTo", 1, w.host)) {
+        travel_set(env, w, out);
+    }
+}
+
+void clips_mobility_clone(void *env, DATA_OBJECT *out)
+{
+    struct mind_travel w = {.kind = MIND_CLONES};
+    clips_value_bool(env, out, false);
+    if (!name_take(env, "clone", 1, w.name)) {
+        return;
+    }
+    if (EnvRtnArgCount(env) < 2 || name_take(env, "clone", 2, w.host)) {
+        travel_set(env, w, out);
+    }
+}
+
+void clips_mobility_dispose(void *env, DATA_OBJECT *out)
+{
+    travel_set(env, (struct mind_travel){.kind = MIND_DISPOSES}, out);
+}
+
+void clips_failure_call(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = environment_mind(env);
+    struct multifield *fields = EnvCreateMultifield(env, (long)(2 * m->failing_count));
+    for (size_t i = 0; i < m->failing_count; i++) {
+        clips_value_set_symbol(env, fields, 2 * i, m->failing[i].rule);
+        fields->theFields[2 * i + 1].type = INTEGER;
+        fields->theFields[2 * i + 1].value = EnvAddLong(env, m->failing[i].count);
+    }
+    clips_value_multifield(out, fields);
 }

@@ -142,7 +142,7 @@ void clips_math_clamp(void *env, DATA_OBJECT *out)
 
 void clips_math_now(void *env, DATA_OBJECT *out)
 {
-    clips_value_float(env, out, (double)clips_env_mind(env)->percept.time_ns * 1e-9);
+    clips_value_float(env, out, (double)environment_mind(env)->percept.time_ns * 1e-9);
 }
 
 void clips_math_random(void *env, DATA_OBJECT *out)
@@ -163,12 +163,12 @@ void clips_math_random(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "random", "a least number that is not above the greatest");
         return;
     }
-    clips_value_integer(env, out, mu_random_between(&clips_env_mind(env)->random, lo, hi));
+    clips_value_integer(env, out, mu_random_between(&environment_mind(env)->random, lo, hi));
 }
 
 void clips_math_seed(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     long long seed;
     clips_value_bool(env, out, false);
     if (clips_value_whole(env, "seed", 1, &seed)) {

@@ -19,7 +19,7 @@ void motion_speed_to(void *env, DATA_OBJECT *out)
     }
     double dx = a[3] - a[0];
     double dy = a[4] - a[1];
-    double far = hypot(dx, dy) - clips_env_global(clips_env_mind(env), CLIPS_FOLLOW_DISTANCE);
+    double far = hypot(dx, dy) - environment_global(environment_mind(env), CLIPS_FOLLOW_DISTANCE);
     double error = far > -500 ? value_norm_deg(atan2(dy, dx) * VALUE_DEG - a[2]) : 0;
     /* a robot that looks away from the point turns first */
     double ahead = fabs(error) < 90 ? cos(error / VALUE_DEG) : 0;
@@ -35,7 +35,7 @@ static double physical_clamp(double x, double limit)
 
 void motion_set_speed(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     double speed[2];
     clips_value_bool(env, out, false);
     if (!clips_value_numbers(env, "setSpeed", 2, speed)) {
@@ -55,7 +55,7 @@ void motion_set_speed(void *env, DATA_OBJECT *out)
 
 void motion_stop(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     m->act.drives = true;
     m->act.forward_m_s = 0;
     m->act.turn_rad_s = 0;
@@ -65,7 +65,7 @@ void motion_stop(void *env, DATA_OBJECT *out)
 
 void motion_update_sensors(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     m->sense_again = m->sense_again || m->firing;
     clips_value_bool(env, out, m->firing);
 }

@@ -10,13 +10,13 @@ enum { PLAN_CELLS_A_TICK = 8 };
 
 void clips_plan_has_map(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, clips_env_mind(env)->options.router != NULL);
+    clips_value_bool(env, out, environment_mind(env)->options.router != NULL);
 }
 
 void clips_plan_call(void *env, DATA_OBJECT *out)
 {
     static struct route route; /* large, and of use only until the fields are made */
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     const struct mu_percept *p = &m->percept;
     double to_mm[2];
     clips_value_bool(env, out, false);

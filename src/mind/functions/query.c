@@ -98,7 +98,7 @@ static bool findall_pattern(struct findall_parser *p)
     if (t.type != SYMBOL) {
         return findall_complain(p, "the name of a relation behind the parenthesis");
     }
-    sensors_note(clips_env_mind(p->env), ValueToString(t.value));
+    sensors_note(environment_mind(p->env), ValueToString(t.value));
     struct deftemplate *relation = EnvFindDeftemplate(p->env, ValueToString(t.value));
     findall_append(p, relation ? GenConstant(p->env, DEFTEMPLATE_PTR, relation)
                                : GenConstant(p->env, SYMBOL, t.value));
@@ -236,7 +236,7 @@ void clips_findall_call(void *env, DATA_OBJECT *out)
     if (!clips_value_word(env, "findall", 2, &mask) || !findall_read(env, mask, &pattern)) {
         return;
     }
-    percept_show(clips_env_mind(env));
+    percept_show(environment_mind(env));
     struct deftemplate *t = findall_template(env);
     if (!t) {
         return; /* no fact of this relation was ever there */

@@ -145,7 +145,7 @@ const char *clips_post_who(void *env, const char *function, int index, const cha
 
 void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     const struct mind_ports *ports = &m->options.ports;
     bool taken = ports->send && ports->send(ports->self, letter) == MU_OK;
     if (taken) {
@@ -163,7 +163,7 @@ static void post_letter(void *env, const char *function, struct mind_letter *let
                         const DATA_OBJECT *fields, DATA_OBJECT *out)
 {
     struct mu_text content;
-    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
     if (clips_post_content(env, function, fields, &content)) {
         letter->content = content.at;
         clips_post_hand(env, letter, out);
@@ -172,7 +172,7 @@ static void post_letter(void *env, const char *function, struct mind_letter *let
 
 const char *clips_post_question(void *env, char *to, size_t size)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
     return to;
 }
@@ -338,7 +338,7 @@ static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
 
 void clips_post_reply(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     struct mind_letter letter = clips_post_blank;
     DATA_OBJECT mail;
     DATA_OBJECT fields;
@@ -376,7 +376,7 @@ void clips_post_you_do(void *env, DATA_OBJECT *out)
 {
     static const char wanted[] = "a name, a group or a multifield of names, a command, its fields";
     char group[MU_FIELD_MAX + 1];
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     struct mind_letter letter = clips_post_blank;
     struct mu_text line;
     DATA_OBJECT fields;

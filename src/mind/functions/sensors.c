@@ -12,7 +12,7 @@ enum { SENSORS_FIELDS = 4 };
 
 void sensors_position(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     double values[6];
     if (!m->sensed) {
         EnvSetMultifieldErrorValue(env, out);
@@ -29,12 +29,12 @@ void sensors_position(void *env, DATA_OBJECT *out)
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, clips_env_mind(env)->percept.stalled);
+    clips_value_bool(env, out, environment_mind(env)->percept.stalled);
 }
 
 void sensors_sonar(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     size_t count = m->percept.sonar_count;
     double ranges_mm[MU_SONARS_MAX];
     long long index;
@@ -92,28 +92,10 @@ void sensors_sonar_data(void *env, DATA_OBJECT *out)
             return;
         }
     }
-    const struct mind *m = clips_env_mind(env);
-    double clip = clips_env_global(m, CLIPS_SONAR_CLIP);
-    double clear = least - clips_env_global(m, CLIPS_SONAR_MARGIN);
+    const struct mind *m = environment_mind(env);
+    double clip = environment_global(m, CLIPS_SONAR_CLIP);
+    double clear = least - environment_global(m, CLIPS_SONAR_MARGIN);
     clips_value_float(env, out, fmax(0, fmin(clear, clip)));
-}
-
-static struct expr *sense_parse(void *env, struct expr *top, const char *source)
-{
-    const struct FunctionDefinition *f = top->value;
-    top = clips_functions_parse(env, top, source);
-    if (top) {
-        sensors_note(clips_env_mind(env), ValueToString(f->callFunctionName));
-    }
-    return top;
-}
-
-void sensors_install(struct mind *m)
-{
-    static const char *const functions[] = {"sonar", "clear-way", "laser", "camera", "fiducials"};
-    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
-        clips_functions_note(m, functions[i], sense_parse);
-    }
 }
 
 /* The index of a beam as an argument.  @return false: it is none, and a CLIPS error */
@@ -131,7 +113,7 @@ static bool sense_beam(void *env, int argument, size_t count, long long *index)
 
 void sensors_laser(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     int arguments = EnvRtnArgCount(env);
     size_t count = m->percept.laser_count;
     long long from = 0, to = (long long)count - 1;
@@ -166,7 +148,7 @@ static size_t sense_pick(const struct mind *m, const char *color, bool picked[MU
 
 void sensors_camera(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
@@ -187,7 +169,7 @@ void sensors_camera(void *env, DATA_OBJECT *out)
 
 void sensors_fiducials(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     size_t count = m->percept.fiducial_count;
     struct multifield *fields = EnvCreateMultifield(env, (long)(count * SENSORS_FIELDS));
     for (size_t i = 0; i < count; i++) {
@@ -198,7 +180,7 @@ void sensors_fiducials(void *env, DATA_OBJECT *out)
 
 void sensors_gps(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     const struct mu_percept *p = &m->percept;
     if (!m->sensed) {
         EnvSetMultifieldErrorValue(env, out);
@@ -210,7 +192,7 @@ void sensors_gps(void *env, DATA_OBJECT *out)
 
 void sensors_odometer(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     const struct mu_percept *p = &m->percept;
     if (!m->sensed) {
         EnvSetMultifieldErrorValue(env, out);
@@ -223,7 +205,7 @@ void sensors_odometer(void *env, DATA_OBJECT *out)
 
 void sensors_bumpers(void *env, DATA_OBJECT *out)
 {
-    uint32_t touched = clips_env_mind(env)->percept.bumpers;
+    uint32_t touched = environment_mind(env)->percept.bumpers;
     double directions_deg[32];
     size_t count = 0;
     for (unsigned k = 0; k < 8; k++) {
@@ -236,7 +218,7 @@ void sensors_bumpers(void *env, DATA_OBJECT *out)
 
 void sensors_battery(void *env, DATA_OBJECT *out)
 {
-    const struct mind *m = clips_env_mind(env);
+    const struct mind *m = environment_mind(env);
     clips_value_bool(env, out, false);
     if (m->sensed && m->percept.battery_share >= 0) {
         clips_value_float(env, out, m->percept.battery_share);
@@ -270,7 +252,7 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
                   {"close", MU_PADDLES_CLOSE, MU_LIFT_KEEP},
                   {"lift", MU_PADDLES_KEEP, MU_LIFT_UP},
                   {"lower", MU_PADDLES_KEEP, MU_LIFT_DOWN}};
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     const char *word;
     if (EnvRtnArgCount(env) == 0) {
         gripper_state(env, m->percept.gripper, out);

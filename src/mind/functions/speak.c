@@ -32,7 +32,7 @@ static bool speak_reply_by(void *env, int index, size_t offset, struct mind_lett
     if (!clips_value_number(env, "speak", index, &until_s)) {
         return false;
     }
-    double now_s = (double)clips_env_mind(env)->percept.time_ns * 1e-9;
+    double now_s = (double)environment_mind(env)->percept.time_ns * 1e-9;
     if (!(until_s > now_s && until_s < now_s + 1e9)) {
         clips_value_refuse(env, "speak", "a time in the future behind reply-by");
         return false;
@@ -167,7 +167,7 @@ void clips_speak_call(void *env, DATA_OBJECT *out)
     if (!letter.dst) {
         return;
     }
-    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
     bool raw = strcmp(letter.language, "clips") != 0 && fields.type == STRING;
     if (raw) { /* a text in another language goes as it is */
         mu_text_add(&content, ValueToString(fields.value));
@@ -196,7 +196,7 @@ void clips_speak_layer(void *env, DATA_OBJECT *out)
     if (!mu_performative_answers(letter.performative)) {
         letter.reply_with = clips_post_question(env, question, sizeof question);
     }
-    mu_text_init(&content, clips_env_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
     if (letter.dst && clips_post_content(env, "send-layer", &fields, &content)) {
         letter.content = content.at;
         clips_post_hand(env, &letter, out);

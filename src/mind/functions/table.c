@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "mind/functions/table.h"
 
+#include "mind/facts/facts.h"
+
 #include <stdio.h>
 
 struct function_row {
@@ -35,7 +37,8 @@ static const struct {
 
 enum { FUNCTION_GROUPS = sizeof function_groups / sizeof function_groups[0] };
 
-struct expr *clips_functions_parse(void *env, struct expr *top, const char *source)
+/* Parses a call as CLIPS does that of a function without a parser. */
+static struct expr *function_parse(void *env, struct expr *top, const char *source)
 {
     const struct FunctionDefinition *f = top->value;
     top = CollectArguments(env, top, source);
@@ -47,7 +50,8 @@ struct expr *clips_functions_parse(void *env, struct expr *top, const char *sour
     return good ? top : NULL;
 }
 
-void clips_functions_note(struct mind *m, const char *name,
+/* Has a parser of ours note who calls a function; all else of it stays. */
+static void function_note(struct mind *m, const char *name,
                           struct expr *(*parse)(void *env, struct expr *top, const char *source))
 {
     struct FunctionDefinition *f = FindFunction(m->env, name);
@@ -67,21 +71,34 @@ static const char *const function_speech[] = {
 
 static struct expr *speech_parse(void *env, struct expr *top, const char *source)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     m->rules_speak = m->rules_speak || ConstructData(env)->ParsingConstruct;
-    return clips_functions_parse(env, top, source);
+    return function_parse(env, top, source);
 }
 
 static void speech_install(struct mind *m)
 {
     for (size_t i = 0; i < sizeof function_speech / sizeof function_speech[0]; i++) {
-        clips_functions_note(m, function_speech[i], speech_parse);
+        function_note(m, function_speech[i], speech_parse);
     }
 }
 
-bool mind_speaks(const struct mind *m)
+static struct expr *sense_parse(void *env, struct expr *top, const char *source)
 {
-    return m->rules_speak;
+    const struct FunctionDefinition *f = top->value;
+    top = function_parse(env, top, source);
+    if (top) {
+        sensors_note(environment_mind(env), ValueToString(f->callFunctionName));
+    }
+    return top;
+}
+
+static void sense_install(struct mind *m)
+{
+    static const char *const functions[] = {"sonar", "clear-way", "laser", "camera", "fiducials"};
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+        function_note(m, functions[i], sense_parse);
+    }
 }
 
 void clips_functions_install(struct mind *m)
@@ -96,8 +113,9 @@ void clips_functions_install(struct mind *m)
         }
     }
     AddFunctionParser(m->env, "findall", clips_findall_parse);
-    AddFunctionParser(m->env, "getmsg", clips_mail_parse_getmsg);
+    AddFunctionParser(m->env, "getmsg", mailbox_parse_getmsg);
     speech_install(m);
+    sense_install(m);
 }
 
 /* Inside a table a bar would end the cell. */

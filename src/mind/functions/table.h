@@ -101,7 +101,7 @@
     X("broadcast", 'u', clips_post_broadcast, "0*", \
       "(broadcast field...)", \
       "mail to all agents that are there now; TRUE or FALSE") \
-    X("getmsg", 'm', clips_mail_getmsg, "00", \
+    X("getmsg", 'm', mailbox_getmsg, "00", \
       "(getmsg)", \
       "takes the oldest mail: `(from field...)`, or `()`.  Of mails without a mail fact the " \
       "latest 1024 wait here; when a construct calls getmsg, they are a queue that refuses when " \
@@ -299,8 +299,5 @@ CLIPS_PHYSICAL(X)
 CLIPS_AGENT(X)
 CLIPS_EXTENSIONS(X)
 #undef X
-
-/** Gives the functions of sensors a parser that notes who is called. */
-void sensors_install(struct mind *m);
 
 #endif

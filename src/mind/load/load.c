@@ -17,7 +17,7 @@ static void load_note_error(void *env, const char *file, const char *warning, co
 {
     (void)file;
     (void)warning;
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     if (error && m->error_line == 0) {
         m->error_line = line;
     }
@@ -95,14 +95,14 @@ mu_result clips_load_construct(struct mind *m, const char *path, struct clips_fo
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
     }
     m->error_line = 0;
-    clips_env_enter(m, CLIPS_MODE_QUIET);
+    environment_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
     EnvSetParsingFileName(m->env, path);
     int loaded = LoadConstructsFromLogicalName(m->env, "mu-load");
     EnvSetParsingFileName(m->env, NULL);
     CloseStringSource(m->env, "mu-load");
-    if (clips_env_leave(m) || loaded != 1) {
+    if (environment_leave(m) || loaded != 1) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
         int line = f.line + (m->error_line > 1 ? (int)m->error_line - 1 : 0);
@@ -275,9 +275,7 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
     return load_extends(m, path, f.line, name, fault);
 }
 
-/* Loads one form after the other. */
-static mu_result load_forms(struct mind *m, const char *path, const char *at,
-                            struct mu_fault *fault)
+mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_fault *fault)
 {
     int line = 1;
     mu_result r = MU_OK;
@@ -298,42 +296,21 @@ mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fau
     const char *at;
     size_t used = m->text_used;
     mu_result r = load_read(m, path, &at, fault);
-    r = r == MU_OK ? load_forms(m, path, at, fault) : r;
+    r = r == MU_OK ? load_text(m, path, at, fault) : r;
     m->text_used = used;
     return r;
 }
 
-/* What was loaded begins: initial facts, first values. */
-static mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
+mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    clips_env_enter(m, CLIPS_MODE_QUIET);
+    environment_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, 0);
     m->shown_count = 0;
     EnvReset(m->env);
-    if (clips_env_leave(m)) {
+    if (environment_leave(m)) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
         return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");
     }
     return MU_OK;
-}
-
-mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
-{
-    if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
-    }
-    clips_failure_clear(m);
-    MU_TRY(clips_load_file(m, path, fault));
-    return load_begin(m, path, fault);
-}
-
-mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
-{
-    if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
-    }
-    clips_failure_clear(m);
-    MU_TRY(load_forms(m, name, text, fault));
-    return load_begin(m, name, fault);
 }

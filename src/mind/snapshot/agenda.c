@@ -65,7 +65,7 @@ static void module_save(struct mind *m, void *self)
 
 void clips_capsule_save_agenda(struct mind *m, struct mu_text *out)
 {
-    clips_env_each_module(m, out, module_save);
+    environment_each_module(m, out, module_save);
     mu_text_format(out, "agenda-end %llu\n", AgendaData(m->env)->CurrentTimetag);
     mu_text_add(out, "focus");
     for (const struct focus *f = EngineData(m->env)->CurrentFocus; f; f = f->next) {
@@ -166,7 +166,7 @@ static mu_result activations_load(struct capsule *c)
     agenda_make(m, &g, c->at);
     bool read = agenda_read(c, &g);
     if (read) {
-        clips_env_each_module(m, &g, module_load);
+        environment_each_module(m, &g, module_load);
     }
     rm(m->env, g.lines, g.places * sizeof *g.lines);
     if (!read) {

@@ -51,7 +51,7 @@ static void globals_save(struct mind *m, void *self)
 bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char **why)
 {
     struct globals_saved s = {.out = out, .good = true};
-    clips_env_each_module(m, &s, globals_save);
+    environment_each_module(m, &s, globals_save);
     *why = s.good ? NULL : "a global holds an address that means nothing elsewhere";
     return s.good;
 }

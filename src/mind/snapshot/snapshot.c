@@ -74,7 +74,7 @@ static int route_query(void *env, const char *name)
 static int route_print(void *env, const char *name, const char *text)
 {
     (void)name;
-    mu_text_add(clips_env_mind(env)->out, text);
+    mu_text_add(environment_mind(env)->out, text);
     return TRUE;
 }
 
@@ -218,21 +218,13 @@ static bool body_save(struct mind *m, struct mu_text *out, const char **why)
     return !out->cut;
 }
 
-mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
+mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 {
     char head[CAPSULE_HEAD_MAX + 1];
     const char *why = NULL;
-    if (CLIPS_BROKEN(m)) {
-        (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
-        return MU_REFUSED;
-    }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, CLIPS_MEMORY_SPARE);
     mu_text_clear(out);
     mu_text_format(out, "%*s", CAPSULE_HEAD_MAX, ""); /* its place: the sum comes last */
-    bool saved = body_save(m, out, &why);
-    clips_env_leave(m);
-    if (!saved) {
+    if (!body_save(m, out, &why)) {
         (void)mu_fault_at(fault, "capsule", 0, 0, "%s", why);
         return out->cut ? MU_FULL : MU_REFUSED;
     }
@@ -247,8 +239,7 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 
 /* --- restoring -------------------------------------------------------------------------------- */
 
-/* @return MU_OK: the body is whole */
-static mu_result head_check(const char *text, size_t len, struct mu_fault *fault)
+mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault)
 {
     int version = 0;
     size_t bytes = 0;
@@ -290,7 +281,7 @@ static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
     facts_clear(m);
     MU_TRY(switches_load(c));
     MU_TRY(rules_load(c));
-    clips_env_enter(m, CLIPS_MODE_QUIET);
+    environment_enter(m, CLIPS_MODE_QUIET);
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
     mu_result r = gensym_load(c);
@@ -302,27 +293,13 @@ static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
     r = r == MU_OK ? clips_capsule_load_state(c) : r;
     EnvSetCurrentModule(m->env, EnvFindDefmodule(m->env, "MAIN"));
     EnvDecrementGCLocks(m->env);
-    clips_env_leave(m);
+    environment_leave(m);
     return r;
 }
 
-/* A copy has a name of its own. */
-static mu_result name_set(struct mind *m, const char *was)
+mu_result snapshot_load(struct mind *m, const char *text, struct mu_fault *fault,
+                        char name[MU_NAME_MAX + 1])
 {
-    if (strcmp(was, m->options.name) == 0) {
-        return MU_OK;
-    }
-    return mind_set_global(m, "my-name", m->options.name);
-}
-
-mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct mu_fault *fault)
-{
-    MU_TRY(head_check(capsule, len, fault));
-    if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
-    }
-    struct capsule c = {.mind = m, .at = capsule + CAPSULE_HEAD_MAX, .line = 2, .fault = fault};
-    char name[MU_NAME_MAX + 1];
-    MU_TRY(body_load(&c, name));
-    return name_set(m, name);
+    struct capsule c = {.mind = m, .at = text + CAPSULE_HEAD_MAX, .line = 2, .fault = fault};
+    return body_load(&c, name);
 }

@@ -23,6 +23,19 @@ struct capsule {
     const char *word; /* that was read last: a symbol */
 };
 
+/* snapshot.c */
+
+/** Writes a mind down: as mind_save. */
+MU_MUST_USE mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
+
+/** @return MU_OK: the text is a whole snapshot of this version */
+MU_MUST_USE mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault);
+
+/** Makes a fresh mind what a checked snapshot says: as mind_restore.  @param name  out: whose it is
+ */
+MU_MUST_USE mu_result snapshot_load(struct mind *m, const char *text, struct mu_fault *fault,
+                                    char name[MU_NAME_MAX + 1]);
+
 /* clips_capsule_text.c: the fields */
 
 /** @return MU_FAULT_FILE, with the line and what is wrong there */

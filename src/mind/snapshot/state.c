@@ -5,8 +5,7 @@
 
 #include <string.h>
 
-/* --- numbers
-   ---------------------------------------------------------------------------------- */
+/* --- numbers ---------------------------------------------------------------------------------- */
 
 static bool reals_load(struct capsule *c, double **reals, size_t count)
 {
@@ -245,7 +244,7 @@ static bool message_load(struct capsule *c)
         e.first_type = first.type;
         e.first = first.value;
     }
-    return clips_message_enter(c->mind, &e) && clips_capsule_end(c);
+    return messages_enter(c->mind, &e) && clips_capsule_end(c);
 }
 
 static bool mail_fact_load(struct capsule *c)
@@ -270,7 +269,7 @@ static bool parked_load(struct capsule *c)
     }
     mail.src = c->word;
     mail.content = ValueToString(content.value);
-    return clips_parked_put(c->mind, &mail, clips != 0) == MU_OK && clips_capsule_end(c);
+    return mail_ring_put(c->mind, &mail, clips != 0) == MU_OK && clips_capsule_end(c);
 }
 
 static bool mail_load(struct capsule *c)

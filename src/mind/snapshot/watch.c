@@ -63,7 +63,7 @@ void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
     mu_text_format(out, " %d", m->passes);
     clips_capsule_add_word(out, m->stands);
     mu_text_add(out, "\n");
-    clips_env_each_module(m, out, module_save);
+    environment_each_module(m, out, module_save);
 }
 
 /* --- loading ---------------------------------------------------------------------------------- */

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The environment of a mind: how it is made, what is taken out of it, where its output goes. */
-#include "core/name.h"
+/* The environment of an engine: what is taken out of it, where its output goes, its globals. */
 #include "mind/engine/value.h"
-#include "mind/facts/facts.h"
-#include "mind/functions/table.h"
-#include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -60,11 +56,6 @@ static const char *const env_denied[] = {
 
 static const char *const env_kept_globals[2] = {"my-name", "mate"};
 
-struct mind *clips_env_mind(void *env)
-{
-    return GetEnvironmentContext(env);
-}
-
 /* Asked at each word that is printed, and at each byte of a file. */
 static inline bool env_is(const char *name, const char *route)
 {
@@ -109,7 +100,7 @@ static void env_print_line(struct mu_text *out, bool complaint, const char *text
 
 static int env_route_print(void *env, const char *name, const char *text)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     bool complaint = env_is(name, WERROR) || env_is(name, WWARNING);
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
@@ -154,7 +145,7 @@ static int env_route_exit(void *env, int code)
     return TRUE;
 }
 
-void clips_env_enter(struct mind *m, enum clips_mode mode)
+void environment_enter(struct mind *m, enum clips_mode mode)
 {
     m->stack = __builtin_frame_address(0);
     m->mode = mode;
@@ -166,7 +157,7 @@ void clips_env_enter(struct mind *m, enum clips_mode mode)
     m->sheltered = true;
 }
 
-bool clips_env_leave(struct mind *m)
+bool environment_leave(struct mind *m)
 {
     m->sheltered = false;
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
@@ -177,7 +168,7 @@ bool clips_env_leave(struct mind *m)
     return failed;
 }
 
-void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
+void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
 {
     struct defmodule *current = EnvGetCurrentModule(m->env);
     for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
@@ -191,8 +182,7 @@ void clips_env_each_module(struct mind *m, void *self, void (*visit)(struct mind
 /* (reset) gives globals their first values: these two are kept over it. */
 static void env_keep_globals(void *env)
 {
-    struct mind *m = clips_env_mind(env);
-    m->ring_unseen = false; /* it goes with the other facts */
+    struct mind *m = environment_mind(env);
     for (size_t i = 0; i < 2; i++) {
         m->kept[i].type = RVOID;
         if (EnvGetDefglobalValue(env, env_kept_globals[i], &m->kept[i])) {
@@ -203,7 +193,7 @@ static void env_keep_globals(void *env)
 
 static void env_restore_globals(void *env)
 {
-    struct mind *m = clips_env_mind(env);
+    struct mind *m = environment_mind(env);
     for (size_t i = 0; i < 2; i++) {
         if (m->kept[i].type != RVOID) {
             EnvSetDefglobalValue(env, env_kept_globals[i], &m->kept[i]);
@@ -223,31 +213,14 @@ static const struct {
     [CLIPS_CARE] = {"care", 1100},
 };
 
-double clips_env_global(const struct mind *m, enum clips_global which)
+double environment_global(const struct mind *m, enum clips_global which)
 {
     const DATA_OBJECT *value = &m->globals[which]->current;
     bool number = value->type == FLOAT || value->type == INTEGER;
     return number ? clips_value_of(value->type, value->value) : (double)env_globals[which].value_mm;
 }
 
-/* The globals and the template that C code knows; the robot's name is a valid symbol. */
-static bool env_build(struct mind *m)
-{
-    char bytes[512];
-    struct mu_text globals;
-    mu_text_init(&globals, bytes, sizeof bytes);
-    mu_text_format(&globals, "(defglobal ?*my-name* = %s ?*mate* = nil", m->options.name);
-    for (size_t i = 0; i < CLIPS_GLOBALS; i++) {
-        mu_text_format(&globals, " ?*%s* = %lld", env_globals[i].name, env_globals[i].value_mm);
-    }
-    mu_text_add(&globals, ")");
-    return EnvBuild(m->env, globals.at) &&
-           EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
-                            " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
-                            " (slot conversation) (multislot content) (slot layer))");
-}
-
-static void env_install(struct mind *m)
+void environment_install(struct mind *m)
 {
     for (size_t i = 0; i < sizeof env_denied / sizeof env_denied[0]; i++) {
         UndefineFunction(m->env, env_denied[i]);
@@ -257,134 +230,24 @@ static void env_install(struct mind *m)
     /* between these two the globals are reset; afterwards, at 0, deffacts are asserted */
     EnvAddResetFunction(m->env, "mu-keep", env_keep_globals, 100);
     EnvAddResetFunction(m->env, "mu-restore", env_restore_globals, 25);
-    clips_guard_install(m);
-    clips_override_install(m);
-    clips_functions_install(m);
-    sensors_install(m);
-    clips_load_install(m);
-    clips_fire_install(m);
-    clips_diary_install(m);
-    clips_meter_install(m);
 }
 
-/* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
-static void env_hold(struct mind *m)
+/* The robot's name is a valid symbol.  What C code keeps pointers to is in use: CLIPS does not let
+ * it be removed. */
+bool environment_build(struct mind *m)
 {
-    struct deftemplate **implied[] = {&m->position, &m->ring,    &m->laser, &m->blob,
-                                      &m->fiducial, &m->message, &m->event};
-    static const char *const names[] = {"position", "sonar",   "laser", "blob",
-                                        "fiducial", "message", "event"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
-        (*implied[i])->busyCount++;
-    }
-    m->mail = EnvFindDeftemplate(m->env, "mail");
-    m->mail->busyCount++;
+    char bytes[512];
+    struct mu_text globals;
+    mu_text_init(&globals, bytes, sizeof bytes);
+    mu_text_format(&globals, "(defglobal ?*my-name* = %s ?*mate* = nil", m->options.name);
     for (size_t i = 0; i < CLIPS_GLOBALS; i++) {
+        mu_text_format(&globals, " ?*%s* = %lld", env_globals[i].name, env_globals[i].value_mm);
+    }
+    mu_text_add(&globals, ")");
+    bool built = EnvBuild(m->env, globals.at);
+    for (size_t i = 0; i < CLIPS_GLOBALS && built; i++) {
         m->globals[i] = EnvFindDefglobal(m->env, env_globals[i].name);
         m->globals[i]->busyCount++;
     }
-}
-
-static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
-{
-    if (!m->options.rules_folder) {
-        return MU_OK;
-    }
-    char path[MU_FAULT_FILE_MAX + 1];
-    snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
-    mu_result loaded = clips_load_file(m, path, fault);
-    m->rules_speak = false;
-    return loaded;
-}
-
-struct mind *mind_reserve(void)
-{
-    struct mind *m = mu_startup_alloc(sizeof *m);
-    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
-    clips_load_reserve(m);
-    clips_mail_reserve(m);
-    return m;
-}
-
-/* What was there of another mind goes; its memory stays. */
-static void env_clear(struct mind *m)
-{
-    const struct mind before = {.scratch = m->scratch,
-                                .text = m->text,
-                                .form = m->form,
-                                .messages = m->messages,
-                                .parked = m->parked,
-                                .places = m->places};
-    *m = before;
-}
-
-static mu_result env_take_options(struct mind *m, const struct mind_options *options,
-                                  struct mu_fault *fault)
-{
-    if (!mu_name_valid(options->name)) {
-        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
-    }
-    m->options = *options;
-    (void)mu_text_copy(m->name, sizeof m->name, options->name);
-    m->options.name = m->name;
-    if (options->rules_folder) {
-        if (!mu_text_copy(m->folder, sizeof m->folder, options->rules_folder)) {
-            return mu_fault_at(fault, "", 0, 0, "the path of the shared rules is too long");
-        }
-        m->options.rules_folder = m->folder;
-    }
-    if (options->rules_file) {
-        if (!mu_text_copy(m->file, sizeof m->file, options->rules_file)) {
-            return mu_fault_at(fault, "", 0, 0, "the path of the rules is too long");
-        }
-        m->options.rules_file = m->file;
-    }
-    if (m->options.firings_max == 0) {
-        m->options.firings_max = MU_FIRINGS_PER_STEP;
-    }
-    return MU_OK;
-}
-
-mu_result mind_begin(struct mind *m, const struct mind_options *options, struct mu_fault *fault)
-{
-    MU_ASSERT(!m->env);
-    env_clear(m);
-    MU_TRY(env_take_options(m, options, fault));
-    mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
-    mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
-    mu_random_seed(&m->random, options->seed, m->options.name);
-    clips_heap_make(m);
-    env_install(m);
-    if (CLIPS_BROKEN(m)) {
-        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
-    }
-    clips_env_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
-    bool built = env_build(m);
-    MU_ASSERT(!clips_env_leave(m) && built);
-    env_hold(m);
-    clips_mail_install(m);
-    return env_load_library(m, fault);
-}
-
-mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
-{
-    if (!mu_name_valid(options->name)) {
-        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
-    }
-    *out = mind_reserve();
-    return mind_begin(*out, options, fault);
-}
-
-bool mind_is_broken(const struct mind *m)
-{
-    return m->broken != NULL;
-}
-
-void mind_close(struct mind *m)
-{
-    if (m && m->env) {
-        clips_heap_drop(m);
-    }
+    return built;
 }

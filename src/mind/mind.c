@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A mind: how it is made, loaded, written down and restored. */
+#include "core/name.h"
+#include "mind/engine/value.h"
+#include "mind/facts/facts.h"
+#include "mind/functions/table.h"
+#include "mind/snapshot/snapshot.h"
+#include "muster/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void env_install(struct mind *m)
+{
+    environment_install(m);
+    percept_install(m);
+    clips_guard_install(m);
+    clips_override_install(m);
+    clips_functions_install(m);
+    clips_load_install(m);
+    step_install(m);
+    clips_diary_install(m);
+    clips_meter_install(m);
+}
+
+static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
+{
+    if (!m->options.rules_folder) {
+        return MU_OK;
+    }
+    char path[MU_FAULT_FILE_MAX + 1];
+    snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
+    mu_result loaded = clips_load_file(m, path, fault);
+    m->rules_speak = false;
+    return loaded;
+}
+
+struct mind *mind_reserve(void)
+{
+    struct mind *m = mu_startup_alloc(sizeof *m);
+    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
+    clips_load_reserve(m);
+    mailbox_reserve(m);
+    return m;
+}
+
+/* What was there of another mind goes; its memory stays. */
+static void env_clear(struct mind *m)
+{
+    const struct mind before = {.scratch = m->scratch,
+                                .text = m->text,
+                                .form = m->form,
+                                .messages = m->messages,
+                                .parked = m->parked,
+                                .places = m->places};
+    *m = before;
+}
+
+static mu_result env_take_options(struct mind *m, const struct mind_options *options,
+                                  struct mu_fault *fault)
+{
+    if (!mu_name_valid(options->name)) {
+        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
+    }
+    m->options = *options;
+    (void)mu_text_copy(m->name, sizeof m->name, options->name);
+    m->options.name = m->name;
+    if (options->rules_folder) {
+        if (!mu_text_copy(m->folder, sizeof m->folder, options->rules_folder)) {
+            return mu_fault_at(fault, "", 0, 0, "the path of the shared rules is too long");
+        }
+        m->options.rules_folder = m->folder;
+    }
+    if (options->rules_file) {
+        if (!mu_text_copy(m->file, sizeof m->file, options->rules_file)) {
+            return mu_fault_at(fault, "", 0, 0, "the path of the rules is too long");
+        }
+        m->options.rules_file = m->file;
+    }
+    if (m->options.firings_max == 0) {
+        m->options.firings_max = MU_FIRINGS_PER_STEP;
+    }
+    return MU_OK;
+}
+
+mu_result mind_begin(struct mind *m, const struct mind_options *options, struct mu_fault *fault)
+{
+    MU_ASSERT(!m->env);
+    env_clear(m);
+    MU_TRY(env_take_options(m, options, fault));
+    mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
+    mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
+    mu_random_seed(&m->random, options->seed, m->options.name);
+    clips_heap_make(m);
+    env_install(m);
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    bool built = environment_build(m) && facts_build(m);
+    MU_ASSERT(!environment_leave(m) && built);
+    mailbox_install(m);
+    return env_load_library(m, fault);
+}
+
+mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
+{
+    if (!mu_name_valid(options->name)) {
+        return mu_fault_at(fault, "", 0, 0, "'%s' is no name for an agent", options->name);
+    }
+    *out = mind_reserve();
+    return mind_begin(*out, options, fault);
+}
+
+bool mind_is_broken(const struct mind *m)
+{
+    return m->broken != NULL;
+}
+
+void mind_close(struct mind *m)
+{
+    if (m && m->env) {
+        clips_heap_drop(m);
+    }
+}
+
+struct mind_travel mind_travel(struct mind *m)
+{
+    struct mind_travel w = m->travel;
+    m->travel = (struct mind_travel){.kind = MIND_STAYS};
+    return w;
+}
+
+void mind_forgive(struct mind *m)
+{
+    clips_failure_clear(m);
+}
+
+enum mind_wish mind_wish(struct mind *m, uint32_t *rules)
+{
+    enum mind_wish wish = m->wish;
+    *rules = m->wish_rules;
+    m->wish = MIND_WISH_NOTHING;
+    return wish;
+}
+
+void mind_go_on(struct mind *m)
+{
+    m->passes = m->stands[0] != '\0';
+}
+
+bool mind_speaks(const struct mind *m)
+{
+    return m->rules_speak;
+}
+
+uint32_t mind_senses(const struct mind *m)
+{
+    if (!m->env) {
+        return m->senses_named;
+    }
+    uint32_t used = (fact_is_used(m->ring) ? MU_SENSE_SONAR : 0u) |
+                    (fact_is_used(m->laser) ? MU_SENSE_LASER : 0u) |
+                    (fact_is_used(m->blob) ? MU_SENSE_CAMERA : 0u) |
+                    (fact_is_used(m->fiducial) ? MU_SENSE_FIDUCIALS : 0u);
+    return used | m->senses_named;
+}
+
+mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    clips_failure_clear(m);
+    MU_TRY(clips_load_file(m, path, fault));
+    return load_begin(m, path, fault);
+}
+
+mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    clips_failure_clear(m);
+    MU_TRY(load_text(m, name, text, fault));
+    return load_begin(m, name, fault);
+}
+
+mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
+{
+    if (CLIPS_BROKEN(m)) {
+        (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+        return MU_REFUSED;
+    }
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, CLIPS_MEMORY_SPARE);
+    mu_result r = snapshot_save(m, out, fault);
+    environment_leave(m);
+    return r;
+}
+
+/* The field as text that reads back; false: it is not exactly one field. */
+static bool line_field(const char *field, struct mu_text *out)
+{
+    const char *rest = field;
+    struct clips_field f = clips_text_field(&rest);
+    struct clips_field more = clips_text_field(&rest);
+    if (f.kind == CLIPS_FIELD_END || f.kind == CLIPS_FIELD_BAD || more.kind != CLIPS_FIELD_END) {
+        return false;
+    }
+    if (f.kind == CLIPS_FIELD_SYMBOL) {
+        char word[256];
+        if (f.len >= sizeof word) {
+            return false;
+        }
+        memcpy(word, f.at, f.len);
+        word[f.len] = '\0';
+        clips_text_add_symbol(out, word);
+    } else {
+        mu_text_add(out, field);
+    }
+    return !out->cut;
+}
+
+/* Redefines the global, so that the value is also what (reset) gives it. */
+mu_result mind_set_global(struct mind *m, const char *name, const char *field)
+{
+    char bytes[512];
+    struct mu_text build;
+    DATA_OBJECT value;
+    mu_text_init(&build, bytes, sizeof bytes);
+    if (CLIPS_BROKEN(m)) {
+        return MU_MALFORMED;
+    }
+    if (!EnvGetDefglobalValue(m->env, name, &value)) {
+        return MU_ABSENT;
+    }
+    mu_text_format(&build, "(defglobal ?*%s* = ", name);
+    if (!line_field(field, &build)) {
+        return MU_MALFORMED;
+    }
+    mu_text_add(&build, ")");
+    environment_enter(m, CLIPS_MODE_QUIET);
+    clips_guard_start(m, 0);
+    bool built = EnvBuild(m->env, build.at);
+    return environment_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
+}
+
+/* A copy has a name of its own. */
+static mu_result name_set(struct mind *m, const char *was)
+{
+    if (strcmp(was, m->options.name) == 0) {
+        return MU_OK;
+    }
+    return mind_set_global(m, "my-name", m->options.name);
+}
+
+mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct mu_fault *fault)
+{
+    char name[MU_NAME_MAX + 1];
+    MU_TRY(snapshot_check(capsule, len, fault));
+    if (CLIPS_BROKEN(m)) {
+        return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
+    }
+    MU_TRY(snapshot_load(m, capsule, fault, name));
+    return name_set(m, name);
+}
