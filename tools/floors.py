@@ -67,7 +67,6 @@ POINTERS = {
     "robot_console_answer()": (1, "what asks the mind, for a line or for a probe"),
     "struct mind_ports": (11, "ports of the mind: it has no process, and acts through them"),
     "environment_each_module()": (1, "a visitor of modules of a mind"),
-    "function_note()": (1, "CLIPS's own parsers of queries"),
     "struct fan_kernel": (3, "kernels for the vector units of processors"),
     "struct session_listener": (3, "the session tells the recording of each step"),
     "struct condition_names": (1, "conditions read names of any world"),
