@@ -12,6 +12,7 @@ import graph
 
 # Bottom first: a folder and its public header, for the modules that have floors.
 FLOORS = {
+    "world/condition": "condition.h",
     "world/parse": "parser.h",
     "world/model": "world.h",
     "world/read": "builder.h",
@@ -35,7 +36,7 @@ FLOORS = {
     "sim": None,
 }
 # Modules with floors that are being put in order: `tools/tidy.py --floors` lists what is left.
-UNFINISHED = {"world", "planner", "mind", "agent", "host", "sim"}
+UNFINISHED = {"mind", "agent", "host", "sim"}
 # Circles of files that later work cures, by module: the sizes may shrink, and never grow.
 CIRCLES = {
     "broker": [23, 3],

@@ -133,7 +133,7 @@ def check_functions(path, text, lines, module):
             bad(path, at, f"{m[1]}: more than {PARAMETERS_MAX} parameters")
         shared = module and path.name != "main.c" and not m[0].startswith("static")
         stem = path.stem.split("_")[0]
-        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1]) + (("clips_",) if module == "mind" else ("route_", "map_") if module == "planner" else ())
+        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1]) + (("clips_",) if module == "mind" else ())
         if shared and not m[1].startswith(prefixes) and m[1] not in ENGINE_OWN and not (path.parent.name == "faults" and m[1] in {"bind", "sendmsg"}):
             bad(path, at, f"{m[1]}: a shared name starts with mu_, {stem}_ or its folder")
 

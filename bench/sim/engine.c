@@ -8,6 +8,7 @@
 #include "sim/engine/engine.h"
 #include "muster/memory.h"
 #include "wander.h"
+#include "world/world_load.h"
 
 #include <math.h>
 #include <stdio.h>

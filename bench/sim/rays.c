@@ -11,6 +11,7 @@
 #include "sim/geometry/geometry.h"
 #include "sim/sensors/fan.h"
 #include "wander.h"
+#include "world/world_load.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -41,11 +41,11 @@ struct crew {
     mu_process *process;
     struct robot *robots;
     uint32_t count;
-    struct world *world;   /* that (plan) knows; NULL: none */
-    struct router *router; /* over its map; the robots share it */
-    bool refused;          /* the broker has refused a name */
-    bool prints;           /* what rules print is the program's answer, as it stands; else it goes
-                              to the log, with the robot's name */
+    struct world *world;     /* that (plan) knows; NULL: none */
+    struct planner *planner; /* over its map; the robots share it */
+    bool refused;            /* the broker has refused a name */
+    bool prints;             /* what rules print is the program's answer, as it stands; else it goes
+                                to the log, with the robot's name */
     const char *rules_folder; /* of the shared rules */
     const char *host;         /* the platform's name; "": the process takes nobody in */
     struct trip *trips;       /* trips_max of them, in no order */

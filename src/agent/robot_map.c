@@ -2,6 +2,7 @@
 /* The map that a process's robots share. */
 #include "agent/robot.h"
 #include "muster/memory.h"
+#include "world/world_load.h"
 
 #include <string.h>
 
@@ -17,15 +18,15 @@ mu_result robot_map_open(struct crew *c)
     if (!c->set->world) {
         return MU_OK;
     }
-    struct map *map = mu_startup_alloc(sizeof *map);
+    struct distance_map *map = mu_startup_alloc(sizeof *map);
     c->world = mu_startup_alloc(sizeof *c->world);
     mu_result loaded = world_load(c->world, c->set->world, true, &fault);
     if (loaded != MU_OK) {
         mu_fault_print(&fault);
         return loaded;
     }
-    map_make(map, c->world);
-    c->router = router_make(map);
+    distance_map_make(map, c->world);
+    c->planner = planner_make(map);
     return MU_OK;
 }
 

@@ -45,7 +45,7 @@ struct mind_options robot_options(struct robot *r, const char *folder)
                                  .firings_max = (uint32_t)set->firings_max,
                                  .failures_max = (uint32_t)set->failures_max,
                                  .diary = set->diary,
-                                 .router = r->crew->router,
+                                 .planner = r->crew->planner,
                                  .half_m = robot_map_half_m(r),
                                  .ports = robot_ports(r)};
 }

@@ -11,7 +11,17 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { MU_FAULT_FILE_MAX = 255, MU_FAULT_TEXT_MAX = 511 };
+enum {
+    MU_FAULT_FILE_MAX = 255,
+    MU_FAULT_TEXT_MAX = 511,
+    MU_FAULT_MISTAKES_MAX = 100 /* that a listener is told of */
+};
+
+/* A place in a file that outlives it. */
+struct mu_fault_place {
+    const char *file;
+    int line, column;
+};
 
 struct mu_fault {
     char file[MU_FAULT_FILE_MAX + 1];

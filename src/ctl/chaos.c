@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 #include <limits.h>
 #include <math.h>

@@ -15,6 +15,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "world/world_load.h"
 
 #include <errno.h>
 #include <math.h>

@@ -13,7 +13,7 @@
 #include "report/report.h"
 #include "runtime/glances.h"
 #include "wire.h"
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <limits.h>
 #include <signal.h>

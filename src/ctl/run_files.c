@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "ctl/run.h"
 #include "muster/memory.h"
-#include "world/parse/worldfile.h"
+#include "world/parse/parser.h"
 
 #include <dirent.h>
 #include <stdio.h>

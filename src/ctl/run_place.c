@@ -3,6 +3,7 @@
 #include "core/random.h"
 #include "ctl/run.h"
 #include "muster/memory.h"
+#include "world/world_load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,7 +71,7 @@ static mu_result places_check(const struct run *r, struct mu_fault *fault)
 {
     const struct experiment *e = r->experiment;
     char begins[MU_NAME_MAX + sizeof "robot '' at "];
-    mu_result checked = world_check_places(r->world, fault);
+    mu_result checked = world_check_places(r->world, NULL, fault);
     for (unsigned i = 0; i < e->robots_count && checked == MU_FAULT_FILE; i++) {
         snprintf(begins, sizeof begins, "robot '%s' at ", e->robots[i].name);
         if (strncmp(fault->text, begins, strlen(begins)) == 0) {

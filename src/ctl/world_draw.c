@@ -3,6 +3,7 @@
 #include "ctl/world_files.h"
 #include "muster/memory.h"
 #include "report/svg.h"
+#include "world/world_load.h"
 
 #include <math.h>
 

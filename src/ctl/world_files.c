@@ -7,7 +7,8 @@
 #include "core/options.h"
 #include "ctl/verbs.h"
 #include "muster/memory.h"
-#include "world/parse/properties.h"
+#include "world/parse/parser.h"
+#include "world/world_load.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -245,7 +246,7 @@ static mu_result check_world(struct world *world, struct check *check)
         check_tell(check, &fault, true); /* there is no file to go on with */
         return opened;
     }
-    mu_result placed = world_check_all_places(world, &listener, &fault);
+    mu_result placed = world_check_places(world, &listener, &fault);
     return opened != MU_OK ? opened : placed;
 }
 

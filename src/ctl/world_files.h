@@ -7,7 +7,7 @@
 #define MUSTER_CTL_WORLD_FILES_H
 
 #include "core/options.h"
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <stdbool.h>
 #include <stdio.h>

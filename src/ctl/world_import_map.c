@@ -6,7 +6,7 @@
 #include "experiment/yaml_check.h"
 #include "experiment/yaml_tree.h"
 #include "muster/memory.h"
-#include "world/parse/bitmap.h"
+#include "world/parse/parser.h"
 
 #include <errno.h>
 #include <limits.h>

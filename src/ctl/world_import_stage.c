@@ -7,7 +7,8 @@
 #include "core/json.h"
 #include "ctl/world_files.h"
 #include "muster/memory.h"
-#include "world/parse/properties.h"
+#include "world/parse/parser.h"
+#include "world/world_load.h"
 
 #include <limits.h>
 #include <string.h>
@@ -28,18 +29,18 @@ static int stage_kinds(const struct worldfile_entity *entity)
         const char *kind;
         int kinds;
     } known[] = {
-        {"model", BUILDER_SOLID | BUILDER_PART},
-        {"position", BUILDER_ROBOT},
-        {"ranger", BUILDER_RANGER},
-        {"sensor", BUILDER_SENSOR},
-        {"laser", BUILDER_SENSOR | BUILDER_RANGER},
-        {"sonar", BUILDER_SENSOR | BUILDER_RANGER},
-        {"blobfinder", BUILDER_CAMERA},
-        {"fiducial", BUILDER_FINDER},
-        {"gripper", BUILDER_GRIPPER},
-        {"block", BUILDER_BLOCK},
-        {"distribute", BUILDER_DISTRIBUTE},
-        {"world", BUILDER_WORLD},
+        {"model", PROPERTY_SOLID | PROPERTY_PART},
+        {"position", PROPERTY_ROBOT},
+        {"ranger", PROPERTY_RANGER},
+        {"sensor", PROPERTY_SENSOR},
+        {"laser", PROPERTY_SENSOR | PROPERTY_RANGER},
+        {"sonar", PROPERTY_SENSOR | PROPERTY_RANGER},
+        {"blobfinder", PROPERTY_CAMERA},
+        {"fiducial", PROPERTY_FINDER},
+        {"gripper", PROPERTY_GRIPPER},
+        {"block", PROPERTY_BLOCK},
+        {"distribute", PROPERTY_DISTRIBUTE},
+        {"world", PROPERTY_WORLD},
     };
     const char *kind = worldfile_kind(entity);
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
@@ -219,7 +220,7 @@ static mu_result stage_print(struct stage *s)
     const struct worldfile_entity *root = &s->source->root;
     fputs("# A world of Stage in one file, without what has no effect in muster.\n\n", s->to);
     for (const struct worldfile_property *p = root->properties; p; p = p->next) {
-        if (properties_read_there(p->key, BUILDER_WORLD)) {
+        if (properties_read_there(p->key, PROPERTY_WORLD)) {
             MU_TRY(stage_print_property(s, p));
         }
     }

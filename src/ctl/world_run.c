@@ -10,7 +10,7 @@
 #include "desk/world_words.h"
 #include "muster/limits.h"
 #include "wire.h"
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 #include <limits.h>
 #include <math.h>

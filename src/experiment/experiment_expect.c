@@ -3,7 +3,7 @@
 #include "core/text.h"
 #include "experiment/experiment_schema.h"
 #include "muster/memory.h"
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 #include <math.h>
 #include <string.h>

@@ -14,7 +14,7 @@
 #include "muster/kind.h"
 #include "muster/percept.h"
 #include "muster/result.h"
-#include "planner/route.h"
+#include "planner/planner.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -111,9 +111,9 @@ struct mind_options {
     uint32_t firings_max;     /* a step; 0: MU_FIRINGS_PER_STEP */
     uint32_t failures_max;    /* of one rule until it is enough; 0: never */
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
-    struct router *router; /* for (plan); minds may share it; NULL: there is no map */
-    double half_m;         /* half the body's width, and what it wants to have beside it */
-    bool diary;            /* notes what goes on, for mind_diary */
+    struct planner *planner; /* for (plan); minds may share it; NULL: there is no map */
+    double half_m;           /* half the body's width, and what it wants to have beside it */
+    bool diary;              /* notes what goes on, for mind_diary */
     struct mind_ports ports;
 };
 

@@ -10,7 +10,7 @@
 
 #include "core/fault.h"
 #include "experiment/experiment.h"
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 /* events.csv, which the simulator writes: when each condition came true. */
 #include "muster/memory.h"
 #include "report/report_data.h"
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 #include <errno.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "muster/stats.h"
 #include "report/report_data.h"
 #include "stats/explored.h"
-#include "world/model/outline.h"
+#include "world/model/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #define MUSTER_REPORT_SVG_H
 
 #include "core/palette.h"
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <stdbool.h>
 #include <stdio.h>

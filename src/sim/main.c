@@ -8,6 +8,7 @@
 #include "muster/memory.h"
 #include "sim/record/record.h"
 #include "sim/session/parts.h"
+#include "world/world_load.h"
 
 #include <fcntl.h>
 #include <inttypes.h>
@@ -216,7 +217,7 @@ static mu_result world_prepare(struct world *world, const char *path)
     for (size_t i = 0; loaded == MU_OK && i < set.places.count; i++) {
         loaded = world_add_placed(world, set.places.items[i], &fault);
     }
-    loaded = loaded == MU_OK ? world_check_places(world, &fault) : loaded;
+    loaded = loaded == MU_OK ? world_check_places(world, NULL, &fault) : loaded;
     if (loaded != MU_OK) {
         mu_fault_print(&fault);
     }

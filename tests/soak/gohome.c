@@ -12,6 +12,7 @@
 #include "mind/mind.h"
 #include "muster/memory.h"
 #include "sim/engine/engine.h"
+#include "world/world_load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,7 +28,7 @@ static const double dent_m = 0.03;       /* bodies may press into each other by 
 
 struct trial {
     struct world world;
-    struct map map;
+    struct distance_map map;
     struct engine *engine;
     struct mind *mind;
     double home_m[2], end_m[2]; /* what it is told; how near to that there is room */
@@ -70,11 +71,11 @@ static void trial_open(struct trial *t, const char *path)
     t->engine = engine_open(&t->world, &options);
     t->wanted = mu_startup_array(t->world.robot_count, sizeof *t->wanted);
     t->wanted[0] = 1u << WORLD_SONAR;
-    map_make(&t->map, &t->world);
+    distance_map_make(&t->map, &t->world);
     struct mind_options mind = {.name = "red",
                                 .seed = 1,
                                 .rules_folder = "rules",
-                                .router = router_make(&t->map),
+                                .planner = planner_make(&t->map),
                                 .half_m = t->world.robots[0].width_m / 2 + beside_m,
                                 .ports = {.self = t, .send = post, .print = complain}};
     if (mind_open(&t->mind, &mind, &fault) != MU_OK ||
@@ -90,14 +91,15 @@ static bool is_in(const struct world_shape *shape, double x_m, double y_m)
     core.half_y_m -= dent_m;
     core.radius_m -= dent_m;
     bool thin = shape->kind == WORLD_BOX && (core.half_x_m <= 0 || core.half_y_m <= 0);
-    return !thin && (core.look.stops || core.look.echoes) && map_distance(&core, x_m, y_m) <= 0;
+    return !thin && (core.look.stops || core.look.echoes) &&
+           distance_to_shape(&core, x_m, y_m) <= 0;
 }
 
 /* @return whether a point of the outline is in something that stands */
 static bool is_inside(const struct trial *t, struct world_pose at)
 {
     const struct world_robot *r = &t->world.robots[0];
-    int cell = map_cell(&t->map, at.x_m, at.y_m);
+    int cell = distance_map_cell(&t->map, at.x_m, at.y_m);
     if (cell >= 0 && t->map.room_m[cell] > 0.5F) {
         return false;
     }
@@ -129,25 +131,24 @@ static void trial_goal(struct trial *t, struct mu_random *random)
 
 /* Puts the robot at a random place from which there is a way home, or anywhere when none leads to
  * it. */
-static void trial_place(struct trial *t, struct router *router, struct mu_random *random)
+static void trial_place(struct trial *t, struct planner *planner, struct mu_random *random)
 {
-    static struct route route;
+    static struct path path;
     engine_reset_all(t->engine); /* with a full battery */
     for (int i = 0; i < FREE_TRIES; i++) {
         int cell = (int)mu_random_between(random, 0, (int64_t)t->map.nx * t->map.ny - 1);
         double at_m[2];
         const char *reason;
-        map_middle(&t->map, cell, at_m);
+        distance_map_middle(&t->map, cell, at_m);
         struct world_pose pose = {at_m[0], at_m[1],
                                   (double)mu_random_between(random, 0, 359) * M_PI / 180};
         if ((double)t->map.room_m[cell] >= start_room_m &&
             ((t->leads =
-                  route_search(router, at_m, t->home_m, t->world.robots[0].width_m / 2 + beside_m,
-                               &route) == MU_OK) ||
+                  planner_search(planner, at_m, t->home_m,
+                                 t->world.robots[0].width_m / 2 + beside_m, &path) == MU_OK) ||
              t->random) &&
             engine_place(t->engine, 0, pose, &reason) == MU_OK) {
-            memcpy(t->end_m, t->leads ? route.points_m[route.count - 1] : t->home_m,
-                   sizeof t->end_m);
+            memcpy(t->end_m, t->leads ? path.points_m[path.count - 1] : t->home_m, sizeof t->end_m);
             return;
         }
     }
@@ -231,12 +232,12 @@ static bool trial_all(struct trial *t, const char *path, unsigned runs)
     uint64_t time_ns = 0;
     mu_random_seed(&random, 7, path);
     trial_open(t, path);
-    struct router *router = router_make(&t->map);
+    struct planner *planner = planner_make(&t->map);
     for (unsigned i = 0; i < runs; i++) {
         if (t->random) {
             trial_goal(t, &random);
         }
-        trial_place(t, router, &random);
+        trial_place(t, planner, &random);
         trial_run(t, &time_ns);
     }
     printf("%-28s %3u of %3u arrive, %6.1f m and %6.1f s each, stalled %4.1f %%, %u steps inside "

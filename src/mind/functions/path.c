@@ -10,12 +10,12 @@ enum { PLAN_CELLS_A_TICK = 8 };
 
 void clips_plan_has_map(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, environment_mind(env)->options.router != NULL);
+    clips_value_bool(env, out, environment_mind(env)->options.planner != NULL);
 }
 
 void clips_plan_call(void *env, DATA_OBJECT *out)
 {
-    static struct route route; /* large, and of use only until the fields are made */
+    static struct path path; /* large, and of use only until the fields are made */
     struct mind *m = environment_mind(env);
     const struct mu_percept *p = &m->percept;
     double to_mm[2];
@@ -23,19 +23,19 @@ void clips_plan_call(void *env, DATA_OBJECT *out)
     if (!clips_value_numbers(env, "plan", 2, to_mm)) {
         return;
     }
-    if (!m->options.router || !m->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
+    if (!m->options.planner || !m->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
         return;
     }
     double from_m[2] = {p->x_m, p->y_m};
     double to_m[2] = {to_mm[0] / 1000, to_mm[1] / 1000};
-    mu_result found = route_search(m->options.router, from_m, to_m, m->options.half_m, &route);
-    (void)clips_guard_charge(m, CLIPS_UNITS_A_TICK * (route.looked / PLAN_CELLS_A_TICK));
+    mu_result found = planner_search(m->options.planner, from_m, to_m, m->options.half_m, &path);
+    (void)clips_guard_charge(m, CLIPS_UNITS_A_TICK * (path.looked / PLAN_CELLS_A_TICK));
     if (found != MU_OK) {
         return;
     }
-    double points_mm[2 * ROUTE_POINTS_MAX];
-    for (size_t i = 0; i < 2 * route.count; i++) {
-        points_mm[i] = 1000 * route.points_m[i / 2][i % 2];
+    double points_mm[2 * PATH_POINTS_MAX];
+    for (size_t i = 0; i < 2 * path.count; i++) {
+        points_mm[i] = 1000 * path.points_m[i / 2][i % 2];
     }
-    clips_value_floats(env, out, 2 * route.count, points_mm);
+    clips_value_floats(env, out, 2 * path.count, points_mm);
 }

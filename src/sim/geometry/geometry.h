@@ -6,7 +6,7 @@
 #ifndef MUSTER_SIM_GEOMETRY_H
 #define MUSTER_SIM_GEOMETRY_H
 
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "mcap/mcap_write.h"
 #include "muster/memory.h"
-#include "world/parse/worldfile.h"
+#include "world/parse/parser.h"
 
 #include <inttypes.h>
 #include <limits.h>

@@ -12,7 +12,7 @@
 #include "muster/result.h"
 #include "sim/engine/engine.h"
 #include "wire.h"
-#include "world/world.h"
+#include "world/model/world.h"
 
 #include <stddef.h>
 #include <stdint.h>

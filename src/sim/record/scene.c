@@ -2,7 +2,7 @@
 #include "sim/record/record.h"
 
 #include "muster/memory.h"
-#include "world/model/outline.h"
+#include "world/model/world.h"
 
 #include <stdio.h>
 #include <string.h>

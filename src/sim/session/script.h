@@ -10,7 +10,7 @@
 #define MUSTER_SIM_SCRIPT_H
 
 #include "sim/record/record.h"
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 struct script;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/model/outline.h"
+#include "world/model/world.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/parse/bitmap.h"
+#include "world/parse/parser.h"
 
 #include <png.h>
 #include <stdio.h>

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/parse/properties.h"
+#include "world/parse/parser.h"
 
 #include "core/spell.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define DEVICES (BUILDER_RANGER | BUILDER_CAMERA | BUILDER_FINDER | BUILDER_GRIPPER)
-#define BODIES  (BUILDER_SOLID | BUILDER_ROBOT)
-#define MOUNTED (BUILDER_PART | DEVICES)
+#define DEVICES (PROPERTY_RANGER | PROPERTY_CAMERA | PROPERTY_FINDER | PROPERTY_GRIPPER)
+#define BODIES  (PROPERTY_SOLID | PROPERTY_ROBOT)
+#define MOUNTED (PROPERTY_PART | DEVICES)
 #define MODELS  (BODIES | MOUNTED)
 
 /* The properties that are read.  values: as `muster world properties` shows them. */
@@ -17,12 +17,12 @@ static const struct {
     int kinds;
     const char *values, *help;
 } properties_read[] = {
-    {"unit_length", BUILDER_WORLD, "m, cm or mm", "what all lengths of the file are in"},
-    {"unit_angle", BUILDER_WORLD, "degrees or radians", "what all angles are in"},
-    {"interval_sim", BUILDER_WORLD, "ms", "length of a control step, a multiple of 20"},
-    {"seed", BUILDER_WORLD, "number", "of random places; without it, the run's (ours)"},
+    {"unit_length", PROPERTY_WORLD, "m, cm or mm", "what all lengths of the file are in"},
+    {"unit_angle", PROPERTY_WORLD, "degrees or radians", "what all angles are in"},
+    {"interval_sim", PROPERTY_WORLD, "ms", "length of a control step, a multiple of 20"},
+    {"seed", PROPERTY_WORLD, "number", "of random places; without it, the run's (ours)"},
     {"name", MODELS, "text", "unique; without it, the type and a number"},
-    {"pose", MODELS | BUILDER_SENSOR, "[x y z heading]",
+    {"pose", MODELS | PROPERTY_SENSOR, "[x y z heading]",
      "m and degrees, in the frame of what it stands in; z is passed over"},
     {"size", MODELS, "[x y z]", "m; 0.1 each without it; of what moves, 0.001 to 1000"},
     {"color", MODELS, "text", "an X11 name or \"#rrggbb\"; red without it"},
@@ -33,59 +33,59 @@ static const struct {
     {"blob_return", BODIES, "0 or 1", "whether the camera sees it; 1, on a mark on the floor 0"},
     {"gripper_return", BODIES, "0 or 1",
      "whether a gripper can take it; such a model at the top of the file can be moved"},
-    {"fiducial_return", BODIES | BUILDER_PART, "number", "that a fiducial finder reads; 0: none"},
+    {"fiducial_return", BODIES | PROPERTY_PART, "number", "that a fiducial finder reads; 0: none"},
     {"give_watts", BODIES, "W", "that it charges robots with that touch it"},
-    {"bitmap", BUILDER_SOLID, "text", "a floor plan, PNG or PNM, beside the file; dark is solid"},
-    {"bitmap_threshold", BUILDER_SOLID, "0 to 256", "greys below it are solid; 127 (ours)"},
-    {"bitmap_negate", BUILDER_SOLID, "0 or 1", "bright is solid (ours)"},
-    {"boundary", BUILDER_SOLID, "0 or 1", "walls of 0.2 m around it"},
-    {"movable", BUILDER_SOLID, "0 or 1", "it can be pushed (ours)"},
-    {"friction", BUILDER_SOLID, "0 to 10", "of a movable thing on the floor; 0.5"},
+    {"bitmap", PROPERTY_SOLID, "text", "a floor plan, PNG or PNM, beside the file; dark is solid"},
+    {"bitmap_threshold", PROPERTY_SOLID, "0 to 256", "greys below it are solid; 127 (ours)"},
+    {"bitmap_negate", PROPERTY_SOLID, "0 or 1", "bright is solid (ours)"},
+    {"boundary", PROPERTY_SOLID, "0 or 1", "walls of 0.2 m around it"},
+    {"movable", PROPERTY_SOLID, "0 or 1", "it can be pushed (ours)"},
+    {"friction", PROPERTY_SOLID, "0 to 10", "of a movable thing on the floor; 0.5"},
     {"mass", BODIES, "kg", "0.001 to 1e6; 10 without it"},
-    {"drive", BUILDER_ROBOT, "diff", "two wheels; omni and car are not supported"},
-    {"velocity_bounds", BUILDER_ROBOT, "[x x y y z z a a]",
+    {"drive", PROPERTY_ROBOT, "diff", "two wheels; omni and car are not supported"},
+    {"velocity_bounds", PROPERTY_ROBOT, "[x x y y z z a a]",
      "each least and most: m/s and degrees/s; only x and a count"},
-    {"acceleration_bounds", BUILDER_ROBOT, "[x x y y z z a a]", "the same for accelerations"},
-    {"localization", BUILDER_ROBOT, "gps or odom", "what its position comes from"},
-    {"localization_origin", BUILDER_ROBOT, "[x y z heading]",
+    {"acceleration_bounds", PROPERTY_ROBOT, "[x x y y z z a a]", "the same for accelerations"},
+    {"localization", PROPERTY_ROBOT, "gps or odom", "what its position comes from"},
+    {"localization_origin", PROPERTY_ROBOT, "[x y z heading]",
      "where the odometer counts from; where the robot starts"},
-    {"odom_error", BUILDER_ROBOT, "[x y z a]",
+    {"odom_error", PROPERTY_ROBOT, "[x y z a]",
      "errors of the odometer as shares; [0.03 0.03 0 0.05] with odom, else 0"},
-    {"gps_noise", BUILDER_ROBOT, "[m drift]", "deviation in m, drift in m per root of s (ours)"},
-    {"compass_noise", BUILDER_ROBOT, "degrees", "deviation of the compass (ours)"},
+    {"gps_noise", PROPERTY_ROBOT, "[m drift]", "deviation in m, drift in m per root of s (ours)"},
+    {"compass_noise", PROPERTY_ROBOT, "degrees", "deviation of the compass (ours)"},
     {"joules", BODIES, "J", "in the battery at the start; below 0: it never ends"},
     {"kjoules", BODIES, "kJ", "the same"},
     {"joules_capacity", BODIES, "J", "of a full battery; what is in it at the start"},
     {"kjoules_capacity", BODIES, "kJ", "the same"},
-    {"watts", BUILDER_ROBOT | MOUNTED, "W", "that it uses at all times; all of a robot add up"},
-    {"take_watts", BUILDER_ROBOT | MOUNTED, "W", "that the robot can be charged with"},
+    {"watts", PROPERTY_ROBOT | MOUNTED, "W", "that it uses at all times; all of a robot add up"},
+    {"take_watts", PROPERTY_ROBOT | MOUNTED, "W", "that the robot can be charged with"},
     {"update_interval", DEVICES, "ms", "between two readings; every control step without it"},
-    {"range", BUILDER_SENSOR, "[min max]", "m; [0 5]"},
-    {"range", BUILDER_CAMERA, "m", "12"},
-    {"view", BUILDER_SENSOR, "[min max fov]", "range and fov at once, as old files have it"},
-    {"range_min", BUILDER_FINDER | BUILDER_SENSOR, "m", "0"},
-    {"range_max", BUILDER_FINDER | BUILDER_SENSOR, "m", "8"},
-    {"range_max_id", BUILDER_FINDER, "m", "how far numbers can be read; 5"},
-    {"fov", BUILDER_SENSOR | BUILDER_CAMERA | BUILDER_FINDER, "degrees",
+    {"range", PROPERTY_SENSOR, "[min max]", "m; [0 5]"},
+    {"range", PROPERTY_CAMERA, "m", "12"},
+    {"view", PROPERTY_SENSOR, "[min max fov]", "range and fov at once, as old files have it"},
+    {"range_min", PROPERTY_FINDER | PROPERTY_SENSOR, "m", "0"},
+    {"range_max", PROPERTY_FINDER | PROPERTY_SENSOR, "m", "8"},
+    {"range_max_id", PROPERTY_FINDER, "m", "how far numbers can be read; 5"},
+    {"fov", PROPERTY_SENSOR | PROPERTY_CAMERA | PROPERTY_FINDER, "degrees",
      "field of view; 15, of a camera 60, of a finder 180"},
-    {"samples", BUILDER_SENSOR, "number", "1: a sonar; more: the laser's beams"},
-    {"noise", BUILDER_SENSOR, "[m share degrees]",
+    {"samples", PROPERTY_SENSOR, "number", "1: a sonar; more: the laser's beams"},
+    {"noise", PROPERTY_SENSOR, "[m share degrees]",
      "deviations: constant, in proportion to the range, of the angle"},
-    {"specular", BUILDER_SENSOR, "degrees",
+    {"specular", PROPERTY_SENSOR, "degrees",
      "echoes of a sonar from flatter angles of incidence are lost; 0: none (ours)"},
-    {"rays", BUILDER_SENSOR, "number", "of a sonar over its cone, the nearest counts; 1 (ours)"},
-    {"colors_count", BUILDER_CAMERA, "number", "how many of `colors` count"},
-    {"colors", BUILDER_CAMERA, "[text ...]", "that it looks for; without them, all"},
-    {"image", BUILDER_CAMERA, "[columns rows]", "[80 60]"},
-    {"pan", BUILDER_CAMERA, "degrees", "where it looks to, from its pose"},
-    {"paddle_size", BUILDER_GRIPPER, "[x y z]", "as shares of its size; [0.66 0.1 0.4]"},
-    {"paddle_state", BUILDER_GRIPPER, "[text text]", "open or closed, down or up"},
-    {"points", BUILDER_BLOCK, "number", "corners of a polygon"},
-    {"point", BUILDER_BLOCK, "[x y]", "point[0] and so on; all blocks are scaled to the size"},
-    {"model", BUILDER_DISTRIBUTE, "word", "the definition of what is put there (ours)"},
-    {"count", BUILDER_DISTRIBUTE, "number", "how many (ours)"},
-    {"region", BUILDER_DISTRIBUTE, "[x0 y0 x1 y1]", "m; without it, all of the world (ours)"},
-    {"gap", BUILDER_DISTRIBUTE, "m", "that stays free around each; 0.05 (ours)"},
+    {"rays", PROPERTY_SENSOR, "number", "of a sonar over its cone, the nearest counts; 1 (ours)"},
+    {"colors_count", PROPERTY_CAMERA, "number", "how many of `colors` count"},
+    {"colors", PROPERTY_CAMERA, "[text ...]", "that it looks for; without them, all"},
+    {"image", PROPERTY_CAMERA, "[columns rows]", "[80 60]"},
+    {"pan", PROPERTY_CAMERA, "degrees", "where it looks to, from its pose"},
+    {"paddle_size", PROPERTY_GRIPPER, "[x y z]", "as shares of its size; [0.66 0.1 0.4]"},
+    {"paddle_state", PROPERTY_GRIPPER, "[text text]", "open or closed, down or up"},
+    {"points", PROPERTY_BLOCK, "number", "corners of a polygon"},
+    {"point", PROPERTY_BLOCK, "[x y]", "point[0] and so on; all blocks are scaled to the size"},
+    {"model", PROPERTY_DISTRIBUTE, "word", "the definition of what is put there (ours)"},
+    {"count", PROPERTY_DISTRIBUTE, "number", "how many (ours)"},
+    {"region", PROPERTY_DISTRIBUTE, "[x0 y0 x1 y1]", "m; without it, all of the world (ours)"},
+    {"gap", PROPERTY_DISTRIBUTE, "m", "that stays free around each; 0.05 (ours)"},
 };
 
 enum { PROPERTIES_READ = sizeof properties_read / sizeof properties_read[0] };
@@ -177,13 +177,13 @@ bool properties_read_there(const char *key, int kinds)
     return false;
 }
 
-bool properties_known(const char *key, enum builder_kind kind)
+bool properties_known(const char *key, enum property_kind kind)
 {
     return strncmp(key, "gui_", 4) == 0 || strncmp(key, "show_", 5) == 0 ||
            LISTED(properties_silent, key) || properties_read_there(key, (int)kind);
 }
 
-const char *properties_near(const char *key, enum builder_kind kind)
+const char *properties_near(const char *key, enum property_kind kind)
 {
     if (LISTED(properties_of_stage, key)) {
         return NULL;
@@ -208,12 +208,12 @@ static void properties_print_kinds(int kinds)
         int bits;
         const char *text;
     } names[] = {
-        {BUILDER_WORLD, "the file"},        {BUILDER_SOLID, "model"},
-        {BUILDER_ROBOT, "position"},        {BUILDER_PART, "model on a position"},
-        {BUILDER_RANGER, "ranger"},         {BUILDER_SENSOR, "sensor, laser, sonar"},
-        {BUILDER_CAMERA, "blobfinder"},     {BUILDER_FINDER, "fiducial"},
-        {BUILDER_GRIPPER, "gripper"},       {BUILDER_BLOCK, "block"},
-        {BUILDER_DISTRIBUTE, "distribute"},
+        {PROPERTY_WORLD, "the file"},        {PROPERTY_SOLID, "model"},
+        {PROPERTY_ROBOT, "position"},        {PROPERTY_PART, "model on a position"},
+        {PROPERTY_RANGER, "ranger"},         {PROPERTY_SENSOR, "sensor, laser, sonar"},
+        {PROPERTY_CAMERA, "blobfinder"},     {PROPERTY_FINDER, "fiducial"},
+        {PROPERTY_GRIPPER, "gripper"},       {PROPERTY_BLOCK, "block"},
+        {PROPERTY_DISTRIBUTE, "distribute"},
     };
     const char *comma = "";
     if ((kinds & MODELS) == MODELS) {

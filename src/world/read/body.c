@@ -22,7 +22,7 @@ static mu_result body_read_bounds(struct builder *b, const struct worldfile_enti
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, v, 8, 8, "llllllaa"}));
     for (size_t i = 0; i < 8; i += 2) {
         if (!(v[i] <= 0 && v[i + 1] >= 0 && v[i] >= -BODY_BOUND && v[i + 1] <= BODY_BOUND)) {
-            struct worldfile_place at = builder_place(entity, key);
+            struct mu_fault_place at = builder_place(entity, key);
             return builder_fault(b, &at,
                                  "expected '%s' with each min <= 0 <= max, up to %g, found %g and "
                                  "%g",
@@ -44,7 +44,7 @@ static mu_result body_read_limits(struct builder *b, const struct worldfile_enti
     robot->forward_accel_m_s2 = v[1];
     robot->turn_accel_rad_s2 = fmin(-v[6], v[7]) * M_PI / 180;
     if (!(robot->forward_accel_m_s2 > 0 && robot->turn_accel_rad_s2 > 0)) {
-        struct worldfile_place at = builder_place(entity, "acceleration_bounds");
+        struct mu_fault_place at = builder_place(entity, "acceleration_bounds");
         return builder_fault(b, &at, "expected accelerations above 0: the robot could not move");
     }
     robot->mass_kg = body_mass_kg;
@@ -57,7 +57,7 @@ static mu_result body_read_drive(struct builder *b, const struct worldfile_entit
 {
     const char *drive = "diff";
     MU_TRY(builder_text(b, entity, "drive", &drive));
-    struct worldfile_place at = builder_place(entity, "drive");
+    struct mu_fault_place at = builder_place(entity, "drive");
     if (strcmp(drive, "omni") == 0 || strcmp(drive, "car") == 0) {
         builder_warn(b, &at, drive, "is not supported: a robot drives on two wheels (\"diff\")");
     } else if (strcmp(drive, "diff") != 0) {
@@ -77,7 +77,7 @@ static mu_result body_read_odometer(struct builder *b, const struct worldfile_en
     MU_TRY(builder_text(b, entity, "localization", &localization));
     robot->reads_odometer = strcmp(localization, "odom") == 0;
     if (!robot->reads_odometer && strcmp(localization, "gps") != 0) {
-        struct worldfile_place at = builder_place(entity, "localization");
+        struct mu_fault_place at = builder_place(entity, "localization");
         return builder_fault(b, &at, "expected a localization \"gps\" or \"odom\", found '%.40s'",
                              localization);
     }
@@ -110,7 +110,7 @@ mu_result body_read_start(struct builder *b, const struct worldfile_entity *enti
     MU_TRY(builder_numbers(b, entity,
                            (struct builder_numbers){"localization_origin", v, 2, 4, "llla"}));
     if (fabs(v[0]) > BUILDER_POSE_MAX_M || fabs(v[1]) > BUILDER_POSE_MAX_M) {
-        struct worldfile_place at = builder_place(entity, "localization_origin");
+        struct mu_fault_place at = builder_place(entity, "localization_origin");
         return builder_fault(b, &at, "expected a place within %g m", BUILDER_POSE_MAX_M);
     }
     struct world_pose origin = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
@@ -128,7 +128,7 @@ static mu_result body_read_errors(struct builder *b, const struct worldfile_enti
     MU_TRY(builder_number(
         b, entity, (struct builder_numbers){"compass_noise", &compass_deg, 1, 1, "a"}, 0, 360));
     if (!(gps[0] >= 0 && gps[0] <= 1e6 && gps[1] >= 0 && gps[1] <= 1e6)) {
-        struct worldfile_place at = builder_place(entity, "gps_noise");
+        struct mu_fault_place at = builder_place(entity, "gps_noise");
         return builder_fault(b, &at, "expected deviations of 0 or more, found [%g %g]", gps[0],
                              gps[1]);
     }
@@ -177,7 +177,7 @@ static mu_result body_read_name(struct builder *b, const struct worldfile_entity
         robot->name[0] = '\0';
         return MU_OK;
     }
-    struct worldfile_place at = builder_place(entity, "name");
+    struct mu_fault_place at = builder_place(entity, "name");
     if (!mu_name_valid(name)) {
         return builder_fault(b, &at,
                              "expected a robot's name of a letter or '_', then letters, digits and "
@@ -202,7 +202,7 @@ static mu_result body_read_outline(struct builder *b, const struct worldfile_ent
     double origin[4] = {0, 0, 0, 0};
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"origin", origin, 2, 4, "llla"}));
     if (fabs(origin[0]) > robot->length_m || fabs(origin[1]) > robot->width_m) {
-        struct worldfile_place at = builder_place(entity, "origin");
+        struct mu_fault_place at = builder_place(entity, "origin");
         return builder_fault(b, &at, "expected an origin on the robot");
     }
     robot->origin_x_m = origin[0];
@@ -234,7 +234,7 @@ mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
         body_read_start, body_read_errors,  body_read_battery, device_read_all,
     };
     *robot = (struct world_robot){.length_m = 0.1, .width_m = 0.1};
-    builder_warn_unknown(b, entity, BUILDER_ROBOT);
+    builder_warn_unknown(b, entity, PROPERTY_ROBOT);
     MU_TRY(builder_go_on(b, body_read_drive(b, entity)));
     mu_result placed = builder_pose(b, entity, frame, &robot->pose);
     placed = placed == MU_OK ? body_read_outline(b, entity, robot) : placed;

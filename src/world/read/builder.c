@@ -3,7 +3,7 @@
 
 #include "core/hash.h"
 #include "core/spell.h"
-#include "world/parse/properties.h"
+#include "world/parse/parser.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ static void builder_tell_mistake(struct builder *b)
             return;
         }
     }
-    if (b->mistake_count < WORLDFILE_MISTAKES_MAX) {
+    if (b->mistake_count < MU_FAULT_MISTAKES_MAX) {
         b->mistakes[b->mistake_count++] = m;
         b->listener->tell(b->listener->self, b->fault, true);
     }
@@ -49,7 +49,7 @@ static bool builder_warned(struct builder *b, const char *word)
     return false;
 }
 
-void builder_warn(struct builder *b, const struct worldfile_place *at, const char *word,
+void builder_warn(struct builder *b, const struct mu_fault_place *at, const char *word,
                   const char *what)
 {
     if (b->quiet || builder_warned(b, word)) {
@@ -65,7 +65,7 @@ void builder_warn(struct builder *b, const struct worldfile_place *at, const cha
 }
 
 static void builder_warn_property(struct builder *b, const struct worldfile_property *p,
-                                  enum builder_kind kind)
+                                  enum property_kind kind)
 {
     const char *meant = properties_near(p->key, kind);
     if (!meant) {
@@ -82,7 +82,7 @@ static void builder_warn_property(struct builder *b, const struct worldfile_prop
 }
 
 void builder_warn_unknown(struct builder *b, const struct worldfile_entity *entity,
-                          enum builder_kind kind)
+                          enum property_kind kind)
 {
     for (const struct worldfile_entity *e = entity; e; e = e->base) {
         for (const struct worldfile_property *p = e->properties; p; p = p->next) {
@@ -93,7 +93,7 @@ void builder_warn_unknown(struct builder *b, const struct worldfile_entity *enti
     }
 }
 
-static mu_result builder_fault_list(struct builder *b, const struct worldfile_place *at,
+static mu_result builder_fault_list(struct builder *b, const struct mu_fault_place *at,
                                     const char *format, va_list args)
 {
     char text[MU_FAULT_TEXT_MAX + 1];
@@ -101,8 +101,7 @@ static mu_result builder_fault_list(struct builder *b, const struct worldfile_pl
     return mu_fault_at(b->fault, at->file, at->line, at->column, "%s", text);
 }
 
-mu_result builder_fault(struct builder *b, const struct worldfile_place *at, const char *format,
-                        ...)
+mu_result builder_fault(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -111,7 +110,7 @@ mu_result builder_fault(struct builder *b, const struct worldfile_place *at, con
     return result;
 }
 
-mu_result builder_full(struct builder *b, const struct worldfile_place *at, const char *format, ...)
+mu_result builder_full(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -167,7 +166,7 @@ mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *e
                          spell.nearest ? spell.nearest : "", spell.nearest ? "'?" : "");
 }
 
-struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key)
+struct mu_fault_place builder_place(const struct worldfile_entity *entity, const char *key)
 {
     const struct worldfile_property *property = worldfile_property(entity, key);
     return property ? property->at : entity->at;
@@ -218,7 +217,7 @@ mu_result builder_number(struct builder *b, const struct worldfile_entity *entit
     wanted.to = &value;
     MU_TRY(builder_numbers(b, entity, wanted));
     if (worldfile_property(entity, wanted.key) && !(value >= min && value <= max)) {
-        struct worldfile_place at = builder_place(entity, wanted.key);
+        struct mu_fault_place at = builder_place(entity, wanted.key);
         return builder_fault(b, &at, "expected '%s' of %g to %g, found %g", wanted.key, min, max,
                              value);
     }
@@ -232,7 +231,7 @@ mu_result builder_count(struct builder *b, const struct worldfile_entity *entity
     double value = *to;
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){key, &value, 1, 1, NULL}));
     if (!(value >= 0 && value <= max && value == floor(value))) {
-        struct worldfile_place at = builder_place(entity, key);
+        struct mu_fault_place at = builder_place(entity, key);
         return builder_fault(b, &at, "expected '%s' to be a whole number from 0 to %g, found %g",
                              key, max, value);
     }
@@ -271,7 +270,7 @@ mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
     struct world_pose own = {v[0], v[1], remainder(v[3], 360) * M_PI / 180};
     *pose = world_pose_in(frame, own);
     if (fabs(pose->x_m) > BUILDER_POSE_MAX_M || fabs(pose->y_m) > BUILDER_POSE_MAX_M) {
-        struct worldfile_place at = builder_place(entity, "pose");
+        struct mu_fault_place at = builder_place(entity, "pose");
         return builder_fault(b, &at, "expected a place within %g m of the middle",
                              BUILDER_POSE_MAX_M);
     }
@@ -282,7 +281,7 @@ mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
 {
     double v[3] = {0.1, 0.1, 0.1}; /* what Stage gives to a model without a size */
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"size", v, 2, 3, "lll"}));
-    struct worldfile_place at = builder_place(entity, "size");
+    struct mu_fault_place at = builder_place(entity, "size");
     for (size_t i = 0; i < 2; i++) {
         if (!(v[i] > 0) || v[i] > BUILDER_POSE_MAX_M) {
             return builder_fault(b, &at, "expected a size above 0 and up to %g m, found %g",
@@ -300,7 +299,7 @@ mu_result builder_check_body(struct builder *b, const struct worldfile_entity *e
         fmax(length_m, width_m) <= BUILDER_BODY_MAX_M) {
         return MU_OK;
     }
-    struct worldfile_place at = builder_place(entity, "size");
+    struct mu_fault_place at = builder_place(entity, "size");
     return builder_fault(b, &at, "expected a body of %g to %g m, found %g x %g", BUILDER_BODY_MIN_M,
                          BUILDER_BODY_MAX_M, length_m, width_m);
 }
@@ -319,7 +318,7 @@ mu_result builder_children(const struct worldfile_entity *entity,
 }
 
 mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
-                            const struct worldfile_place *at)
+                            const struct mu_fault_place *at)
 {
     if (b->world->shape_count == BUILDER_SHAPES_MAX) {
         return builder_full(b, at, "more than %d obstacles", BUILDER_SHAPES_MAX);

@@ -7,8 +7,8 @@
 #ifndef MUSTER_WORLD_BUILDER_H
 #define MUSTER_WORLD_BUILDER_H
 
-#include "world/parse/worldfile.h"
-#include "world/world.h"
+#include "world/model/world.h"
+#include "world/parse/parser.h"
 
 enum {
     BUILDER_SHAPES_MAX = 65536,
@@ -23,21 +23,6 @@ enum {
 #define BUILDER_BODY_MIN_M 1e-3
 #define BUILDER_BODY_MAX_M 1e3
 
-/* What a property belongs to: a bit each. */
-enum builder_kind {
-    BUILDER_WORLD = 1,
-    BUILDER_SOLID = 2,
-    BUILDER_ROBOT = 4,
-    BUILDER_PART = 8, /* a model on a robot */
-    BUILDER_RANGER = 16,
-    BUILDER_SENSOR = 32,
-    BUILDER_CAMERA = 64,
-    BUILDER_FINDER = 128,
-    BUILDER_GRIPPER = 256,
-    BUILDER_BLOCK = 512,
-    BUILDER_DISTRIBUTE = 1024
-};
-
 struct builder {
     struct world *world;
     struct mu_fault *fault;
@@ -49,8 +34,8 @@ struct builder {
     size_t model_count;
     struct builder_mistake {
         int line, column;
-        uint64_t text;                  /* its hash */
-    } mistakes[WORLDFILE_MISTAKES_MAX]; /* that the listener was told of */
+        uint64_t text;                 /* its hash */
+    } mistakes[MU_FAULT_MISTAKES_MAX]; /* that the listener was told of */
     size_t mistake_count;
     bool ended;     /* a limit was passed: whoever wants all mistakes has to do with these */
     bool misplaced; /* the body that was read last: where it stands is not known */
@@ -59,7 +44,7 @@ struct builder {
 };
 
 /** Prints one warning about a word, the first time that it comes. */
-void builder_warn(struct builder *b, const struct worldfile_place *at, const char *word,
+void builder_warn(struct builder *b, const struct mu_fault_place *at, const char *word,
                   const char *what);
 
 /**
@@ -68,14 +53,14 @@ void builder_warn(struct builder *b, const struct worldfile_place *at, const cha
  * For a listener, one that looks like a slip of the hand is a mistake.
  */
 void builder_warn_unknown(struct builder *b, const struct worldfile_entity *entity,
-                          enum builder_kind kind);
+                          enum property_kind kind);
 
 /** Fills a fault at a place of the file.  @return MU_FAULT_FILE */
-mu_result builder_fault(struct builder *b, const struct worldfile_place *at, const char *format,
-                        ...) __attribute__((format(printf, 3, 4)));
+mu_result builder_fault(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /** The same for what passes a limit: nothing goes on behind it. */
-mu_result builder_full(struct builder *b, const struct worldfile_place *at, const char *format, ...)
+mu_result builder_full(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /** Tells the listener, if there is one, of the fault that ended all. */
@@ -145,13 +130,7 @@ MU_MUST_USE mu_result builder_check_body(struct builder *b, const struct worldfi
                                          double length_m, double width_m);
 
 /** @return where a property stands, else where the model stands */
-struct worldfile_place builder_place(const struct worldfile_entity *entity, const char *key);
-
-/** @return the pose, given in a frame, in the frame's own frame; heading in (-pi, pi] */
-struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose);
-
-/** @return a pose of the frame's own frame as it is seen from the frame */
-struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose);
+struct mu_fault_place builder_place(const struct worldfile_entity *entity, const char *key);
 
 /** Visits the models inside a model: first those of what it derives from. */
 MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
@@ -161,7 +140,7 @@ MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
 
 /** Adds a static shape.  at: whose it is, for the fault when there is no room. */
 MU_MUST_USE mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
-                                        const struct worldfile_place *at);
+                                        const struct mu_fault_place *at);
 
 /** Reads how a model looks: its colour and its returns, with Stage's defaults. */
 MU_MUST_USE mu_result look_read(struct builder *b, const struct worldfile_entity *entity,
@@ -198,23 +177,5 @@ MU_MUST_USE mu_result device_read_all(struct builder *b, const struct worldfile_
 
 /** Puts robots and things at random free places, as each `distribute` of the file says. */
 MU_MUST_USE mu_result distribute_all(struct builder *b);
-
-/** @return whether a robot or a thing bears the name */
-bool world_name_taken(const struct world *world, const char *name);
-
-/** Does the work of world_check_places; listener: may be NULL. */
-MU_MUST_USE mu_result place_check(const struct world *world,
-                                  const struct mu_fault_listener *listener, struct mu_fault *fault);
-
-/** @return the box around a robot's outline and its gripper */
-struct world_shape place_room(const struct world_robot *robot);
-
-#define PLACE_NOBODY SIZE_MAX
-
-/** @return whether nothing that stops bodies overlaps a shape; but for one robot, which may */
-bool place_is_free(const struct world *world, const struct world_shape *shape, size_t robot);
-
-/** Does the work of world_robot_fits. */
-bool place_fits(const struct world *world, size_t robot, double clear_m);
 
 #endif

@@ -8,8 +8,8 @@
 enum { DEVICE_RAYS_MAX = 32 };
 
 /* The sonars of robots that have the same. */
-struct device_ring {
-    struct device_ring *next;
+struct world_ring {
+    struct world_ring *next;
     size_t count;
     struct world_sonar sonars[]; /* without gaps of chance in them: they are compared as bytes */
 };
@@ -66,7 +66,7 @@ static mu_result device_read_power(struct builder *b, const struct worldfile_ent
 static mu_result device_check_range(struct builder *b, const struct worldfile_entity *entity,
                                     const double view[3])
 {
-    struct worldfile_place at = builder_place(entity, "range");
+    struct mu_fault_place at = builder_place(entity, "range");
     if (!(view[0] >= 0 && view[1] > view[0] && view[1] <= BUILDER_POSE_MAX_M)) {
         return builder_fault(b, &at, "expected a range [min max] with 0 <= min < max, found %g, %g",
                              view[0], view[1]);
@@ -86,7 +86,7 @@ static mu_result device_read_noise(struct builder *b, const struct worldfile_ent
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"noise", v, 1, 3, "l a"}));
     for (size_t i = 0; i < 3; i++) {
         if (!(v[i] >= 0 && v[i] <= 1e6)) {
-            struct worldfile_place at = builder_place(entity, "noise");
+            struct mu_fault_place at = builder_place(entity, "noise");
             return builder_fault(b, &at, "expected deviations of 0 or more, found %g", v[i]);
         }
     }
@@ -161,7 +161,7 @@ static void device_add_laser(struct device_reader *reader, const struct worldfil
 static mu_result device_add_range(struct device_reader *reader,
                                   const struct worldfile_entity *entity, struct device_range range)
 {
-    builder_warn_unknown(reader->builder, entity, BUILDER_SENSOR);
+    builder_warn_unknown(reader->builder, entity, PROPERTY_SENSOR);
     MU_TRY(device_read_range(reader, entity, &range));
     if (range.samples > 1) {
         device_add_laser(reader, entity, &range);
@@ -187,7 +187,7 @@ static mu_result device_visit_sensor(void *context, const struct worldfile_entit
 static mu_result device_read_ranger(struct device_reader *reader,
                                     const struct worldfile_entity *entity)
 {
-    builder_warn_unknown(reader->builder, entity, BUILDER_RANGER);
+    builder_warn_unknown(reader->builder, entity, PROPERTY_RANGER);
     struct device_reader inside = *reader;
     MU_TRY(builder_pose(reader->builder, entity, reader->mount, &inside.mount));
     MU_TRY(device_read_period(reader->builder, entity, &inside.period_ns));
@@ -250,7 +250,7 @@ static mu_result device_read_camera(struct device_reader *reader,
     double image[2] = {80, 60};
     double fov_deg = 60;
     double pan_deg = 0;
-    builder_warn_unknown(b, entity, BUILDER_CAMERA);
+    builder_warn_unknown(b, entity, PROPERTY_CAMERA);
     MU_TRY(builder_pose(b, entity, reader->mount, &camera.pose));
     MU_TRY(builder_number(b, entity, (struct builder_numbers){"range", &camera.range_m, 1, 1, "l"},
                           1e-3, BUILDER_POSE_MAX_M));
@@ -259,7 +259,7 @@ static mu_result device_read_camera(struct device_reader *reader,
         builder_number(b, entity, (struct builder_numbers){"pan", &pan_deg, 1, 1, "a"}, -360, 360));
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"image", image, 2, 2, NULL}));
     if (!(image[0] >= 1 && image[0] <= MU_COLUMNS_MAX && image[1] >= 1 && image[1] <= 65535)) {
-        struct worldfile_place at = builder_place(entity, "image");
+        struct mu_fault_place at = builder_place(entity, "image");
         return builder_fault(b, &at, "expected an image of 1 to %d columns, found [%g %g]",
                              MU_COLUMNS_MAX, image[0], image[1]);
     }
@@ -283,7 +283,7 @@ static mu_result device_read_finder(struct device_reader *reader,
     struct builder *b = reader->builder;
     struct world_fiducial_finder finder = {.range_max_m = 8, .range_id_m = 5};
     double fov_deg = 180;
-    builder_warn_unknown(b, entity, BUILDER_FINDER);
+    builder_warn_unknown(b, entity, PROPERTY_FINDER);
     MU_TRY(builder_pose(b, entity, reader->mount, &finder.pose));
     MU_TRY(builder_numbers(b, entity,
                            (struct builder_numbers){"range_min", &finder.range_min_m, 1, 1, "l"}));
@@ -332,14 +332,14 @@ static mu_result device_read_gripper(struct device_reader *reader,
     struct world_gripper gripper = {0};
     double size_m[2] = {0.2, 0.3};
     double share[3] = {0.66, 0.1, 0.4};
-    builder_warn_unknown(b, entity, BUILDER_GRIPPER);
+    builder_warn_unknown(b, entity, PROPERTY_GRIPPER);
     MU_TRY(builder_pose(b, entity, reader->mount, &gripper.pose));
     if (worldfile_property(entity, "size")) {
         MU_TRY(builder_size(b, entity, size_m));
     }
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"paddle_size", share, 2, 3, NULL}));
     if (!(share[0] > 0 && share[0] < 1 && share[1] > 0 && share[1] < 0.5)) {
-        struct worldfile_place at = builder_place(entity, "paddle_size");
+        struct mu_fault_place at = builder_place(entity, "paddle_size");
         return builder_fault(b, &at,
                              "expected paddles of 0 to 1 of the length and 0 to 0.5 of the "
                              "width, found [%g %g]",
@@ -369,7 +369,7 @@ static mu_result device_read_part(struct device_reader *reader,
 {
     struct builder *b = reader->builder;
     struct device_reader inside = *reader;
-    builder_warn_unknown(b, entity, BUILDER_PART);
+    builder_warn_unknown(b, entity, PROPERTY_PART);
     builder_warn(b, &entity->at, entity->type, "adds no shape to a robot: its outline is its size");
     struct world_look look;
     MU_TRY(look_read(b, entity, &look));
@@ -424,10 +424,10 @@ static mu_result device_visit(void *context, const struct worldfile_entity *enti
 }
 
 /* @return the ring that has these sonars; NULL: none has */
-static const struct device_ring *device_find_ring(const struct world_file *file,
-                                                  const struct device_sonars *sonars)
+static const struct world_ring *device_find_ring(const struct world *world,
+                                                 const struct device_sonars *sonars)
 {
-    const struct device_ring *ring = file->rings;
+    const struct world_ring *ring = world->rings;
     while (ring && (ring->count != sonars->count ||
                     memcmp(ring->sonars, sonars->list, ring->count * sizeof ring->sonars[0]))) {
         ring = ring->next;
@@ -436,16 +436,16 @@ static const struct device_ring *device_find_ring(const struct world_file *file,
 }
 
 /* @return NULL: there is no room */
-static const struct device_ring *device_add_ring(struct world_file *file,
-                                                 const struct device_sonars *sonars)
+static const struct world_ring *device_add_ring(struct world *world,
+                                                const struct device_sonars *sonars)
 {
     size_t bytes = sonars->count * sizeof sonars->list[0];
-    struct device_ring *ring = worldfile_take(file, sizeof *ring + bytes);
+    struct world_ring *ring = worldfile_take(world->source, sizeof *ring + bytes);
     if (ring) {
-        ring->next = file->rings;
+        ring->next = world->rings;
         ring->count = sonars->count;
         memcpy(ring->sonars, sonars->list, bytes);
-        file->rings = ring;
+        world->rings = ring;
     }
     return ring;
 }
@@ -453,9 +453,8 @@ static const struct device_ring *device_add_ring(struct world_file *file,
 static mu_result device_share_ring(struct builder *b, const struct worldfile_entity *entity,
                                    const struct device_sonars *sonars, struct world_robot *robot)
 {
-    struct world_file *file = b->world->source;
-    const struct device_ring *ring = device_find_ring(file, sonars);
-    ring = ring ? ring : device_add_ring(file, sonars);
+    const struct world_ring *ring = device_find_ring(b->world, sonars);
+    ring = ring ? ring : device_add_ring(b->world, sonars);
     if (!ring) {
         return builder_full(b, &entity->at, "the world is too large: more than %d bytes",
                             WORLDFILE_BYTES_MAX);

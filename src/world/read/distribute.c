@@ -70,7 +70,7 @@ static bool distribute_find(struct distribute *d, const struct world_shape *abou
         *pose = distribute_draw(d);
         wide.pose = world_pose_in(*pose, about->pose);
         if (distribute_is_inside(d, &wide) &&
-            place_is_free(d->builder->world, &wide, PLACE_NOBODY)) {
+            placement_is_free(d->builder->world, &wide, PLACEMENT_NOBODY)) {
             return true;
         }
     }
@@ -92,7 +92,7 @@ static mu_result distribute_robots(struct distribute *d)
     MU_TRY(body_read(b, d->model, (struct world_pose){0}, &robot));
     robot.pose = (struct world_pose){0};
     robot.name[0] = '\0';
-    struct world_shape about = place_room(&robot);
+    struct world_shape about = placement_room(&robot);
     for (uint32_t i = 0; i < d->count; i++) {
         if (world->robot_count == MU_ROBOTS_MAX) {
             return builder_full(b, &d->entity->at, "more than %d robots", MU_ROBOTS_MAX);
@@ -101,7 +101,7 @@ static mu_result distribute_robots(struct distribute *d)
             return distribute_no_room(d, i);
         }
         MU_TRY(body_read_start(b, d->model, &robot));
-        world->source->origins[world->robot_count] = (struct worldfile_origin){
+        world->origins[world->robot_count] = (struct world_origin){
             .at = d->entity->at, .type = d->model->defines, .entity = d->model};
         world->robots[world->robot_count++] = robot;
     }
@@ -127,7 +127,7 @@ static mu_result distribute_objects(struct distribute *d)
         }
         object->shape.pose = world_pose_in(pose, about.pose);
         object->name[0] = '\0';
-        struct worldfile_origin *origin = &world->source->object_origins[world->object_count++];
+        struct world_origin *origin = &world->object_origins[world->object_count++];
         origin->at = d->entity->at;
         origin->type = d->model->defines;
     }
@@ -139,7 +139,7 @@ static mu_result distribute_read_model(struct distribute *d)
     struct builder *b = d->builder;
     const char *name = NULL;
     MU_TRY(builder_text(b, d->entity, "model", &name));
-    struct worldfile_place at = builder_place(d->entity, "model");
+    struct mu_fault_place at = builder_place(d->entity, "model");
     if (!name) {
         return builder_fault(b, &at, "expected 'model' with what is to be distributed");
     }
@@ -157,12 +157,12 @@ static mu_result distribute_read_region(struct distribute *d)
 {
     struct builder *b = d->builder;
     double *r = d->region_m;
-    memcpy(r, b->world->source->box_m, sizeof d->region_m);
+    memcpy(r, b->world->fixed_m, sizeof d->region_m);
     MU_TRY(builder_numbers(b, d->entity, (struct builder_numbers){"region", r, 4, 4, "llll"}));
     if (!(r[0] < r[2] && r[1] < r[3] && fabs(r[0]) <= BUILDER_POSE_MAX_M &&
           fabs(r[1]) <= BUILDER_POSE_MAX_M && fabs(r[2]) <= BUILDER_POSE_MAX_M &&
           fabs(r[3]) <= BUILDER_POSE_MAX_M)) {
-        struct worldfile_place at = builder_place(d->entity, "region");
+        struct mu_fault_place at = builder_place(d->entity, "region");
         return builder_fault(b, &at, "expected a region [x0 y0 x1 y1] with x0 < x1 and y0 < y1%s",
                              worldfile_property(d->entity, "region") ? "" : ": nothing stands yet");
     }
@@ -174,7 +174,7 @@ static mu_result distribute_one(struct builder *b, const struct worldfile_entity
 {
     struct distribute d = {.builder = b, .entity = entity, .count = 1, .gap_m = 0.05};
     char stream[32];
-    builder_warn_unknown(b, entity, BUILDER_DISTRIBUTE);
+    builder_warn_unknown(b, entity, PROPERTY_DISTRIBUTE);
     MU_TRY(distribute_read_model(&d));
     MU_TRY(builder_count(b, entity, "count", 1e6, &d.count));
     MU_TRY(builder_number(b, entity, (struct builder_numbers){"gap", &d.gap_m, 1, 1, "l"}, 0,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How things look: their colours, and Stage's "returns". */
-#include "world/model/look_colors.h"
+#include "world/read/look_colors.h"
 
 #include "core/spell.h"
 #include "world/read/builder.h"
@@ -111,7 +111,7 @@ static mu_result look_read_name(struct builder *b, const struct worldfile_entity
         return MU_OK;
     }
     const char *meant = look_color_near(name);
-    struct worldfile_place at = builder_place(entity, "color");
+    struct mu_fault_place at = builder_place(entity, "color");
     if (b->listener && meant) {
         return builder_fault(b, &at, "expected a colour, found '%.40s': did you mean '%s'?", name,
                              meant);
@@ -128,7 +128,7 @@ static mu_result look_read_rgba(struct builder *b, const struct worldfile_entity
     *rgb = 0;
     for (size_t i = 0; i < 3; i++) {
         if (!(v[i] >= 0 && v[i] <= 1)) {
-            struct worldfile_place at = builder_place(entity, "color_rgba");
+            struct mu_fault_place at = builder_place(entity, "color_rgba");
             return builder_fault(b, &at, "expected shares of 0 to 1 for 'color_rgba', found %g",
                                  v[i]);
         }
@@ -172,7 +172,7 @@ static mu_result look_read_returns(struct builder *b, const struct worldfile_ent
     MU_TRY(builder_number(
         b, entity, (struct builder_numbers){"give_watts", &look->give_w, 1, 1, NULL}, 0, 1e9));
     if (fiducial != floor(fiducial)) {
-        struct worldfile_place at = builder_place(entity, "fiducial_return");
+        struct mu_fault_place at = builder_place(entity, "fiducial_return");
         return builder_fault(b, &at, "expected a whole number for 'fiducial_return', found %g",
                              fiducial);
     }

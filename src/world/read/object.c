@@ -27,7 +27,7 @@ static mu_result object_read_name(struct builder *b, const struct worldfile_enti
         mu_text_copy(object->name, sizeof object->name, name);
         return MU_OK;
     }
-    struct worldfile_place at = builder_place(entity, "name");
+    struct mu_fault_place at = builder_place(entity, "name");
     builder_warn(b, &at, name, "is no name for a thing that can be moved: it gets another");
     return MU_OK;
 }
@@ -96,11 +96,11 @@ mu_result object_build(struct builder *b, const struct worldfile_entity *entity,
     struct world_object *object = &world->objects[world->object_count];
     MU_TRY(object_read(b, entity, pose, object));
     if (object->name[0] != '\0' && world_name_taken(world, object->name)) {
-        struct worldfile_place at = builder_place(entity, "name");
+        struct mu_fault_place at = builder_place(entity, "name");
         return builder_fault(b, &at, "expected another name: there is a '%s' already",
                              object->name);
     }
-    world->source->object_origins[world->object_count++] =
-        (struct worldfile_origin){.at = entity->at, .type = entity->type, .entity = entity};
+    world->object_origins[world->object_count++] =
+        (struct world_origin){.at = entity->at, .type = entity->type, .entity = entity};
     return MU_OK;
 }

@@ -6,7 +6,7 @@
  * becomes just that box; one whose corners lie on a circle becomes a disc; any other one becomes
  * the smallest box around it that shares a direction with one of its sides.
  */
-#include "world/parse/bitmap.h"
+#include "world/parse/parser.h"
 #include "world/read/builder.h"
 
 #include <math.h>
@@ -62,7 +62,7 @@ static mu_result solid_read_polygon(struct builder *b, const struct worldfile_en
 {
     double count = 0;
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"points", &count, 1, 1, NULL}));
-    struct worldfile_place at = builder_place(entity, "points");
+    struct mu_fault_place at = builder_place(entity, "points");
     if (!(count >= 3 && count <= SOLID_POINTS_MAX && count == floor(count))) {
         return builder_fault(b, &at, "expected 3 to %d points of a block, found %g",
                              SOLID_POINTS_MAX, count);
@@ -188,7 +188,7 @@ static mu_result solid_visit_block(void *context, const struct worldfile_entity 
     if (reader->placing) {
         return solid_place_block(reader, &polygon, entity);
     }
-    builder_warn_unknown(reader->builder, entity, BUILDER_BLOCK);
+    builder_warn_unknown(reader->builder, entity, PROPERTY_BLOCK);
     reader->block_count++;
     for (size_t i = 0; i < polygon.count; i++) {
         reader->min[0] = fmin(reader->min[0], polygon.x[i]);
@@ -202,7 +202,7 @@ static mu_result solid_visit_block(void *context, const struct worldfile_entity 
 static mu_result solid_read_bitmap(struct builder *b, const struct worldfile_entity *owner,
                                    const char *name, struct bitmap *bitmap)
 {
-    struct worldfile_place at = builder_place(owner, "bitmap");
+    struct mu_fault_place at = builder_place(owner, "bitmap");
     char path[MU_FAULT_FILE_MAX + 1];
     if (!worldfile_path(at.file, name, path, sizeof path)) {
         return builder_fault(b, &at, "expected a shorter path");
@@ -318,7 +318,7 @@ mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
         return MU_OK;
     }
     if (fabs(origin[0]) > BUILDER_POSE_MAX_M || fabs(origin[1]) > BUILDER_POSE_MAX_M) {
-        struct worldfile_place at = builder_place(entity, "origin");
+        struct mu_fault_place at = builder_place(entity, "origin");
         return builder_fault(b, &at, "expected an origin within %g m", BUILDER_POSE_MAX_M);
     }
     struct world_pose middle = {origin[0], origin[1], remainder(origin[3], 360) * M_PI / 180};

@@ -7,7 +7,7 @@
 #define MUSTER_TESTS_WORLD_TEXT_H
 
 #include "hush.h"
-#include "world/world.h"
+#include "world/world_load.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>
@@ -52,7 +52,7 @@ static inline struct world *load(const char *text)
 static inline mu_result check_places(const struct world *world)
 {
     int kept = hush();
-    mu_result r = world_check_places(world, &fault);
+    mu_result r = world_check_places(world, NULL, &fault);
     unhush(kept);
     return r;
 }

@@ -3,6 +3,7 @@
 #include "garble.h"
 #include "sim/engine/engine.h"
 #include "suite.h"
+#include "world/world_load.h"
 
 #include <CUnit/Basic.h>
 #include <glob.h>
@@ -25,7 +26,7 @@ static mu_result next_world(const char *path)
     mu_result r = world_is_open ? world_read(&world, path, &options, &fault)
                                 : world_open(&world, path, &options, &fault);
     world_is_open = true;
-    r = r == MU_OK ? world_check_places(&world, &fault) : r;
+    r = r == MU_OK ? world_check_places(&world, NULL, &fault) : r;
     if (r != MU_OK) {
         printf("%s:%d: %s ", fault.file, fault.line, fault.text);
     }
@@ -146,7 +147,7 @@ static void test_unusual_numbers(void)
         struct mu_fault fault;
         const struct world_options options = {.quiet = true, .seed = 1};
         if (world_read(&world, path, &options, &fault) == MU_OK &&
-            world_check_places(&world, &fault) == MU_OK) {
+            world_check_places(&world, NULL, &fault) == MU_OK) {
             ran++;
             CU_ASSERT_TRUE(survives());
         }

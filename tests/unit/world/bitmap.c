@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Damaged pictures, and the rectangles that a picture is taken apart into. */
-#include "world/parse/bitmap.h"
 #include "garble.h"
 #include "suite.h"
+#include "world/parse/parser.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

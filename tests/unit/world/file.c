@@ -3,7 +3,7 @@
 #include "core/random.h"
 #include "hush.h"
 #include "suite.h"
-#include "world/parse/worldfile.h"
+#include "world/parse/parser.h"
 
 #include <CUnit/Basic.h>
 #include <fcntl.h>
@@ -237,5 +237,5 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     worldfile_init(&file);
-    return suite_run("world/worldfile", tests);
+    return suite_run("world/parser", tests);
 }

@@ -9,6 +9,7 @@
 #include "garble.h"
 #include "suite.h"
 #include "world/read/builder.h"
+#include "world/world_load.h"
 #include "world_text.h"
 
 #include <glob.h>
@@ -80,7 +81,7 @@ static mu_result read_all(struct heard *heard)
     struct world_options options = {.seed = 1, .listener = &listener};
     *heard = (struct heard){0};
     mu_result r = world_read(&world, path, &options, &fault);
-    mu_result placed = world_check_all_places(&world, &listener, &fault);
+    mu_result placed = world_check_places(&world, &listener, &fault);
     return r == MU_OK ? placed : r;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From a world file to bodies and obstacles. */
 #include "suite.h"
-#include "world/parse/worldfile.h"
-#include "world/world.h"
+#include "world/parse/parser.h"
+#include "world/world_load.h"
 #include "world_text.h"
 
 #include <CUnit/Basic.h>
@@ -361,7 +361,7 @@ static void test_arena(void)
 {
     struct world *w = &worlds[worlds_used++];
     CU_ASSERT_EQUAL_FATAL(world_load(w, "worlds/arena.world", false, &fault), MU_OK);
-    CU_ASSERT_EQUAL(world_check_places(w, &fault), MU_OK);
+    CU_ASSERT_EQUAL(world_check_places(w, NULL, &fault), MU_OK);
     CU_ASSERT_EQUAL_FATAL(w->robot_count, 4);
     static const char *const names[] = {"red", "blue", "green", "yellow"};
     static const double front_deg[] = {90, 50, 30, 10, -10, -30, -50, -90};
@@ -389,7 +389,7 @@ static void test_stage_worlds(void)
     for (size_t i = 0; i < found.gl_pathc; i++) {
         struct world *w = &worlds[worlds_used++];
         CU_ASSERT_EQUAL_FATAL(world_load(w, found.gl_pathv[i], true, &fault), MU_OK);
-        CU_ASSERT_EQUAL(world_check_places(w, &fault), MU_OK);
+        CU_ASSERT_EQUAL(world_check_places(w, NULL, &fault), MU_OK);
         CU_ASSERT(w->robot_count >= 1);
     }
     globfree(&found);

@@ -65,7 +65,7 @@ static void test_a_listener_hears_of_every_place(void)
                                       "model ( movable 1 pose [50 0] )");
     CU_ASSERT_PTR_NOT_NULL_FATAL(w);
     told = 0;
-    CU_ASSERT_EQUAL(world_check_all_places(w, &listener, &fault), MU_FAULT_FILE);
+    CU_ASSERT_EQUAL(world_check_places(w, &listener, &fault), MU_FAULT_FILE);
     CU_ASSERT_EQUAL(told, 3);
 }
 
@@ -181,7 +181,7 @@ static void test_own_worlds(void)
             struct world *w = &worlds[worlds_used++];
             const struct world_options options = {.seed = seed};
             CU_ASSERT_EQUAL_FATAL(world_open(w, found.gl_pathv[i], &options, &fault), MU_OK);
-            CU_ASSERT_EQUAL(world_check_places(w, &fault), MU_OK);
+            CU_ASSERT_EQUAL(world_check_places(w, NULL, &fault), MU_OK);
             CU_ASSERT(w->robot_count >= 1);
         }
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/model/condition.h"
+#include "world/condition/condition.h"
 
 #include "core/text.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/world.h"
+#include "world/world_load.h"
 
 #include "core/name.h"
 #include "core/text.h"
@@ -19,53 +19,6 @@ struct world_walk {
 
 static mu_result world_visit(void *context, const struct worldfile_entity *entity);
 
-struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
-{
-    double c = cos(frame.heading_rad);
-    double s = sin(frame.heading_rad);
-    double heading = remainder(frame.heading_rad + pose.heading_rad, 2 * M_PI);
-    return (struct world_pose){.x_m = frame.x_m + c * pose.x_m - s * pose.y_m,
-                               .y_m = frame.y_m + s * pose.x_m + c * pose.y_m,
-                               .heading_rad = heading <= -M_PI ? M_PI : heading};
-}
-
-struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose)
-{
-    double c = cos(frame.heading_rad);
-    double s = sin(frame.heading_rad);
-    double x = pose.x_m - frame.x_m;
-    double y = pose.y_m - frame.y_m;
-    struct world_pose turned = {0, 0, pose.heading_rad - frame.heading_rad};
-    turned = world_pose_in((struct world_pose){0}, turned);
-    return (struct world_pose){
-        .x_m = c * x + s * y, .y_m = c * y - s * x, .heading_rad = turned.heading_rad};
-}
-
-static struct world_robot *world_find_robot(const struct world *world, const char *name)
-{
-    for (size_t i = 0; i < world->robot_count; i++) {
-        if (strcmp(world->robots[i].name, name) == 0) {
-            return &world->robots[i];
-        }
-    }
-    return NULL;
-}
-
-static bool world_has_object(const struct world *world, const char *name)
-{
-    for (size_t i = 0; i < world->object_count; i++) {
-        if (strcmp(world->objects[i].name, name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool world_name_taken(const struct world *world, const char *name)
-{
-    return world_has_object(world, name) || world_find_robot(world, name);
-}
-
 static mu_result world_visit_robot(struct world_walk *walk, const struct worldfile_entity *entity)
 {
     struct builder *b = walk->builder;
@@ -76,11 +29,11 @@ static mu_result world_visit_robot(struct world_walk *walk, const struct worldfi
     struct world_robot *robot = &world->robots[world->robot_count];
     MU_TRY(body_read(b, entity, walk->frame, robot));
     if (robot->name[0] != '\0' && world_name_taken(world, robot->name)) {
-        struct worldfile_place at = builder_place(entity, "name");
+        struct mu_fault_place at = builder_place(entity, "name");
         return builder_fault(b, &at, "expected another name: there is a robot '%s' already",
                              robot->name);
     }
-    world->source->origins[world->robot_count++] = (struct worldfile_origin){
+    world->origins[world->robot_count++] = (struct world_origin){
         .at = entity->at, .type = entity->type, .entity = entity, .misplaced = b->misplaced};
     return MU_OK;
 }
@@ -89,7 +42,7 @@ static mu_result world_visit_solid(struct world_walk *walk, const struct worldfi
 {
     struct builder *b = walk->builder;
     struct world_walk inside = {.builder = b, .depth = walk->depth + 1};
-    builder_warn_unknown(b, entity, BUILDER_SOLID);
+    builder_warn_unknown(b, entity, PROPERTY_SOLID);
     MU_TRY(builder_pose(b, entity, walk->frame, &inside.frame));
     if (walk->depth == 0 && object_is(entity)) {
         return object_build(b, entity, inside.frame);
@@ -157,11 +110,10 @@ static void world_name_all(struct world *world)
 {
     struct world_namer namer = {0};
     for (size_t i = 0; i < world->robot_count; i++) {
-        world_give_name(world, &namer, world->source->origins[i].type, world->robots[i].name);
+        world_give_name(world, &namer, world->origins[i].type, world->robots[i].name);
     }
     for (size_t i = 0; i < world->object_count; i++) {
-        world_give_name(world, &namer, world->source->object_origins[i].type,
-                        world->objects[i].name);
+        world_give_name(world, &namer, world->object_origins[i].type, world->objects[i].name);
     }
 }
 
@@ -196,7 +148,7 @@ static void world_measure_fixed(struct world *world)
     for (size_t i = 0; i < world->object_count; i++) {
         world_cover_shape(world, &world->objects[i].shape);
     }
-    double *box = world->source->box_m;
+    double *box = world->fixed_m;
     box[0] = world->min_x_m;
     box[1] = world->min_y_m;
     box[2] = world->max_x_m;
@@ -206,7 +158,7 @@ static void world_measure_fixed(struct world *world)
 /* Robots come and go after the file has been read: the box around all else stays. */
 static void world_measure(struct world *world)
 {
-    const double *box = world->source->box_m;
+    const double *box = world->fixed_m;
     world->min_x_m = box[0];
     world->min_y_m = box[1];
     world->max_x_m = box[2];
@@ -244,11 +196,11 @@ static mu_result world_read_units(struct builder *b, const struct worldfile_enti
         b->unit_angle_deg += strcmp(angle, units[i].name) == 0 ? units[i].angle_deg : 0;
     }
     if (!(b->unit_length_m > 0)) {
-        struct worldfile_place at = builder_place(root, "unit_length");
+        struct mu_fault_place at = builder_place(root, "unit_length");
         return builder_fault(b, &at, "expected m, cm or mm, found '%.40s'", length);
     }
     if (!(b->unit_angle_deg > 0)) {
-        struct worldfile_place at = builder_place(root, "unit_angle");
+        struct mu_fault_place at = builder_place(root, "unit_angle");
         return builder_fault(b, &at, "expected degrees or radians, found '%.40s'", angle);
     }
     return MU_OK;
@@ -259,7 +211,7 @@ static void world_round_step(struct builder *b, const struct worldfile_entity *r
 {
     double whole_ms = ceil(step_ms / 20) * 20;
     if (whole_ms != step_ms) {
-        struct worldfile_place at = builder_place(root, "interval_sim");
+        struct mu_fault_place at = builder_place(root, "interval_sim");
         builder_warn(b, &at, "interval_sim", "is no multiple of 20 ms and is rounded up");
     }
     b->world->step_ns = (uint64_t)llround(whole_ms * 1e6);
@@ -285,7 +237,7 @@ static mu_result world_build(struct builder *b)
     struct world *world = b->world;
     const struct worldfile_entity *root = &world->source->root;
     struct world_walk walk = {.builder = b};
-    builder_warn_unknown(b, root, BUILDER_WORLD);
+    builder_warn_unknown(b, root, PROPERTY_WORLD);
     mu_result units = builder_go_on(b, world_read_units(b, root));
     if (units != MU_OK || !(b->unit_length_m > 0 && b->unit_angle_deg > 0)) {
         b->unit_length_m = b->unit_angle_deg = 1;
@@ -306,6 +258,7 @@ mu_result world_read(struct world *world, const char *path, const struct world_o
 {
     struct world_file *source = world->source;
     world->shape_count = world->object_count = world->robot_count = 0;
+    world->rings = NULL;
     world->step_ns = 0;
     world->seed = -1;
     if (!mu_text_copy(world->file, sizeof world->file, path)) {
@@ -334,6 +287,8 @@ mu_result world_open(struct world *world, const char *path, const struct world_o
     world->shapes = mu_startup_array(BUILDER_SHAPES_MAX, sizeof *world->shapes);
     world->robots = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->robots);
     world->objects = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->objects);
+    world->origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *world->origins);
+    world->object_origins = mu_startup_array(MU_OBJECTS_MAX, sizeof *world->object_origins);
     worldfile_init(world->source);
     return world_read(world, path, options, fault);
 }
@@ -442,9 +397,9 @@ static mu_result world_put_robot(struct world *world, struct world_robot *old,
                                  struct mu_fault *fault)
 {
     size_t index = old ? (size_t)(old - world->robots) : world->robot_count++;
-    struct worldfile_origin *origin = &world->source->origins[index];
+    struct world_origin *origin = &world->origins[index];
     if (!old) {
-        *origin = (struct worldfile_origin){.at = {.file = world->file}, .type = body};
+        *origin = (struct world_origin){.at = {.file = world->file}, .type = body};
     }
     if (body) {
         origin->entity = worldfile_definition(world->source, body);
@@ -499,21 +454,4 @@ mu_result world_add_placed(struct world *world, const char *text, struct mu_faul
     }
     return world_add_robot(world, name, strcmp(body, "-") == 0 ? NULL : body,
                            has_pose ? &pose : NULL, strcmp(color, "-") == 0 ? NULL : color, fault);
-}
-
-bool world_robot_fits(const struct world *world, const char *name, double clear_m)
-{
-    const struct world_robot *robot = world_find_robot(world, name);
-    return robot && place_fits(world, (size_t)(robot - world->robots), clear_m);
-}
-
-mu_result world_check_places(const struct world *world, struct mu_fault *fault)
-{
-    return place_check(world, NULL, fault);
-}
-
-mu_result world_check_all_places(const struct world *world,
-                                 const struct mu_fault_listener *listener, struct mu_fault *fault)
-{
-    return place_check(world, listener, fault);
 }

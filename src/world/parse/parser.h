@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file worldfile.h
+ * @file parser.h
  * A world file as it is written: definitions, models and their properties, with their places.
  *
  * The grammar is Stage's:
@@ -16,13 +16,14 @@
  * What a file may hold is bounded by one block of memory and by the limits below; beyond them it
  * is refused.
  */
-#ifndef MUSTER_WORLD_WORLDFILE_H
-#define MUSTER_WORLD_WORLDFILE_H
+#ifndef MUSTER_WORLD_PARSER_H
+#define MUSTER_WORLD_PARSER_H
 
 #include "core/fault.h"
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum {
     WORLDFILE_BYTES_MAX = 64 << 20, /* parsed text and, while it is read, a bitmap */
@@ -34,13 +35,7 @@ enum {
     WORLDFILE_DERIVATION_MAX = 32, /* definitions that derive from definitions */
     WORLDFILE_DEFINITIONS_MAX = 1024,
     WORLDFILE_PROPERTIES_MAX = 2048, /* of one model, without what it derives from */
-    WORLDFILE_TUPLE_MAX = 256,       /* values in [ ] */
-    WORLDFILE_MISTAKES_MAX = 100     /* that a listener is told of */
-};
-
-struct worldfile_place {
-    const char *file;
-    int line, column;
+    WORLDFILE_TUPLE_MAX = 256        /* values in [ ] */
 };
 
 struct worldfile_value {
@@ -53,7 +48,7 @@ struct worldfile_property {
     int index;       /* of point[3]: 3; -1: none */
     const struct worldfile_value *values;
     size_t value_count;
-    struct worldfile_place at;
+    struct mu_fault_place at;
     struct worldfile_property *next;
 };
 
@@ -65,18 +60,8 @@ struct worldfile_entity {
     struct worldfile_property *properties, *last_property;
     size_t property_count;
     struct worldfile_entity *children, *last_child, *next;
-    struct worldfile_place at;
+    struct mu_fault_place at;
 };
-
-/* Where a robot or a thing comes from. */
-struct worldfile_origin {
-    struct worldfile_place at;
-    const char *type;
-    const struct worldfile_entity *entity; /* NULL: the file has none */
-    bool misplaced;                        /* where it stands could not be read */
-};
-
-struct device_ring; /* device.c */
 
 struct world_file {
     char *bytes;
@@ -84,12 +69,8 @@ struct world_file {
     size_t include_count, definition_count;
     const char *files[WORLDFILE_FILES_MAX]; /* that were read, as they were opened, each once */
     size_t files_count;
-    struct worldfile_entity root;         /* what stands outside all models */
-    struct worldfile_entity *definitions; /* the latest first */
-    struct worldfile_origin *origins;     /* of the robots of struct world, in their order */
-    struct worldfile_origin *object_origins;
-    struct device_ring *rings; /* of sonars, each once; the latest first */
-    double box_m[4];           /* around all that is no robot: least x, least y, most x, most y */
+    struct worldfile_entity root;             /* what stands outside all models */
+    struct worldfile_entity *definitions;     /* the latest first */
     const struct mu_fault_listener *listener; /* NULL: the first mistake ends the parsing */
     size_t mistake_count;                     /* that it was told */
 };
@@ -124,5 +105,75 @@ void worldfile_note(struct world_file *file, const char *path);
 
 /** Makes a path that is relative to a file's folder.  @return whether it fitted */
 MU_MUST_USE bool worldfile_path(const char *beside, const char *name, char *path, size_t size);
+
+/* --- floor plans as pictures: PNG, and PNM (P1, P2, P4, P5); dark is solid --- */
+
+enum {
+    BITMAP_SIDE_MAX = 16384,
+    BITMAP_THRESHOLD = 127 /* Stage's */
+};
+
+/* What of a picture is solid: grey goes from 0, black, to 255, white. */
+struct bitmap_rule {
+    double threshold; /* greys below it are solid */
+    bool negate;      /* above 255 - threshold, instead */
+};
+
+struct bitmap {
+    uint8_t *solid; /* one byte a pixel, row by row from the top; 1: solid */
+    int width, height;
+};
+
+/* In pixels from the picture's left upper corner. */
+struct bitmap_rectangle {
+    int x, y, width, height;
+};
+
+/**
+ * Reads a picture into the world file's memory.
+ *
+ * @return NULL, or why not
+ */
+const char *bitmap_read(struct bitmap *bitmap, const char *path, const struct bitmap_rule *rule,
+                        struct world_file *memory);
+
+/**
+ * Takes one rectangle of solid pixels out of the picture: from the first solid pixel at or behind
+ * *at on, as far as it goes right and then down, or down and then right, whichever is larger.
+ *
+ * @param at  in: where to look from, 0 at first; out: where to go on
+ * @return false when no solid pixel is left
+ */
+bool bitmap_take_rectangle(struct bitmap *bitmap, size_t *at, struct bitmap_rectangle *out);
+
+/* --- the words of world files: one table of what each property means, and to what it belongs ---
+ */
+
+/* What a property belongs to: a bit each. */
+enum property_kind {
+    PROPERTY_WORLD = 1,
+    PROPERTY_SOLID = 2,
+    PROPERTY_ROBOT = 4,
+    PROPERTY_PART = 8, /* a model on a robot */
+    PROPERTY_RANGER = 16,
+    PROPERTY_SENSOR = 32,
+    PROPERTY_CAMERA = 64,
+    PROPERTY_FINDER = 128,
+    PROPERTY_GRIPPER = 256,
+    PROPERTY_BLOCK = 512,
+    PROPERTY_DISTRIBUTE = 1024
+};
+
+/** @return whether a property is read there, or passed over because it concerns no robot */
+bool properties_known(const char *key, enum property_kind kind);
+
+/** @return whether a property is read there */
+bool properties_read_there(const char *key, int kinds);
+
+/** @return the property that was meant; NULL: none is near, or Stage has this very word */
+const char *properties_near(const char *key, enum property_kind kind);
+
+/** Prints the table as Markdown to standard output. */
+void properties_print(void);
 
 #endif

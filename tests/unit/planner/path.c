@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ways over the map of a world: round walls, clear of them, and none where there is none. */
-#include "planner/route.h"
+#include "planner/planner.h"
 #include "suite.h"
 #include "world_text.h"
 
@@ -9,29 +9,29 @@
 enum { ROUTERS = 16 };
 
 static const double half_m = 0.25;
-static struct router *routers[ROUTERS]; /* memory for the life of the process */
-static struct map maps[ROUTERS];
+static struct planner *routers[ROUTERS]; /* memory for the life of the process */
+static struct distance_map maps[ROUTERS];
 static size_t made;
 
 /* A floor of 10 x 10 m and what else is said; the map that goes with it is the last. */
-static struct router *floor_with(const char *text)
+static struct planner *floor_with(const char *text)
 {
     char all[2048];
     snprintf(all, sizeof all, "model ( name \"floor\" size [10 10 1] boundary 1 )\n%s", text);
     const struct world *world = load(all);
     CU_ASSERT_PTR_NOT_NULL_FATAL(world);
-    map_make(&maps[made], world);
-    routers[made] = router_make(&maps[made]);
+    distance_map_make(&maps[made], world);
+    routers[made] = planner_make(&maps[made]);
     return routers[made++];
 }
 
-static mu_result go(struct router *r, double x0, double y0, double x1, double y1, struct route *out)
+static mu_result go(struct planner *r, double x0, double y0, double x1, double y1, struct path *out)
 {
-    return route_search(r, (double[]){x0, y0}, (double[]){x1, y1}, half_m, out);
+    return planner_search(r, (double[]){x0, y0}, (double[]){x1, y1}, half_m, out);
 }
 
 /* How near a way comes to something, looked at every centimetre. */
-static double least_room(const struct map *map, double x, double y, const struct route *way)
+static double least_room(const struct distance_map *map, double x, double y, const struct path *way)
 {
     double least = INFINITY;
     for (size_t i = 0; i < way->count; i++) {
@@ -39,7 +39,7 @@ static double least_room(const struct map *map, double x, double y, const struct
         double dy = way->points_m[i][1] - y;
         int parts = (int)(hypot(dx, dy) / 0.01) + 1;
         for (int k = 0; k <= parts; k++) {
-            int cell = map_cell(map, x + dx * k / parts, y + dy * k / parts);
+            int cell = distance_map_cell(map, x + dx * k / parts, y + dy * k / parts);
             least = fmin(least, cell < 0 ? 0 : (double)map->room_m[cell]);
         }
         x += dx;
@@ -50,7 +50,7 @@ static double least_room(const struct map *map, double x, double y, const struct
 
 static void test_straight_on(void)
 {
-    struct route way;
+    struct path way;
     CU_ASSERT_EQUAL(go(floor_with(""), -3, -3, 3.03, 2.51, &way), MU_OK);
     CU_ASSERT_EQUAL_FATAL(way.count, 1);
     CU_ASSERT_EQUAL(way.points_m[0][0], 3.03);
@@ -62,8 +62,8 @@ static void test_straight_on(void)
 
 static void test_round_a_wall(void)
 {
-    struct route way;
-    struct router *r = floor_with("model ( name \"wall\" size [6 0.2 1] pose [-2 0 0 0] )");
+    struct path way;
+    struct planner *r = floor_with("model ( name \"wall\" size [6 0.2 1] pose [-2 0 0 0] )");
     CU_ASSERT_EQUAL(go(r, -3, -2, -3, 2, &way), MU_OK);
     CU_ASSERT(way.count >= 2);
     double most_x = -5;
@@ -80,7 +80,7 @@ static void test_round_a_wall(void)
  * that; and of one that is narrower than the body, none. */
 static void test_doors(void)
 {
-    struct route way;
+    struct path way;
     const char *two = "model ( name \"a\" size [2 0.2 1] pose [-4 0 0 0] )"
                       "model ( name \"b\" size [2 0.2 1] pose [-1.3 0 0 0] )"
                       "model ( name \"c\" size [3 0.2 1] pose [3.5 0 0 0] )";
@@ -97,8 +97,8 @@ static void test_doors(void)
 
 static void test_ends(void)
 {
-    struct route way;
-    struct router *r = floor_with("model ( name \"block\" size [2 2 1] pose [0 0 0 0] )");
+    struct path way;
+    struct planner *r = floor_with("model ( name \"block\" size [2 2 1] pose [0 0 0 0] )");
     CU_ASSERT_EQUAL(go(r, -3, 0, 0, 0, &way), MU_ABSENT); /* inside */
     CU_ASSERT_EQUAL(go(r, -3, 0, 9, 0, &way), MU_ABSENT); /* outside */
     CU_ASSERT_EQUAL(go(r, 1e9, -1e300, 3, 0, &way), MU_ABSENT);
@@ -112,7 +112,7 @@ static void test_ends(void)
 /* It stands at the end of its way already: that is a way, of one point. */
 static void test_beside_a_wall(void)
 {
-    struct route way;
+    struct path way;
     CU_ASSERT_EQUAL(go(floor_with(""), 4.7, 1, 4.85, 1, &way), MU_OK);
     CU_ASSERT_EQUAL_FATAL(way.count, 1);
     CU_ASSERT(fabs(way.points_m[0][0] - 4.7) < 0.11);
@@ -128,9 +128,9 @@ static void test_many_corners(void)
                                 "model ( name \"w%d\" size [0.1 9 1] pose [%d %g 0 0] )\n", i,
                                 i - 4, i % 2 ? 0.5 : -0.5);
     }
-    struct route way;
-    struct route again;
-    struct router *r = floor_with(text);
+    struct path way;
+    struct path again;
+    struct planner *r = floor_with(text);
     CU_ASSERT_EQUAL(go(r, -4.5, -4.5, 4.5, -4.5, &way), MU_OK);
     CU_ASSERT(way.count >= 18 && way.looked > 1000);
     CU_ASSERT(least_room(&maps[made - 1], -4.5, -4.5, &way) >= half_m - 1e-6);

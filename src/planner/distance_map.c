@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "planner/map.h"
+#include "planner/planner.h"
 
 #include "muster/memory.h"
 
 #include <math.h>
 
-static const double map_cell_m = 0.1;
+static const double distance_map_cell_m = 0.1;
 
-double map_distance(const struct world_shape *shape, double x_m, double y_m)
+double distance_to_shape(const struct world_shape *shape, double x_m, double y_m)
 {
     double dx = x_m - shape->pose.x_m;
     double dy = y_m - shape->pose.y_m;
@@ -21,7 +21,7 @@ double map_distance(const struct world_shape *shape, double x_m, double y_m)
     return hypot(along, across);
 }
 
-int map_cell(const struct map *map, double x_m, double y_m)
+int distance_map_cell(const struct distance_map *map, double x_m, double y_m)
 {
     double column = floor((x_m - map->x0_m) / map->cell_m);
     double row = floor((y_m - map->y0_m) / map->cell_m);
@@ -29,43 +29,43 @@ int map_cell(const struct map *map, double x_m, double y_m)
     return inside ? (int)row * map->nx + (int)column : -1;
 }
 
-void map_middle(const struct map *map, int cell, double out_m[2])
+void distance_map_middle(const struct distance_map *map, int cell, double out_m[2])
 {
     out_m[0] = map->x0_m + (cell % map->nx + 0.5) * map->cell_m;
     out_m[1] = map->y0_m + (cell / map->nx + 0.5) * map->cell_m;
 }
 
-static int map_clamp(double value, int most)
+static int distance_map_clamp(double value, int most)
 {
     return value < 0 ? 0 : value > most ? most : (int)value;
 }
 
 /* The cells round a shape take its distance where that is less than what they have. */
-static void map_add(struct map *map, const struct world_shape *shape)
+static void distance_map_add(struct distance_map *map, const struct world_shape *shape)
 {
     double reach_m =
-        MAP_FAR_M +
+        DISTANCE_FAR_M +
         (shape->kind == WORLD_DISC ? shape->radius_m : hypot(shape->half_x_m, shape->half_y_m));
     double left_m = shape->pose.x_m - reach_m - map->x0_m;
     double low_m = shape->pose.y_m - reach_m - map->y0_m;
-    int x1 = map_clamp((left_m + 2 * reach_m) / map->cell_m, map->nx - 1);
-    int y1 = map_clamp((low_m + 2 * reach_m) / map->cell_m, map->ny - 1);
-    for (int y = map_clamp(low_m / map->cell_m, map->ny - 1); y <= y1; y++) {
-        for (int x = map_clamp(left_m / map->cell_m, map->nx - 1); x <= x1; x++) {
+    int x1 = distance_map_clamp((left_m + 2 * reach_m) / map->cell_m, map->nx - 1);
+    int y1 = distance_map_clamp((low_m + 2 * reach_m) / map->cell_m, map->ny - 1);
+    for (int y = distance_map_clamp(low_m / map->cell_m, map->ny - 1); y <= y1; y++) {
+        for (int x = distance_map_clamp(left_m / map->cell_m, map->nx - 1); x <= x1; x++) {
             double middle_m[2];
             int cell = y * map->nx + x;
-            map_middle(map, cell, middle_m);
-            float far_m = (float)map_distance(shape, middle_m[0], middle_m[1]);
+            distance_map_middle(map, cell, middle_m);
+            float far_m = (float)distance_to_shape(shape, middle_m[0], middle_m[1]);
             map->room_m[cell] = fminf(map->room_m[cell], far_m);
         }
     }
 }
 
-void map_make(struct map *map, const struct world *world)
+void distance_map_make(struct distance_map *map, const struct world *world)
 {
     double wide_m = fmax(1, world->max_x_m - world->min_x_m);
     double high_m = fmax(1, world->max_y_m - world->min_y_m);
-    map->cell_m = fmax(map_cell_m, 1.01 * sqrt(wide_m * high_m / MAP_CELLS_MAX));
+    map->cell_m = fmax(distance_map_cell_m, 1.01 * sqrt(wide_m * high_m / DISTANCE_CELLS_MAX));
     map->cell_m = fmax(map->cell_m, fmax(wide_m, high_m) / 32768);
     map->nx = (int)ceil(wide_m / map->cell_m);
     map->ny = (int)ceil(high_m / map->cell_m);
@@ -74,11 +74,11 @@ void map_make(struct map *map, const struct world *world)
     size_t cells = (size_t)map->nx * (size_t)map->ny;
     map->room_m = mu_startup_array(cells, sizeof *map->room_m);
     for (size_t i = 0; i < cells; i++) {
-        map->room_m[i] = (float)MAP_FAR_M;
+        map->room_m[i] = (float)DISTANCE_FAR_M;
     }
     for (size_t i = 0; i < world->shape_count; i++) {
         if (world->shapes[i].look.stops || world->shapes[i].look.echoes) {
-            map_add(map, &world->shapes[i]);
+            distance_map_add(map, &world->shapes[i]);
         }
     }
 }

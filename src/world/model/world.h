@@ -7,8 +7,8 @@
  * All memory is taken at start-up; a loaded world lives as long as its process.
  * Lengths are metres, angles radians counter-clockwise, 0 along +x.
  */
-#ifndef MUSTER_WORLD_WORLD_H
-#define MUSTER_WORLD_WORLD_H
+#ifndef MUSTER_WORLD_MODEL_WORLD_H
+#define MUSTER_WORLD_MODEL_WORLD_H
 
 #include "core/fault.h"
 #include "muster/limits.h"
@@ -139,6 +139,14 @@ struct world_robot {
     uint64_t period_ns[WORLD_SENSORS]; /* how often it reads; 0: every control step */
 };
 
+/* Where a robot or a thing comes from. */
+struct world_origin {
+    struct mu_fault_place at;
+    const char *type;
+    const struct worldfile_entity *entity; /* the model of the file; NULL: the file has none */
+    bool misplaced;                        /* where it stands could not be read */
+};
+
 struct world {
     char file[256];
     double min_x_m, min_y_m, max_x_m, max_y_m; /* a box around everything */
@@ -148,53 +156,14 @@ struct world {
     size_t object_count;
     struct world_robot *robots; /* as in the file, then as added; room for MU_ROBOTS_MAX */
     size_t robot_count;
+    struct world_origin *origins; /* of the robots, in their order */
+    struct world_origin *object_origins;
+    struct world_ring *rings;  /* of sonars, each once; the latest first */
+    double fixed_m[4];         /* around all that is no robot: least x, least y, most x, most y */
     uint64_t step_ns;          /* that the file asks for; 0: it does not */
     int64_t seed;              /* likewise; < 0: it does not */
     struct world_file *source; /* the parsed file: what its names define, for world_add_robot */
 };
-
-struct world_options {
-    bool quiet;                               /* no warnings */
-    uint64_t seed;                            /* of random places, where the file has none */
-    const struct mu_fault_listener *listener; /* NULL: loading ends at the first mistake */
-};
-
-/**
- * Loads a world file in Stage's grammar (define, include, nested models, # comments) and units.
- *
- * Properties that muster does not support are named once each, as warnings on standard error.
- * A listener is told of them instead, and of every mistake; then the world is good for nothing.
- *
- * @return MU_OK, or MU_FAULT_FILE with file, line, column and what was expected (of the last
- *         mistake, where there is a listener)
- */
-MU_MUST_USE mu_result world_open(struct world *world, const char *path,
-                                 const struct world_options *options, struct mu_fault *fault);
-
-/** Reads a file into a world that is open already: its memory is used again. */
-MU_MUST_USE mu_result world_read(struct world *world, const char *path,
-                                 const struct world_options *options, struct mu_fault *fault);
-
-/** world_open with seed 1 and without a listener. */
-MU_MUST_USE mu_result world_load(struct world *world, const char *path, bool quiet,
-                                 struct mu_fault *fault);
-
-/**
- * Adds a robot of a kind that the world file defines, or moves the robot of that name.
- *
- * @param body   a name from a `define` of the world file, derived from Stage's `position`;
- *               NULL: the robot must stand in the world file already
- * @param pose   where it starts; NULL: where the world file has it
- * @return MU_OK; MU_FAULT_FILE when the body is unknown, the name is taken by something else, or
- *         there is no room (fault->text says which; file is the world's)
- */
-MU_MUST_USE mu_result world_add_robot(struct world *world, const char *name, const char *body,
-                                      const struct world_pose *pose, const char *color,
-                                      struct mu_fault *fault);
-
-/** Likewise, as `muster sim --place` has it: "NAME BODY X Y DEG COLOR", - for what is not said. */
-MU_MUST_USE mu_result world_add_placed(struct world *world, const char *text,
-                                       struct mu_fault *fault);
 
 /**
  * @param clear_m  that it wants around it
@@ -208,13 +177,49 @@ bool world_robot_fits(const struct world *world, const char *name, double clear_
  *
  * What does not stop bodies is in nobody's way.
  *
+ * @param listener  is told of everything that stands wrong; NULL: the first mistake ends the work
  * @return MU_OK or MU_FAULT_FILE
  */
-MU_MUST_USE mu_result world_check_places(const struct world *world, struct mu_fault *fault);
+MU_MUST_USE mu_result world_check_places(const struct world *world,
+                                         const struct mu_fault_listener *listener,
+                                         struct mu_fault *fault);
 
-/** The same, telling a listener of everything that stands wrong.  @return MU_FAULT_FILE then */
-MU_MUST_USE mu_result world_check_all_places(const struct world *world,
-                                             const struct mu_fault_listener *listener,
-                                             struct mu_fault *fault);
+/** @return the pose, given in a frame, in the frame's own frame; heading in (-pi, pi] */
+struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose);
+
+/** @return a pose of the frame's own frame as it is seen from the frame */
+struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose);
+
+/** @return the robot of a name; NULL: there is none */
+struct world_robot *world_find_robot(const struct world *world, const char *name);
+
+/** @return whether a thing that can be moved bears the name */
+bool world_has_object(const struct world *world, const char *name);
+
+/** @return whether a robot or a thing bears the name */
+bool world_name_taken(const struct world *world, const char *name);
+
+/** @return the box around a robot's outline and its gripper */
+struct world_shape placement_room(const struct world_robot *robot);
+
+#define PLACEMENT_NOBODY SIZE_MAX
+
+/** @return whether nothing that stops bodies overlaps a shape; but for one robot, which may */
+bool placement_is_free(const struct world *world, const struct world_shape *shape, size_t robot);
+
+/* Numbers of the longest outline: x and y of a box's corners. */
+enum { OUTLINE_NUMBERS_MAX = 8 };
+
+/**
+ * Writes x and y of the corners of a shape that stands at a pose, counter-clockwise from the front
+ * left one; of a disc those of its centre.
+ *
+ * @return how many numbers that are
+ */
+size_t outline_write(const struct world_shape *shape, const struct world_pose *pose,
+                     float corners_m[OUTLINE_NUMBERS_MAX]);
+
+/** @return whether nothing stops at it and nothing echoes: a mark on the floor */
+bool outline_is_flat(const struct world_shape *shape);
 
 #endif

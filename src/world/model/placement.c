@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whether robots and things stand where they can: the only file of muster that sees libccd. */
-#include "world/read/builder.h"
+#include "world/model/world.h"
 
 #include <ccd/ccd.h>
 #include <ccd/vec3.h>
@@ -129,7 +129,7 @@ static struct place_bounds place_measure(const struct world *world)
     return b;
 }
 
-struct world_shape place_room(const struct world_robot *robot)
+struct world_shape placement_room(const struct world_robot *robot)
 {
     if (!(robot->gripper.length_m > 0)) {
         return place_outline(robot);
@@ -151,7 +151,7 @@ struct world_shape place_room(const struct world_robot *robot)
 struct place_thing {
     const struct world_shape *shape;
     const char *what, *name; /* "robot", "red" */
-    const struct worldfile_place *at;
+    const struct mu_fault_place *at;
 };
 
 static mu_result place_fault(const struct place_thing *thing, struct mu_fault *fault,
@@ -206,7 +206,7 @@ static mu_result place_check_robot(const struct world *world, size_t index,
                                    const struct place_bounds *bounds, struct mu_fault *fault)
 {
     const struct world_robot *robot = &world->robots[index];
-    const struct worldfile_place *at = &world->source->origins[index].at;
+    const struct mu_fault_place *at = &world->origins[index].at;
     struct world_shape outline = place_outline(robot);
     struct place_thing thing = {&outline, "robot", robot->name, at};
     if (!robot->look.stops) {
@@ -229,7 +229,7 @@ static mu_result place_check_object(const struct world *world, size_t index,
 {
     const struct world_object *object = &world->objects[index];
     struct place_thing thing = {&object->shape, "thing", object->name,
-                                &world->source->object_origins[index].at};
+                                &world->object_origins[index].at};
     char text[64];
     MU_TRY(place_check_bounds(world, bounds, &thing, fault));
     MU_TRY(place_check_shapes(world, &thing, fault));
@@ -249,18 +249,18 @@ static bool place_ends(mu_result result, const struct mu_fault_listener *listene
 {
     if (result != MU_OK && listener) {
         listener->tell(listener->self, fault, true);
-        return ++*mistakes == WORLDFILE_MISTAKES_MAX;
+        return ++*mistakes == MU_FAULT_MISTAKES_MAX;
     }
     return result != MU_OK;
 }
 
-mu_result place_check(const struct world *world, const struct mu_fault_listener *listener,
-                      struct mu_fault *fault)
+mu_result world_check_places(const struct world *world, const struct mu_fault_listener *listener,
+                             struct mu_fault *fault)
 {
     struct place_bounds bounds = place_measure(world);
     size_t mistakes = 0;
     for (size_t i = 0; i < world->robot_count; i++) {
-        if (!world->source->origins[i].misplaced &&
+        if (!world->origins[i].misplaced &&
             place_ends(place_check_robot(world, i, &bounds, fault), listener, fault, &mistakes)) {
             return MU_FAULT_FILE;
         }
@@ -273,7 +273,7 @@ mu_result place_check(const struct world *world, const struct mu_fault_listener 
     return mistakes > 0 ? MU_FAULT_FILE : MU_OK;
 }
 
-bool place_is_free(const struct world *world, const struct world_shape *shape, size_t robot)
+bool placement_is_free(const struct world *world, const struct world_shape *shape, size_t robot)
 {
     for (size_t i = 0; i < world->shape_count; i++) {
         if (world->shapes[i].look.stops && place_overlaps(shape, &world->shapes[i])) {
@@ -286,7 +286,7 @@ bool place_is_free(const struct world *world, const struct world_shape *shape, s
         }
     }
     for (size_t i = 0; i < world->robot_count; i++) {
-        struct world_shape room = place_room(&world->robots[i]);
+        struct world_shape room = placement_room(&world->robots[i]);
         if (i != robot && world->robots[i].look.stops && place_overlaps(shape, &room)) {
             return false;
         }
@@ -294,14 +294,18 @@ bool place_is_free(const struct world *world, const struct world_shape *shape, s
     return true;
 }
 
-bool place_fits(const struct world *world, size_t robot, double clear_m)
+bool world_robot_fits(const struct world *world, const char *name, double clear_m)
 {
+    const struct world_robot *robot = world_find_robot(world, name);
+    if (!robot) {
+        return false;
+    }
     struct place_bounds bounds = place_measure(world);
-    struct world_shape outline = place_outline(&world->robots[robot]);
-    struct world_pose pose = world->robots[robot].pose;
+    struct world_shape outline = place_outline(robot);
+    struct world_pose pose = robot->pose;
     outline.half_x_m += clear_m;
     outline.half_y_m += clear_m;
     bool inside = pose.x_m >= bounds.min[0] && pose.x_m <= bounds.max[0] &&
                   pose.y_m >= bounds.min[1] && pose.y_m <= bounds.max[1];
-    return inside && place_is_free(world, &outline, robot);
+    return inside && placement_is_free(world, &outline, (size_t)(robot - world->robots));
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "world/parse/worldfile.h"
+#include "world/parse/parser.h"
 
 #include "core/paths.h"
 #include "core/text.h"
@@ -28,10 +28,7 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 void worldfile_init(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX),
-                                .origins = mu_startup_array(MU_ROBOTS_MAX, sizeof *file->origins),
-                                .object_origins =
-                                    mu_startup_array(MU_OBJECTS_MAX, sizeof *file->object_origins)};
+    *file = (struct world_file){.bytes = mu_startup_alloc(WORLDFILE_BYTES_MAX)};
 }
 
 void *worldfile_take(struct world_file *file, size_t bytes)
@@ -100,9 +97,9 @@ static bool parser_at_word(const struct parser *p, const char *word)
            memcmp(p->token.text, word, p->token.len) == 0;
 }
 
-static struct worldfile_place parser_place(const struct parser *p, const struct token *token)
+static struct mu_fault_place parser_place(const struct parser *p, const struct token *token)
 {
-    return (struct worldfile_place){.file = p->path, .line = token->line, .column = token->column};
+    return (struct mu_fault_place){.file = p->path, .line = token->line, .column = token->column};
 }
 
 static mu_result parser_take_value(struct parser *p, struct worldfile_value *value)
@@ -223,7 +220,7 @@ static mu_result parser_go_on(struct parser *p, int began, mu_result result)
 {
     struct world_file *file = p->file;
     if (result != MU_FAULT_FILE || !file->listener ||
-        file->mistake_count == WORLDFILE_MISTAKES_MAX) {
+        file->mistake_count == MU_FAULT_MISTAKES_MAX) {
         return result;
     }
     if (p->token.kind != TOKEN_END || file->mistake_count == 0) {
@@ -467,10 +464,7 @@ static mu_result worldfile_read(struct parser *outer, const char *path, const st
 
 static void worldfile_forget(struct world_file *file)
 {
-    *file = (struct world_file){.bytes = file->bytes,
-                                .origins = file->origins,
-                                .object_origins = file->object_origins,
-                                .listener = file->listener};
+    *file = (struct world_file){.bytes = file->bytes, .listener = file->listener};
     file->root.type = "world";
 }
 
