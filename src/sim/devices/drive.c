@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/devices/devices.h"
 
-/* Rubber on a hard floor. */
+/* Coefficient of rubber on a hard floor. */
 #define DRIVE_FRICTION 0.6
 
-/* The wheels stand this far from the middle, as a part of the width. */
+/* Distance of a wheel from the middle, as a share of the width. */
 #define DRIVE_WHEEL_AT 0.4
 
-/* Held up: the wheels turn, the body does less than a quarter of it. */
+/*
+ * A stall: the wheels turn faster than the first two, and the body moves less than a quarter of it.
+ */
 #define DRIVE_STALL_FORWARD_M_S 0.02
 #define DRIVE_STALL_TURN_RAD_S  0.05
 #define DRIVE_STALL_PART        0.25

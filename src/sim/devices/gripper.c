@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/devices/devices.h"
 
-/* Where the beams are, as shares of a paddle's length from its root. */
+/* Positions of the light beams, as shares of a paddle's length from its root. */
 #define GRIPPER_OUTER_AT 0.9
 #define GRIPPER_INNER_AT 0.3
 #define GRIPPER_BEAM_M   0.001
@@ -28,7 +28,7 @@ static double gripper_move(double now, bool wanted, double dt_s)
 {
     double share = dt_s / GRIPPER_TIME_S;
     double next = wanted ? now + share : now - share;
-    /* Sums of steps are not exact: the last one ends the way. */
+    /* Sums of steps are not exact: the last step ends the motion. */
     return next > 1 - share / 2 ? 1 : next < share / 2 ? 0 : next;
 }
 
@@ -42,14 +42,14 @@ double gripper_next_lifted(const struct gripper *gripper, double dt_s)
     return gripper_move(gripper->lifted, gripper->lifts, dt_s);
 }
 
-/* From the middle to the inner side of a paddle. */
+/* @return the distance from the middle to the inner side of a paddle */
 static double gripper_half_gap(const struct gripper *gripper, double closed)
 {
     const struct world_gripper *make = gripper->make;
     return fmax(0, make->width_m / 2 - make->paddle_width_m) * (1 - closed);
 }
 
-/* A box in the case's frame, parallel to it. */
+/* @return a box in the frame of the case, parallel to the case */
 static struct solid gripper_box(const struct gripper *g, const struct frame *frame,
                                 const double at[2], const double half[2])
 {

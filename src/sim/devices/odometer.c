@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/devices/devices.h"
 
-/* 1, give or take up to half of the error: as Stage draws it, once for each robot. */
+/* @return 1, plus or minus up to half of the error, as Stage draws it once for each robot */
 static double odometer_gain(double error, uint64_t bits)
 {
     return error == 0 ? 1 : 1 + error * (draw_unit(bits) - 0.5);
@@ -27,7 +27,7 @@ static double odometer_turn(double heading, double by)
     return heading <= -M_PI ? heading + 2 * M_PI : heading;
 }
 
-/* The way of a step leads along the heading of its middle. */
+/* The motion of a step follows the heading in the middle of the step. */
 void odometer_run(struct odometer *o, double forward_m_s, double turn_rad_s, double dt_s)
 {
     double half = o->turn_gain * turn_rad_s * dt_s / 2;

@@ -3,7 +3,8 @@
 
 #include "core/hash.h"
 
-#define DRAW_STEP 0x9e3779b97f4a7c15ull /* of splitmix64: neighbours get far apart */
+#define DRAW_STEP \
+    0x9e3779b97f4a7c15ull /* The constant of splitmix64 drives neighbouring numbers far apart. */
 
 uint64_t draw_key(uint64_t seed, uint64_t robot, enum draw_use use, uint64_t tick)
 {
@@ -23,7 +24,7 @@ double draw_unit(uint64_t bits)
     return ((double)(bits >> 12) + 0.5) * 0x1p-52;
 }
 
-/* log(x) for 0 < x < 1, by the series of atanh((m - 1) / (m + 1)) for the mantissa m. */
+/* Returns log(x) for 0 < x < 1: the series of atanh((m - 1) / (m + 1)) for the mantissa m. */
 static double draw_log(double x)
 {
     int exponent;
@@ -53,8 +54,10 @@ static double draw_ratio(const double top[8], const double bottom[8], double x)
     return a / b;
 }
 
-/* The inverse of the normal distribution: M. J. Wichura, "Algorithm AS 241", Applied Statistics
- * 37, 1988; relative error below 1e-15. */
+/*
+ * The inverse of the normal distribution: M. J. Wichura, "Algorithm AS 241", Applied Statistics 37,
+ * 1988; relative error below 1e-15.
+ */
 static const double middle_top[8] = {3.3871328727963666080e0,  1.3314166789178437745e+2,
                                      1.9715909503065514427e+3, 1.3731693765509461125e+4,
                                      4.5921953931549871457e+4, 6.7265770927008700853e+4,

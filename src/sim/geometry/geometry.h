@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file geometry.h
- * The plane: frames, solid matter, rays, contacts, and random numbers that belong to a place.
+ * Geometry in the plane: frames, solids, rays, contacts, a grid, and random numbers without state.
  */
 #ifndef MUSTER_SIM_GEOMETRY_H
 #define MUSTER_SIM_GEOMETRY_H
@@ -14,10 +14,8 @@
 /* --- frames ----------------------------------------------------------------------------------- */
 
 /*
- * Places with a heading, in the plane: a robot in its world, a sensor on its robot.
+ * A pose in the plane.  The heading is stored as cosine and sine, so that many turns lose nothing.
  */
-
-/* The heading as its cosine and sine: nothing is lost by turning often. */
 struct frame {
     double x, y, c, s;
 };
@@ -27,7 +25,7 @@ static inline struct frame frame_of(struct world_pose pose)
     return (struct frame){pose.x_m, pose.y_m, cos(pose.heading_rad), sin(pose.heading_rad)};
 }
 
-/** @return where a frame lies in the world that lies at inner in the frame outer */
+/** @return the frame `inner`, which is given in `outer`, in the frame in which `outer` is given */
 static inline struct frame frame_join(const struct frame *outer, const struct frame *inner)
 {
     return (struct frame){outer->x + outer->c * inner->x - outer->s * inner->y,
@@ -38,48 +36,47 @@ static inline struct frame frame_join(const struct frame *outer, const struct fr
 
 /* --- solids ----------------------------------------------------------------------------------- */
 
-/*
- * A piece of solid matter in the plane, ready for rays and contacts.
- */
-
-/* What a solid does to others; also what an eye looks for. */
+/* The effects of a solid on bodies and sensors; also the effects that a ray looks for. */
 enum solid_returns { SOLID_STOPS = 1, SOLID_ECHOES = 2, SOLID_SHOWS = 4, SOLID_ALL = 7 };
 
 enum { SOLID_NOBODY = -1 };
 
-/* A box (half_x, half_y) or a disc (radius).  What rays ask for comes first. */
+/* A box or a disc, ready for rays and contacts.  The members that rays read come first. */
 struct solid {
-    double x, y;           /* its middle */
-    double c, s;           /* cosine and sine of its heading */
-    double half_x, half_y; /* of a disc: its radius, both */
+    double x, y;           /* middle */
+    double c, s;           /* cosine and sine of the heading */
+    double half_x, half_y; /* of a disc: the radius, twice */
     enum world_shape_kind kind;
     uint32_t returns; /* of enum solid_returns */
-    int32_t owner;    /* the number of what it moves with; SOLID_NOBODY: it stands.  A thing in a
-                         gripper belongs to the robot, whose sensors then do not see it */
-    int32_t fiducial; /* 0: none */
-    double reach;     /* of the circle around it */
+    int32_t owner; /* the body that it moves with, or SOLID_NOBODY. An object in a gripper has the
+                      robot as its owner, so that the robot's sensors do not see it */
+    int32_t fiducial; /* 0: it bears no number */
+    double reach;     /* radius of the circle around it */
     uint32_t rgb;     /* 0xRRGGBB */
-    bool away;        /* lifted off the floor: nothing meets it, no ray sees it */
+    bool away;        /* lifted off the floor: no body meets it and no ray sees it */
 };
 
-/** A box that returns everything and belongs to nobody. */
+/** @return a box that returns everything and has no owner */
 struct solid solid_box(struct world_pose middle, double half_x_m, double half_y_m);
 
-/** Likewise a disc. */
+/** @return a disc that returns everything and has no owner */
 struct solid solid_disc(double x_m, double y_m, double radius_m);
 
 struct solid solid_of_shape(const struct world_shape *shape);
 
-/** Takes over how a thing looks. */
+/** Sets the members that depend on the look: returns, fiducial, rgb. */
 void solid_look(struct solid *solid, const struct world_look *look);
 
-/** The half sizes of the upright box around it. */
+/** Writes the half sizes of the upright box around a solid. */
 void solid_extent(const struct solid *solid, double *x_m, double *y_m);
 
-/** Writes the unit vector that stands on the solid's surface where a ray has hit it, outwards. */
+/** Writes the outward unit normal of the solid's surface at a point where a ray has hit it. */
 void solid_normal(const struct solid *solid, const double at[2], double normal[2]);
 
-/** @return whether a circle about (x, y) may reach the solid; never no when it does */
+/**
+ * @return whether a circle about (x, y) may reach the solid; a circle that reaches it is never
+ *         refused
+ */
 static inline bool solid_is_within(const struct solid *solid, double x, double y, double reach_m)
 {
     double dx = x - solid->x;
@@ -101,7 +98,7 @@ static inline double solid_ray_disc(const struct solid *solid, const double from
     double fx = from[0] - solid->x;
     double fy = from[1] - solid->y;
     double b = fx * along[0] + fy * along[1];
-    double beside = fx * along[1] - fy * along[0]; /* of the ray's line to the middle */
+    double beside = fx * along[1] - fy * along[0]; /* distance of the ray's line from the middle */
     double c = fx * fx + fy * fy - solid->half_x * solid->half_x;
     double d = solid->half_x * solid->half_x - beside * beside; /* b b - c, without cancellation */
     if (((c > 0) & (b > 0)) | (d < 0)) {
@@ -113,9 +110,9 @@ static inline double solid_ray_disc(const struct solid *solid, const double from
 }
 
 /*
- * The two slabs of the box.  Along a side the division gives infinities, which compare as they
- * should; exactly on a side's line it gives a NaN, and a ray that grazes a side counts as a miss
- * or a hit of that side alike.
+ * The slab method for a box.  A ray along a side divides by zero, and the infinities compare
+ * correctly.  Exactly on a side's line the quotient is a NaN: such a ray may count as a miss or as
+ * a hit of that side.
  */
 static inline double solid_ray_box(const struct solid *solid, const double from[2],
                                    const double along[2], double best)
@@ -137,14 +134,14 @@ static inline double solid_ray_box(const struct solid *solid, const double from[
     double t_in = x_in > y_in ? x_in : y_in;
     double t_out = x_out < y_out ? x_out : y_out;
     t_in = t_in < 0 ? 0 : t_in;
-    double limit = t_out < best ? t_out : best; /* one branch, seldom taken, for all that misses */
+    double limit = t_out < best ? t_out : best; /* one branch for all misses, seldom taken */
     return t_in <= limit ? t_in : best;
 }
 
 /**
  * Casts a ray along a unit vector.
  *
- * @return the distance to the solid, 0 from inside it, or best where that is smaller
+ * @return the distance to the solid, 0 from inside it, or `best` if that is smaller
  */
 static inline double solid_ray(const struct solid *solid, const double from[2],
                                const double along[2], double best)
@@ -155,34 +152,28 @@ static inline double solid_ray(const struct solid *solid, const double from[2],
 
 /* --- contacts --------------------------------------------------------------------------------- */
 
-/*
- * Where two solids touch, and how deep.
- */
-
 enum { NARROW_POINTS_MAX = 2 };
 
 struct narrow_contact {
-    double normal_x, normal_y; /* from the second solid to the first, length 1 */
+    double normal_x, normal_y; /* of length 1, from the second solid to the first */
     size_t count;              /* 0: they do not touch */
     struct {
         double x, y, depth;
     } points[NARROW_POINTS_MAX];
 };
 
-/** Finds the contact of any two solids. */
+/** Finds the contact of two solids: up to two points, each with its depth in metres. */
 void narrow_collide(const struct solid *a, const struct solid *b, struct narrow_contact *contact);
 
 /* --- the grid --------------------------------------------------------------------------------- */
 
 /*
- * Which solids are near: a uniform grid, and rays through it.
- *
- * Two grids lie over one another cell by cell: one for what stands, built once, and one for what
- * moves, built anew after each move.  The answers are exact; the grid only saves work.  Whoever
- * wants another structure replaces this file: nothing else knows of cells.
+ * A uniform grid over all solids.  Standing solids and moving solids have a layer each, with the
+ * same cells.  The standing layer is built once; the moving layer is built again after each move.
+ * Answers are exact: the grid only saves work.  No other file knows of cells.
  */
 
-enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* no solid has this owner */
+enum { GRID_CELLS_MAX = 65536, GRID_NOBODY = -2 }; /* GRID_NOBODY is the owner of no solid */
 
 /* A solid in a cell. */
 struct grid_part {
@@ -192,80 +183,88 @@ struct grid_part {
 struct grid_layer {
     const struct solid *solids;
     uint32_t count;
-    uint32_t *start;   /* of each cell's entries; one more than there are cells */
+    uint32_t *start;   /* first entry of each cell; one more than there are cells */
     uint32_t *entries; /* indices of solids */
     uint32_t entries_max;
-    struct grid_part *parts; /* while it is built: one for each entry */
-    uint32_t *outside;       /* solids that do not lie wholly on the grid */
+    struct grid_part *parts; /* one for each entry, used while the layer is built */
+    uint32_t *outside;       /* solids that are not wholly on the grid */
     uint32_t outside_count;
-    uint64_t *seen; /* for each solid, the number of the query that met it last */
+    uint64_t *seen; /* for each solid, the number of the last query that met it */
 };
 
 struct grid {
     double x0, y0, cell_m, per_m;
     int nx, ny;
-    uint32_t *cursor; /* a cell's next free entry, while a layer is built */
+    uint32_t *cursor; /* next free entry of each cell, used while a layer is built */
     uint64_t query;
     struct grid_layer still, moving;
 };
 
+/** @return the cell of a coordinate, which is counted in cells; outside, the nearest of `count` */
+static inline int grid_clamp(double cell, int count)
+{
+    return !(cell >= 0) ? 0 : cell >= count ? count - 1 : (int)cell; /* a NaN also finds a cell */
+}
+
 /**
- * Lays a grid over what stands, and a margin around it, and takes all memory.
+ * Lays a grid over the standing solids with a margin around them, and takes all memory.
  *
- * @param moving  what moves, where it is now: its sizes must not change; it may leave the grid
+ * @param moving  the moving solids, at their present poses; their sizes must not change, and they
+ *                may leave the grid
  */
 void grid_init(struct grid *grid, const struct solid *still, size_t still_count,
                const struct solid *moving, size_t moving_count);
 
-/** Takes over where the moving solids are now. */
+/** Builds the moving layer for the present poses. */
 void grid_update(struct grid *grid);
 
-/* Whose ray it is, and what it looks for. */
+/* The owner of a ray, and the effects that it looks for. */
 struct grid_eye {
-    int self;         /* what has this owner it does not see; GRID_NOBODY: it sees all */
-    uint32_t returns; /* what has none of these it does not see either */
+    int self;         /* solids of this owner are invisible; GRID_NOBODY: none is */
+    uint32_t returns; /* solids with none of these bits are invisible */
 };
 
 /**
  * Casts a ray.
  *
  * @param along  a unit vector
- * @param hit    out: the nearest solid; NULL when there is none within range_m
- * @return the distance to it, 0 from inside one, range_m when there is none nearer
+ * @param hit    out: the nearest solid; NULL if there is none within range_m
+ * @return the distance to it, 0 from inside one, range_m if there is none nearer
  */
 double grid_find(const struct grid *grid, struct grid_eye eye, const double from[2],
                  const double along[2], double range_m, const struct solid **hit);
 
-/** grid_find for what echoes, without asking what it is. */
+/** Casts a ray that looks for echoes and does not ask which solid it hits. */
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m);
 
-/* What is near something: what stands, and what moves.  Both have room for all. */
+/* The solids near a place.  Both lists have room for all solids. */
 struct grid_near {
     uint32_t *still, *moving;
     size_t still_count, moving_count;
 };
 
 /**
- * Lists at least what comes within reach_m of the middle of a moving solid, each once, in a fixed
- * order; of the moving ones those with a higher number.
+ * Lists all solids that come within reach_m of the middle of a moving solid, and maybe more.  Each
+ * is listed once, in a fixed order.  Moving solids are listed only if their number is higher.
  */
 void grid_near(struct grid *grid, uint32_t index, double reach_m, struct grid_near *near);
 
-/** Likewise what may touch any solid: it need not be on the grid, and all moving ones count. */
+/**
+ * Lists all solids that may touch a solid, which need not be on the grid.  All moving solids count.
+ */
 void grid_around(struct grid *grid, const struct solid *solid, struct grid_near *near);
 
 /* --- random numbers --------------------------------------------------------------------------- */
 
 /*
- * Noise that is drawn from its place: who, which sensor, when, which beam.
- *
- * There is no state, so that reading one sensor never changes another, whichever thread reads it,
- * and a run that goes on from a snapshot draws what it would have drawn.  Nothing here asks the
- * mathematics library, whose last bits differ between machines.
+ * Random numbers without state: each depends on seed, robot, sensor, step and beam alone.  Hence
+ * reading one sensor never changes another, in any thread, and a run that resumes from a snapshot
+ * draws the same numbers.  No function of the mathematics library is called: their last bits differ
+ * between machines.
  */
 
-/* What is drawn for; a new one goes to the end, or old runs change. */
+/* The purpose of a number.  New purposes go to the end: another order changes old runs. */
 enum draw_use {
     DRAW_SONAR,
     DRAW_LASER,
@@ -278,16 +277,16 @@ enum draw_use {
     DRAW_ODOMETER
 };
 
-/** @return the key of all that one sensor draws at one time, for draw_bits */
+/** @return the key of all numbers that one sensor draws in one step, for draw_bits */
 uint64_t draw_key(uint64_t seed, uint64_t robot, enum draw_use use, uint64_t tick);
 
-/** @return 64 bits that have nothing in common with those of another key or index */
+/** @return 64 bits, independent of those of any other key or index */
 uint64_t draw_bits(uint64_t key, uint64_t index);
 
-/** @return evenly spread in (0, 1), both ends excluded */
+/** @return a number evenly distributed in (0, 1), without both ends */
 double draw_unit(uint64_t bits);
 
-/** @return a normal deviate, mean 0 and standard deviation 1 */
+/** @return a normal deviate with mean 0 and standard deviation 1 */
 double draw_normal(uint64_t bits);
 
 #endif

@@ -6,21 +6,18 @@
 
 #include <string.h>
 
-/* Measured with 1, 1.3, 1.6 and 2: longer rays like larger cells, rays of 5 m smaller ones. */
+/*
+ * Measured with 1, 1.3, 1.6 and 2 m: larger cells suit longer rays, smaller cells suit rays of 5 m.
+ */
 #define GRID_CELL_M   1.5
-#define GRID_MARGIN_M 1.0  /* around the world */
-#define GRID_SLACK    1e-7 /* cells count as a little larger: rounding must leave no gap */
+#define GRID_MARGIN_M 1.0  /* around the standing solids */
+#define GRID_SLACK    1e-7 /* cells count as slightly larger, so that rounding leaves no gap */
 
-/* The cells of the upright box around something. */
+/* The cells of an upright box. */
 struct grid_span {
     int x0, x1, y0, y1;
-    bool inside; /* wholly on the grid; else the nearest cells */
+    bool inside; /* wholly on the grid; otherwise these are the nearest cells */
 };
-
-static int grid_clamp(double cell, int count)
-{
-    return !(cell >= 0) ? 0 : cell >= count ? count - 1 : (int)cell; /* a NaN too finds a cell */
-}
 
 static struct grid_span grid_span_at(const struct grid *grid, const struct solid *solid, double ex,
                                      double ey)
@@ -44,7 +41,7 @@ static struct grid_span grid_span(const struct grid *grid, const struct solid *s
     return grid_span_at(grid, solid, ex, ey);
 }
 
-/* Whether a solid may reach into a cell; never no when it does. */
+/* @return whether a solid may reach into a cell; a cell that it reaches is never refused */
 static bool grid_touches(const struct grid *grid, const struct solid *solid, int i, int j)
 {
     double half = grid->cell_m / 2 * (1 + GRID_SLACK);
@@ -61,7 +58,7 @@ static bool grid_touches(const struct grid *grid, const struct solid *solid, int
     return fabs(lx) <= solid->half_x + reach && fabs(ly) <= solid->half_y + reach;
 }
 
-/* Notes in which cells a solid lies.  @return how many parts there are then */
+/* Notes the cells of a solid.  @return the number of parts so far */
 static uint32_t grid_part(const struct grid *grid, struct grid_layer *layer, uint32_t solid,
                           uint32_t count)
 {
@@ -73,7 +70,10 @@ static uint32_t grid_part(const struct grid *grid, struct grid_layer *layer, uin
         layer->outside[layer->outside_count++] = solid;
         return count;
     }
-    /* In a single row or column it reaches every cell; else it may miss those at the corners. */
+    /*
+     * In a single row or column a solid reaches every cell; in a larger span it may miss the
+     * corners.
+     */
     bool all = span.x0 == span.x1 || span.y0 == span.y1;
     for (int j = span.y0; j <= span.y1; j++) {
         for (int i = span.x0; i <= span.x1; i++) {
@@ -133,7 +133,7 @@ static void grid_measure(struct grid *grid, const struct solid *solids, size_t c
     grid->ny = (int)ceil(height * grid->per_m);
 }
 
-/* How many cells a solid can lie in, however it stands. */
+/* @return the most cells that a solid can lie in, at any pose */
 static uint32_t grid_cells_of(const struct grid *grid, const struct solid *solid)
 {
     double side = floor(2 * solid->reach * grid->per_m + GRID_SLACK) + 2;
@@ -165,7 +165,7 @@ void grid_init(struct grid *grid, const struct solid *still, size_t still_count,
                const struct solid *moving, size_t moving_count)
 {
     *grid = (struct grid){0};
-    bool open = still_count == 0; /* nothing stands: lay it over what moves */
+    bool open = still_count == 0; /* nothing stands: lay the grid over the moving solids */
     grid_measure(grid, open ? moving : still, open ? moving_count : still_count);
     grid->cursor = mu_startup_array((size_t)grid->nx * (size_t)grid->ny, sizeof *grid->cursor);
     grid_layer_init(grid, &grid->still, still, still_count);
@@ -178,8 +178,9 @@ void grid_update(struct grid *grid)
     grid_build(grid, &grid->moving);
 }
 
-/* A ray on its way: what it has met so far, and how far off.  Passed by value: it stays in
- * registers. */
+/*
+ * A ray in flight: the nearest hit so far, and its distance.  Passed by value to stay in registers.
+ */
 struct grid_flight {
     double from[2], along[2];
     double best_m;
@@ -221,7 +222,7 @@ static inline struct grid_flight grid_try_cell(struct grid_flight flight,
                          layer->start[cell + 1] - first);
 }
 
-/* Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
+/* J. Amanatides and A. Woo, "A fast voxel traversal algorithm for ray tracing", 1987. */
 static inline struct grid_flight grid_walk(struct grid_flight flight, const struct grid *grid,
                                            struct grid_eye eye)
 {
@@ -268,7 +269,7 @@ static inline struct grid_flight grid_fly(struct grid_flight flight, const struc
     const struct grid_layer *moving = &grid->moving;
     double gx = (flight.from[0] - grid->x0) * grid->per_m;
     double gy = (flight.from[1] - grid->y0) * grid->per_m;
-    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: out in the open */
+    if (!(gx >= 0 && gy >= 0 && gx < grid->nx && gy < grid->ny)) { /* rare: outside the grid */
         flight = grid_try_some(flight, &grid->still, eye, NULL, grid->still.count);
         return grid_try_some(flight, moving, eye, NULL, moving->count);
     }
@@ -285,7 +286,7 @@ double grid_find(const struct grid *grid, struct grid_eye eye, const double from
     return flight.best_m;
 }
 
-/* The compiler sees that nobody asks for the hit, and leaves that out. */
+/* The compiler sees that the hit is not used, and removes its computation. */
 double grid_ray(const struct grid *grid, int self, const double from[2], const double along[2],
                 double range_m)
 {
@@ -304,7 +305,7 @@ static size_t grid_meet(struct grid *grid, struct grid_layer *layer, uint32_t k,
     return count + 1;
 }
 
-/* Of the moving ones, those with the number least and higher. */
+/* Lists the solids of a cell; of the moving solids, those from number `least` on. */
 static void grid_meet_cell(struct grid *grid, uint32_t least, int cell, struct grid_near *near)
 {
     struct grid_layer *still = &grid->still;

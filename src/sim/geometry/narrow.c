@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/geometry/geometry.h"
 
-/* An axis must separate this much better than an earlier one, so that ties do not flicker. */
+/*
+ * An axis replaces an earlier one only if it is better by this much, so that ties do not flicker.
+ */
 #define NARROW_TIE_M 1e-9
 
 struct narrow_axis {
-    double x, y;  /* from b to a */
-    double depth; /* the overlap along it */
-    bool of_b;    /* a side of b, not of a */
-    bool second;  /* the side's normal is the box's y axis */
+    double x, y;  /* unit vector from b to a */
+    double depth; /* overlap along the axis */
+    bool of_b;    /* it is a side of b, not of a */
+    bool second;  /* the normal of the side is the box's y axis */
 };
 
 static double narrow_reach(const struct solid *box, double ux, double uy)
@@ -17,7 +19,7 @@ static double narrow_reach(const struct solid *box, double ux, double uy)
            box->half_y * fabs(box->c * uy - box->s * ux);
 }
 
-/* The separating axis theorem for two boxes.  @return false when an axis separates them */
+/* The separating axis theorem for two boxes.  @return false if an axis separates them */
 static bool narrow_find_axis(const struct solid *a, const struct solid *b, struct narrow_axis *best)
 {
     const struct solid *boxes[2] = {a, b};
@@ -41,7 +43,7 @@ static bool narrow_find_axis(const struct solid *a, const struct solid *b, struc
     return true;
 }
 
-/* The side of a box that faces against a direction: its two ends, in the world. */
+/* Writes both ends, in the world, of the side of a box that faces against a direction. */
 static void narrow_facing_side(const struct solid *box, double rx, double ry, double x[2],
                                double y[2])
 {
@@ -57,7 +59,7 @@ static void narrow_facing_side(const struct solid *box, double rx, double ry, do
     }
 }
 
-/* Clips the incident side of one box against the reference side of the other. */
+/* Clips the incident side of one box against the reference side of the other box. */
 static void narrow_boxes(const struct solid *a, const struct solid *b,
                          struct narrow_contact *contact)
 {
@@ -68,7 +70,7 @@ static void narrow_boxes(const struct solid *a, const struct solid *b,
     contact->normal_x = axis.x;
     contact->normal_y = axis.y;
     const struct solid *reference = axis.of_b ? b : a;
-    double rx = axis.of_b ? axis.x : -axis.x; /* out of the reference side */
+    double rx = axis.of_b ? axis.x : -axis.x; /* points out of the reference side */
     double ry = axis.of_b ? axis.y : -axis.y;
     double half_side = axis.second ? reference->half_x : reference->half_y;
     double half_deep = axis.second ? reference->half_y : reference->half_x;
@@ -105,7 +107,7 @@ static double narrow_clip(double value, double half)
     return value < -half ? -half : value > half ? half : value;
 }
 
-/* Box a, disc b: the box's point that is nearest to the disc's middle. */
+/* Box a, disc b: finds the point of the box nearest to the middle of the disc. */
 static void narrow_box_disc(const struct solid *a, const struct solid *b,
                             struct narrow_contact *contact)
 {
@@ -125,7 +127,7 @@ static void narrow_box_disc(const struct solid *a, const struct solid *b,
     if (apart > 1e-9) {
         nx /= apart;
         ny /= apart;
-    } else { /* the middle lies in the box: out through the nearest side */
+    } else { /* the middle lies inside the box: leave through the nearest side */
         double px = a->half_x - fabs(lx);
         double py = a->half_y - fabs(ly);
         bool by_x = px < py;

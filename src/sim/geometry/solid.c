@@ -33,7 +33,7 @@ struct solid solid_of_shape(const struct world_shape *shape)
     struct solid solid = shape->kind == WORLD_DISC
                              ? solid_disc(shape->pose.x_m, shape->pose.y_m, shape->radius_m)
                              : solid_box(shape->pose, shape->half_x_m, shape->half_y_m);
-    solid.c = cos(shape->pose.heading_rad); /* a disc, too, may bear a number that has a heading */
+    solid.c = cos(shape->pose.heading_rad); /* a disc may bear a number, which has a heading */
     solid.s = sin(shape->pose.heading_rad);
     solid_look(&solid, &shape->look);
     return solid;
@@ -68,7 +68,8 @@ void solid_normal(const struct solid *solid, const double at[2], double normal[2
     }
     double lx = solid->c * fx + solid->s * fy;
     double ly = solid->c * fy - solid->s * fx;
-    bool end = fabs(lx) - solid->half_x > fabs(ly) - solid->half_y; /* it lies on the nearer side */
+    bool end =
+        fabs(lx) - solid->half_x > fabs(ly) - solid->half_y; /* the point lies on the nearer side */
     double nx = !end ? 0 : lx < 0 ? -1 : 1;
     double ny = end ? 0 : ly < 0 ? -1 : 1;
     normal[0] = solid->c * nx - solid->s * ny;

@@ -41,11 +41,6 @@ static void gather_put(struct gather_solids *to, size_t at, const struct solid *
     to->owner[at] = solid->owner;
 }
 
-static int gather_clamp(double tile, int count)
-{
-    return !(tile >= 0) ? 0 : tile >= count ? count - 1 : (int)tile; /* a NaN too finds a tile */
-}
-
 static struct gather_tier *gather_tier_of(struct gather *g, const struct solid *solid)
 {
     size_t k = 0;
@@ -59,8 +54,8 @@ static uint32_t gather_tile_of(struct gather *g, const struct solid *solid)
 {
     struct gather_tier *tier = gather_tier_of(g, solid);
     tier->used = true;
-    int i = gather_clamp((solid->x - g->x0) * tier->per_m, tier->nx);
-    int j = gather_clamp((solid->y - g->y0) * tier->per_m, tier->ny);
+    int i = grid_clamp((solid->x - g->x0) * tier->per_m, tier->nx);
+    int j = grid_clamp((solid->y - g->y0) * tier->per_m, tier->ny);
     return (uint32_t)(tier->first + (size_t)j * (size_t)tier->nx + (size_t)i);
 }
 
@@ -238,8 +233,8 @@ static void gather_row(struct gather_search *search, const struct gather_tier *t
     double square = reach * reach - apart * apart;
     double half = tier->ny == 1 ? reach : sqrt(square > 0 ? square : 0);
     double x = search->circle->x - g->x0;
-    int left = gather_clamp((x - half) * tier->per_m, tier->nx);
-    int right = gather_clamp((x + half) * tier->per_m, tier->nx);
+    int left = grid_clamp((x - half) * tier->per_m, tier->nx);
+    int right = grid_clamp((x + half) * tier->per_m, tier->nx);
     size_t first = tier->first + (size_t)row * (size_t)tier->nx;
     gather_tiles(search, &g->still, first + (size_t)left, first + (size_t)right);
     gather_tiles(search, &g->moving, first + (size_t)left, first + (size_t)right);
@@ -256,8 +251,8 @@ static void gather_search(struct gather_search *search)
             /* Rounding must leave no gap. */
             double reach = last ? 0 : circle->reach_m + tier->tile_m / 2 + 1e-6;
             double y = circle->y - g->y0;
-            int row = gather_clamp((y - reach) * tier->per_m, tier->ny);
-            int row_last = gather_clamp((y + reach) * tier->per_m, tier->ny);
+            int row = grid_clamp((y - reach) * tier->per_m, tier->ny);
+            int row_last = grid_clamp((y + reach) * tier->per_m, tier->ny);
             for (; row <= row_last; row++) {
                 gather_row(search, tier, row, reach);
             }
