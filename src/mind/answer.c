@@ -26,10 +26,10 @@ static struct deffunctionStruct *answer_function(const struct mind *m, const cha
 static bool answer_write(struct mind *m, DATA_OBJECT *value, struct mu_text *out)
 {
     if (value->type == MULTIFIELD) {
-        return clips_post_content(m->env, "answer", value, out);
+        return send_content(m->env, "answer", value, out);
     }
     bool passes = value->type == SYMBOL && value->value == EnvFalseSymbol(m->env);
-    return !passes && clips_post_field(out, value->type, value->value);
+    return !passes && send_field(out, value->type, value->value);
 }
 
 bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out)
@@ -135,7 +135,7 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
 
 bool mind_handle(struct mind *m, const struct mind_mail *mail)
 {
-    struct clips_handler chain[CLIPS_HANDLERS_MAX]; /* a handler may add others */
+    struct layers_handler chain[LAYERS_HANDLERS_MAX]; /* a handler may add others */
     size_t count = m->handler_count;
     bool list, taken = false;
     if (!mind_has_layer(m, layer_of(mail)) || CLIPS_BROKEN(m)) {

@@ -29,28 +29,28 @@ enum {
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
-    CLIPS_FILE_MAX = 1 << 20,       /* bytes of a rule file */
-    CLIPS_FILES_DEEP_MAX = 16,      /* files that extend each other */
+    LOAD_FILE_MAX = 1 << 20,        /* bytes of a rule file */
+    LOAD_DEEP_MAX = 16,             /* files that extend each other */
     CLIPS_SAID_MAX = 2048,          /* bytes kept of an error */
-    CLIPS_FIRED_MAX = 8192,         /* bytes of names of the rules fired in a step */
-    CLIPS_MESSAGE_STEPS = 50,       /* a message fact that is so old goes */
-    CLIPS_MESSAGES_MAX = 1024,      /* message facts; beyond, the oldest goes */
-    CLIPS_MAILS_MAX = 1024,         /* mail facts; beyond, mail is refused */
-    CLIPS_PARKED_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
-    CLIPS_PARKED_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
+    STEP_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
+    MESSAGES_STEPS = 50,            /* a message fact that is so old goes */
+    MESSAGES_MAX = 1024,            /* message facts; beyond, the oldest goes */
+    MAILBOX_MAX = 1024,             /* mail facts; beyond, mail is refused */
+    MAIL_RING_MAX = 1024,           /* mails for (getmsg) that have no mail fact */
+    MAIL_RING_BYTES = 256 << 10,    /* of their contents, each with a zero at its end */
     CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
-    CLIPS_HANDLERS_MAX = 32,        /* handlers of layers, in all of them together */
+    LAYERS_HANDLERS_MAX = 32,       /* handlers of layers, in all of them together */
     CLIPS_DIARY_MAX = 16384,        /* bytes of what went on in a step, for recordings */
     CLIPS_DIARY_AGENDA = 32,        /* activations in it */
     CLIPS_DIARY_LINE = 1024,        /* bytes of a person's line in it */
-    CLIPS_REFUSED_MAX = 64          /* facts of refused changes; beyond, the oldest goes */
+    EVENTS_REFUSED_MAX = 64         /* facts of refused changes; beyond, the oldest goes */
 };
 
 /* Where what CLIPS prints goes. */
 enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
 
 /* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
-struct clips_message {
+struct message {
     struct fact *fact;
     SYMBOL_HN *from;
     unsigned short first_type; /* the first field, for "a later mail of the same first word" */
@@ -59,30 +59,30 @@ struct clips_message {
     uint16_t older, newer, chain;
 };
 
-enum { CLIPS_CHAINS = 256 };
+enum { MESSAGES_CHAINS = 256 };
 
-struct clips_messages {
-    struct clips_message at[CLIPS_MESSAGES_MAX + 1];
-    uint16_t chains[CLIPS_CHAINS];
+struct messages {
+    struct message at[MESSAGES_MAX + 1];
+    uint16_t chains[MESSAGES_CHAINS];
     uint16_t oldest, newest, free;
 };
 
 /* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
-struct clips_parked_mail {
+struct mail_ring_entry {
     uint64_t id;
     SYMBOL_HN *from;
     uint32_t at, bytes; /* of its content */
     bool clips;         /* the content is a list of fields */
 };
 
-struct clips_parked {
-    struct clips_parked_mail mails[CLIPS_PARKED_MAX];
-    char bytes[CLIPS_PARKED_BYTES];
+struct mail_ring {
+    struct mail_ring_entry mails[MAIL_RING_MAX];
+    char bytes[MAIL_RING_BYTES];
     uint32_t first, count;
 };
 
 /* A deffunction that is the handler of a layer. */
-struct clips_handler {
+struct layers_handler {
     uint32_t layer;
     SYMBOL_HN *function;
 };
@@ -151,26 +151,26 @@ struct mind {
     long long ring_number; /* that it would bear */
 
     /* mail */
-    struct clips_messages *messages;
-    struct fact *mails[CLIPS_MAILS_MAX]; /* mail facts; rules may have retracted some */
+    struct messages *messages;
+    struct fact *mails[MAILBOX_MAX]; /* mail facts; rules may have retracted some */
     size_t mail_count;
-    struct clips_parked *parked;
+    struct mail_ring *parked;
     bool rules_getmsg; /* a construct calls (getmsg) */
     bool rules_speak;  /* one that is not of the library sends mail, or may */
 
-    struct clips_handler handlers[CLIPS_HANDLERS_MAX]; /* the youngest last */
+    struct layers_handler handlers[LAYERS_HANDLERS_MAX]; /* the youngest last */
     size_t handler_count;
     const struct mind_mail *handled; /* by a handler that runs, or NULL */
 
     /* the agent's life */
     bool pending[MU_EVENTS]; /* become facts in the next step */
     struct fact *events[MU_EVENTS];
-    struct fact *refused[CLIPS_REFUSED_MAX]; /* a ring */
+    struct fact *refused[EVENTS_REFUSED_MAX]; /* a ring */
     size_t refused_next;
 
     /* what the rules do in this step */
     struct mind_act act;
-    char fired_bytes[CLIPS_FIRED_MAX];
+    char fired_bytes[STEP_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
     bool firing, sense_again;
@@ -221,7 +221,7 @@ struct mind {
     char *text; /* a stack of the files being read */
     size_t text_used;
     char *form; /* one form, rewritten */
-    const char *files[CLIPS_FILES_DEEP_MAX];
+    const char *files[LOAD_DEEP_MAX];
     size_t files_deep;
     long error_line;
     struct clips_places *places; /* of what was loaded */
@@ -313,7 +313,7 @@ bool clips_meter_begin(struct mind *m, struct clips_meter *meter);
 void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *value);
 
 /* clips_override.c */
-void clips_override_install(struct mind *m);
+void builtins_install(struct mind *m);
 
 /* clips_format.c */
 void *clips_format_call(void *env);
@@ -321,17 +321,17 @@ void *clips_format_call(void *env);
 /* load.c */
 
 /** Loads one form after the other; what a file extends comes first. */
-mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault);
+mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault);
 mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_fault *fault);
 
 /** What was loaded begins: initial facts, first values. */
 mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault);
-void clips_load_reserve(struct mind *m);
-void clips_load_install(struct mind *m);
+void load_reserve(struct mind *m);
+void load_install(struct mind *m);
 
 /** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
-MU_MUST_USE mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
-                                           struct mu_fault *fault);
+MU_MUST_USE mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+                                     struct mu_fault *fault);
 
 /* clips_place.c */
 void clips_place_reserve(struct mind *m);
@@ -361,10 +361,10 @@ void clips_failure_clear(struct mind *m);
 /* clips_control.c */
 
 /** @return whether the rule that fires next has a breakpoint */
-bool clips_control_breaks(struct mind *m);
+bool lifecycle_breaks(struct mind *m);
 
 /** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
-bool clips_control_stops(struct mind *m);
+bool lifecycle_stops(struct mind *m);
 
 /* clips_diary.c: each is nothing unless the options want a diary */
 
@@ -397,7 +397,7 @@ void clips_diary_agenda(struct mind *m);
  *
  * @return MU_OK; MU_ABSENT: there is none that takes four arguments; MU_FULL
  */
-MU_MUST_USE mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function);
+MU_MUST_USE mu_result layers_add(struct mind *m, uint32_t layer, const char *function);
 
 /** @return the deffunction of that name if it can be called as a handler, or NULL */
 struct deffunctionStruct *layers_function(const struct mind *m, const char *name);
@@ -405,9 +405,9 @@ struct deffunctionStruct *layers_function(const struct mind *m, const char *name
 enum { LAYERS_ARGUMENTS = 4 }; /* of a handler: id, from, performative, content */
 
 /* clips_functions.c */
-void clips_functions_install(struct mind *m);
+void functions_install(struct mind *m);
 
 /* clips_findall.c */
-struct expr *clips_findall_parse(void *env, struct expr *top, const char *source);
+struct expr *query_parse(void *env, struct expr *top, const char *source);
 
 #endif

@@ -15,9 +15,9 @@ static void env_install(struct mind *m)
     environment_install(m);
     percept_install(m);
     clips_guard_install(m);
-    clips_override_install(m);
-    clips_functions_install(m);
-    clips_load_install(m);
+    builtins_install(m);
+    functions_install(m);
+    load_install(m);
     step_install(m);
     clips_diary_install(m);
     clips_meter_install(m);
@@ -30,7 +30,7 @@ static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
     }
     char path[MU_FAULT_FILE_MAX + 1];
     snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
-    mu_result loaded = clips_load_file(m, path, fault);
+    mu_result loaded = load_file(m, path, fault);
     m->rules_speak = false;
     return loaded;
 }
@@ -39,7 +39,7 @@ struct mind *mind_reserve(void)
 {
     struct mind *m = mu_startup_alloc(sizeof *m);
     m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
-    clips_load_reserve(m);
+    load_reserve(m);
     mailbox_reserve(m);
     return m;
 }
@@ -173,7 +173,7 @@ mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
         return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     clips_failure_clear(m);
-    MU_TRY(clips_load_file(m, path, fault));
+    MU_TRY(load_file(m, path, fault));
     return load_begin(m, path, fault);
 }
 

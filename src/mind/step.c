@@ -42,7 +42,7 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
     while (m->act.firings < budget) {
         bool failed;
-        if (clips_control_stops(m)) {
+        if (lifecycle_stops(m)) {
             m->act.why = m->stands;
             return MIND_BREAK;
         }
@@ -56,7 +56,7 @@ static enum mind_end fire_loop(struct mind *m, uint32_t budget)
         if (m->sense_again || m->travel.kind != MIND_STAYS) {
             return MIND_SENSE_AGAIN;
         }
-        bool idle = !failed && m->act.firings < budget && !clips_control_breaks(m);
+        bool idle = !failed && m->act.firings < budget && !lifecycle_breaks(m);
         if (fired == 0 || idle) {
             return MIND_IDLE;
         }

@@ -91,5 +91,5 @@ void events_refuse(struct mind *m, const char *change, const char *reason)
         words[count++] = reason;
     }
     event_fact(m, words, count, &m->refused[m->refused_next]);
-    m->refused_next = (m->refused_next + 1) % CLIPS_REFUSED_MAX;
+    m->refused_next = (m->refused_next + 1) % EVENTS_REFUSED_MAX;
 }

@@ -73,7 +73,7 @@ void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifiel
  *
  * @return false: there is no room
  */
-bool messages_enter(struct mind *m, const struct clips_message *entry);
+bool messages_enter(struct mind *m, const struct message *entry);
 
 /** The message fact of a mail goes, if it still stands. */
 void messages_forget(struct mind *m, uint64_t id);
@@ -107,7 +107,7 @@ void mail_ring_install(struct mind *m);
 mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips);
 
 /** @return the oldest, or NULL; it and its content stay until it is dropped */
-const struct clips_parked_mail *mail_ring_first(const struct mind *m, const char **content);
+const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char **content);
 
 void mail_ring_drop(struct mind *m);
 

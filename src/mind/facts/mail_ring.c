@@ -18,32 +18,32 @@ void mail_ring_install(struct mind *m)
     m->parked->first = m->parked->count = 0;
 }
 
-static struct clips_parked_mail *parked_at(struct clips_parked *p, uint32_t index)
+static struct mail_ring_entry *parked_at(struct mail_ring *p, uint32_t index)
 {
-    return &p->mails[(p->first + index) % CLIPS_PARKED_MAX];
+    return &p->mails[(p->first + index) % MAIL_RING_MAX];
 }
 
 /* Where so many bytes fit in one piece behind the last content.  @return false: nowhere */
-static bool parked_place(struct clips_parked *p, uint32_t bytes, uint32_t *at)
+static bool parked_place(struct mail_ring *p, uint32_t bytes, uint32_t *at)
 {
     *at = 0;
-    if (p->count == 0 || p->count == CLIPS_PARKED_MAX) {
+    if (p->count == 0 || p->count == MAIL_RING_MAX) {
         return p->count == 0;
     }
     uint32_t start = parked_at(p, 0)->at;
-    const struct clips_parked_mail *last = parked_at(p, p->count - 1);
+    const struct mail_ring_entry *last = parked_at(p, p->count - 1);
     uint32_t end = last->at + last->bytes;
     if (last->at < start) { /* the ring has turned round: the room is between them */
         *at = end;
         return start - end >= bytes;
     }
-    *at = CLIPS_PARKED_BYTES - end >= bytes ? end : 0;
+    *at = MAIL_RING_BYTES - end >= bytes ? end : 0;
     return *at == end || start >= bytes;
 }
 
 mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips)
 {
-    struct clips_parked *p = m->parked;
+    struct mail_ring *p = m->parked;
     uint32_t len = (uint32_t)strnlen(mail->content, MU_CONTENT_MAX);
     uint32_t at;
     while (!parked_place(p, len + 1, &at)) {
@@ -52,31 +52,31 @@ mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips
         }
         mail_ring_drop(m);
     }
-    struct clips_parked_mail *to = parked_at(p, p->count++);
-    *to = (struct clips_parked_mail){.id = mail->id,
-                                     .at = at,
-                                     .bytes = len + 1,
-                                     .clips = clips,
-                                     .from = EnvAddSymbol(m->env, mail->src)};
+    struct mail_ring_entry *to = parked_at(p, p->count++);
+    *to = (struct mail_ring_entry){.id = mail->id,
+                                   .at = at,
+                                   .bytes = len + 1,
+                                   .clips = clips,
+                                   .from = EnvAddSymbol(m->env, mail->src)};
     IncrementSymbolCount(to->from);
     memcpy(p->bytes + at, mail->content, len);
     p->bytes[at + len] = '\0';
     return MU_OK;
 }
 
-const struct clips_parked_mail *mail_ring_first(const struct mind *m, const char **content)
+const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char **content)
 {
-    struct clips_parked *p = m->parked;
-    const struct clips_parked_mail *first = p->count > 0 ? parked_at(p, 0) : NULL;
+    struct mail_ring *p = m->parked;
+    const struct mail_ring_entry *first = p->count > 0 ? parked_at(p, 0) : NULL;
     *content = first ? p->bytes + first->at : "";
     return first;
 }
 
 void mail_ring_drop(struct mind *m)
 {
-    struct clips_parked *p = m->parked;
+    struct mail_ring *p = m->parked;
     MU_ASSERT(p->count > 0);
     DecrementSymbolCount(m->env, p->mails[p->first].from);
-    p->first = (p->first + 1) % CLIPS_PARKED_MAX;
+    p->first = (p->first + 1) % MAIL_RING_MAX;
     p->count--;
 }

@@ -98,18 +98,18 @@ static bool mail_is_looked_at(const struct mind *m)
 /* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
 static bool mail_make_room(struct mind *m)
 {
-    if (m->mail_count < CLIPS_MAILS_MAX) {
+    if (m->mail_count < MAILBOX_MAX) {
         return true;
     }
     m->mail_count = 0;
-    for (size_t i = 0; i < CLIPS_MAILS_MAX; i++) {
+    for (size_t i = 0; i < MAILBOX_MAX; i++) {
         if (EnvFactExistp(m->env, m->mails[i])) {
             m->mails[m->mail_count++] = m->mails[i];
         } else {
             EnvDecrementFactCount(m->env, m->mails[i]);
         }
     }
-    return m->mail_count < CLIPS_MAILS_MAX;
+    return m->mail_count < MAILBOX_MAX;
 }
 
 static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
@@ -235,7 +235,7 @@ static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)
     EnvRetract(m->env, f);
 }
 
-static void getmsg_parked(struct mind *m, const struct clips_parked_mail *mail, const char *content,
+static void getmsg_parked(struct mind *m, const struct mail_ring_entry *mail, const char *content,
                           DATA_OBJECT *out)
 {
     struct field from = {.type = SYMBOL, .value = mail->from};
@@ -251,7 +251,7 @@ void mailbox_getmsg(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const char *content;
     struct fact *f = EnvGetNextFactInTemplate(env, m->mail, NULL);
-    const struct clips_parked_mail *parked = mail_ring_first(m, &content);
+    const struct mail_ring_entry *parked = mail_ring_first(m, &content);
     bool fact_first = f && (!parked || mail_number(f) < parked->id);
     EnvSetMultifieldErrorValue(env, out);
     if (fact_first) {

@@ -10,9 +10,9 @@ void messages_reserve(struct mind *m)
 
 void messages_install(struct mind *m)
 {
-    struct clips_messages *all = m->messages;
-    *all = (struct clips_messages){.free = 0};
-    for (uint16_t i = 1; i < CLIPS_MESSAGES_MAX; i++) {
+    struct messages *all = m->messages;
+    *all = (struct messages){.free = 0};
+    for (uint16_t i = 1; i < MESSAGES_MAX; i++) {
         all->at[i].newer = i + 1; /* the free ones are chained through newer */
     }
     all->free = 1;
@@ -20,12 +20,12 @@ void messages_install(struct mind *m)
 
 static size_t message_chain(const SYMBOL_HN *from, const void *first)
 {
-    return (((uintptr_t)from >> 4) * 31 + ((uintptr_t)first >> 4)) % CLIPS_CHAINS;
+    return (((uintptr_t)from >> 4) * 31 + ((uintptr_t)first >> 4)) % MESSAGES_CHAINS;
 }
 
-static void message_unchain(struct clips_messages *all, uint16_t index)
+static void message_unchain(struct messages *all, uint16_t index)
 {
-    struct clips_message *e = &all->at[index];
+    struct message *e = &all->at[index];
     uint16_t *link = &all->chains[message_chain(e->from, e->first)];
     while (*link != index) {
         link = &all->at[*link].chain;
@@ -37,22 +37,22 @@ static void message_unchain(struct clips_messages *all, uint16_t index)
 
 static void message_remove(struct mind *m, uint16_t index)
 {
-    struct clips_messages *all = m->messages;
-    struct clips_message *e = &all->at[index];
+    struct messages *all = m->messages;
+    struct message *e = &all->at[index];
     message_unchain(all, index);
     fact_retract(m, &e->fact);
     DecrementSymbolCount(m->env, e->from);
     if (e->first) {
         AtomDeinstall(m->env, e->first_type, e->first);
     }
-    *e = (struct clips_message){.newer = all->free};
+    *e = (struct message){.newer = all->free};
     all->free = index;
 }
 
 void messages_age(struct mind *m)
 {
-    struct clips_messages *all = m->messages;
-    while (all->oldest && m->step - all->at[all->oldest].step >= CLIPS_MESSAGE_STEPS) {
+    struct messages *all = m->messages;
+    while (all->oldest && m->step - all->at[all->oldest].step >= MESSAGES_STEPS) {
         clips_diary_cause(m, 'E', "age", "");
         message_remove(m, all->oldest);
     }
@@ -63,7 +63,7 @@ static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void 
 {
     uint16_t next;
     for (uint16_t i = m->messages->chains[message_chain(from, first)]; i; i = next) {
-        const struct clips_message *e = &m->messages->at[i];
+        const struct message *e = &m->messages->at[i];
         next = e->chain;
         if (e->from == from && e->first == first && e->step < m->step) {
             message_remove(m, i);
@@ -71,14 +71,14 @@ static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void 
     }
 }
 
-bool messages_enter(struct mind *m, const struct clips_message *entry)
+bool messages_enter(struct mind *m, const struct message *entry)
 {
-    struct clips_messages *all = m->messages;
+    struct messages *all = m->messages;
     uint16_t index = all->free;
     if (index == 0) {
         return false;
     }
-    struct clips_message *e = &all->at[index];
+    struct message *e = &all->at[index];
     all->free = e->newer;
     IncrementSymbolCount(entry->from);
     if (entry->first) {
@@ -97,9 +97,9 @@ bool messages_enter(struct mind *m, const struct clips_message *entry)
 
 void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
 {
-    struct clips_messages *all = m->messages;
+    struct messages *all = m->messages;
     bool some = fields->multifieldLength > 0;
-    struct clips_message e = {.from = from, .first_type = SYMBOL, .id = id, .step = m->step};
+    struct message e = {.from = from, .first_type = SYMBOL, .id = id, .step = m->step};
     if (some) {
         e.first = fields->theFields[0].value;
         e.first_type = fields->theFields[0].type;

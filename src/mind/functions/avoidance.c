@@ -76,7 +76,7 @@ static double way_lean(const double ring_mm[WAY_FRONT])
     return way_lean_deg_mm * (fmax(0, way_close_mm - right_mm) - fmax(0, way_close_mm - left_mm));
 }
 
-void clips_way_clear(void *env, DATA_OBJECT *out)
+void avoidance_clear_way(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     double arg[2] = {0, INFINITY};

@@ -12,22 +12,22 @@
 #include <string.h>
 
 /* Where the engine keeps the number of (gensym), which stands in miscfun.c. */
-enum { OVERRIDE_GENSYM_DATA = 9 };
+enum { BUILTIN_GENSYM_DATA = 9 };
 
-enum override { OVERRIDE_EVAL, OVERRIDE_BUILD, OVERRIDE_ASSERT, OVERRIDE_CHECK, OVERRIDE_COUNT };
+enum builtin { BUILTIN_EVAL, BUILTIN_BUILD, BUILTIN_ASSERT, BUILTIN_CHECK, BUILTIN_COUNT };
 
-static const char *const override_names[OVERRIDE_COUNT] = {"eval", "build", "assert-string",
-                                                           "check-syntax"};
+static const char *const builtin_names[BUILTIN_COUNT] = {"eval", "build", "assert-string",
+                                                         "check-syntax"};
 
 /* CLIPS's own functions, the same in every environment. */
-static void (*override_send)(void *env, DATA_OBJECT *out);
-static int (*override_calls[OVERRIDE_COUNT])(void *env);
-static char override_returns[OVERRIDE_COUNT];
-static void (*override_print_facts)(void *env);
-static void (*override_list_facts)(void *env, DATA_OBJECT *out);
+static void (*builtin_send)(void *env, DATA_OBJECT *out);
+static int (*builtin_calls[BUILTIN_COUNT])(void *env);
+static char builtin_returns[BUILTIN_COUNT];
+static void (*builtin_print_facts)(void *env);
+static void (*builtin_list_facts)(void *env, DATA_OBJECT *out);
 
 /* Calls CLIPS's function as if its first argument had been this value. */
-static struct expr override_enter(void *env, struct expr *first, const DATA_OBJECT *value)
+static struct expr builtin_enter(void *env, struct expr *first, const DATA_OBJECT *value)
 {
     struct expr call = *EvaluationData(env)->CurrentExpression;
     *first =
@@ -36,7 +36,7 @@ static struct expr override_enter(void *env, struct expr *first, const DATA_OBJE
     return call;
 }
 
-void clips_override_send(void *env, DATA_OBJECT *out)
+void builtins_send(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT first;
     clips_value_bool(env, out, false);
@@ -54,20 +54,20 @@ void clips_override_send(void *env, DATA_OBJECT *out)
     }
     struct expr value;
     struct expr *before = EvaluationData(env)->CurrentExpression;
-    struct expr call = override_enter(env, &value, &first);
+    struct expr call = builtin_enter(env, &value, &first);
     if (first.type == MULTIFIELD) { /* a constant of that type is such an object */
         value.value = &first;
     }
     EvaluationData(env)->CurrentExpression = &call;
-    (instance ? override_send : clips_post_send)(env, out);
+    (instance ? builtin_send : send_agent)(env, out);
     EvaluationData(env)->CurrentExpression = before;
 }
 
 /* CLIPS's functions return in the way of their return code. */
-static void override_result(void *env, enum override which, DATA_OBJECT *out)
+static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 {
-    int (*call)(void *) = override_calls[which];
-    if (override_returns[which] == 'b') {
+    int (*call)(void *) = builtin_calls[which];
+    if (builtin_returns[which] == 'b') {
         clips_value_bool(env, out, call(env));
     } else {
         void (*fill)(void *, DATA_OBJECT *) = (void (*)(void *, DATA_OBJECT *))(void (*)(void))call;
@@ -75,14 +75,14 @@ static void override_result(void *env, enum override which, DATA_OBJECT *out)
     }
 }
 
-static void override_parse(void *env, enum override which, DATA_OBJECT *out)
+static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
 {
     percept_show(environment_mind(env));   /* what is built now may have a pattern of it */
     static char bytes[2 * CLIPS_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
     clips_value_bool(env, out, false);
-    if (!clips_value_word(env, override_names[which], 1, &text)) {
+    if (!clips_value_word(env, builtin_names[which], 1, &text)) {
         return;
     }
     const char *wrong =
@@ -92,7 +92,7 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
         struct mu_text t;
         mu_text_init(&t, wanted, sizeof wanted);
         mu_text_format(&t, "a text that can be parsed, not one with %s", wrong);
-        clips_value_refuse(env, override_names[which], wanted);
+        clips_value_refuse(env, builtin_names[which], wanted);
         return;
     }
     clips_place_note(environment_mind(env), text, NULL, 0);
@@ -101,34 +101,34 @@ static void override_parse(void *env, enum override which, DATA_OBJECT *out)
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};
     struct expr value;
     struct expr *before = EvaluationData(env)->CurrentExpression;
-    struct expr call = override_enter(env, &value, &given);
+    struct expr call = builtin_enter(env, &value, &given);
     EvaluationData(env)->CurrentExpression = &call;
-    override_result(env, which, out);
+    builtin_result(env, which, out);
     EvaluationData(env)->CurrentExpression = before;
 }
 
-static void override_eval(void *env, DATA_OBJECT *out)
+static void builtin_eval(void *env, DATA_OBJECT *out)
 {
-    override_parse(env, OVERRIDE_EVAL, out);
+    builtin_parse(env, BUILTIN_EVAL, out);
 }
 
-static void override_build(void *env, DATA_OBJECT *out)
+static void builtin_build(void *env, DATA_OBJECT *out)
 {
-    override_parse(env, OVERRIDE_BUILD, out);
+    builtin_parse(env, BUILTIN_BUILD, out);
 }
 
-static void override_assert(void *env, DATA_OBJECT *out)
+static void builtin_assert(void *env, DATA_OBJECT *out)
 {
-    override_parse(env, OVERRIDE_ASSERT, out);
+    builtin_parse(env, BUILTIN_ASSERT, out);
 }
 
-static void override_check(void *env, DATA_OBJECT *out)
+static void builtin_check(void *env, DATA_OBJECT *out)
 {
-    override_parse(env, OVERRIDE_CHECK, out);
+    builtin_parse(env, BUILTIN_CHECK, out);
 }
 
 /* (set-strategy random) would draw from numbers that all environments of a process share. */
-static void override_strategy(void *env, DATA_OBJECT *out)
+static void builtin_strategy(void *env, DATA_OBJECT *out)
 {
     static const struct {
         const char *name;
@@ -160,7 +160,7 @@ static void override_strategy(void *env, DATA_OBJECT *out)
 }
 
 /* The engine compares at each place anew: 4 MB in 8 MB took it hours. */
-static void override_index(void *env, DATA_OBJECT *out)
+static void builtin_index(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT word, text;
     clips_value_bool(env, out, false);
@@ -178,10 +178,10 @@ static void override_index(void *env, DATA_OBJECT *out)
 }
 
 /* The next word that is not there yet; rules may have made a hundred thousand of them. */
-static void *override_gensym(void *env)
+static void *builtin_gensym(void *env)
 {
     char word[32];
-    long long *number = GetEnvironmentData(env, OVERRIDE_GENSYM_DATA);
+    long long *number = GetEnvironmentData(env, BUILTIN_GENSYM_DATA);
     do {
         snprintf(word, sizeof word, "gen%lld", (*number)++);
     } while (clips_guard_charge(environment_mind(env), CLIPS_UNITS_A_TICK) &&
@@ -190,20 +190,20 @@ static void *override_gensym(void *env)
 }
 
 /* Those look at all facts that there are. */
-static void override_facts(void *env)
+static void builtin_facts(void *env)
 {
     percept_show(environment_mind(env));
-    override_print_facts(env);
+    builtin_print_facts(env);
 }
 
-static void override_list(void *env, DATA_OBJECT *out)
+static void builtin_list(void *env, DATA_OBJECT *out)
 {
     percept_show(environment_mind(env));
-    override_list_facts(env, out);
+    builtin_list_facts(env, out);
 }
 
 /* Puts another function in the place of CLIPS's.  @return that */
-static void (*override_replace(void *env, const char *name, void (*call)(void)))(void)
+static void (*builtin_replace(void *env, const char *name, void (*call)(void)))(void)
 {
     struct FunctionDefinition *f = FindFunction(env, name);
     MU_ASSERT(f);
@@ -212,33 +212,33 @@ static void (*override_replace(void *env, const char *name, void (*call)(void)))
     return old;
 }
 
-static void override_define(void *env, const char *name, void (*call)(void *, DATA_OBJECT *),
-                            const char *arguments)
+static void builtin_define(void *env, const char *name, void (*call)(void *, DATA_OBJECT *),
+                           const char *arguments)
 {
     EnvDefineFunction2(env, name, 'u', (int (*)(void *))(void (*)(void))call, name, arguments);
 }
 
-void clips_override_install(struct mind *m)
+void builtins_install(struct mind *m)
 {
-    static void (*const calls[OVERRIDE_COUNT])(void *, DATA_OBJECT *) = {
-        override_eval, override_build, override_assert, override_check};
+    static void (*const calls[BUILTIN_COUNT])(void *, DATA_OBJECT *) = {
+        builtin_eval, builtin_build, builtin_assert, builtin_check};
     const struct FunctionDefinition *f = FindFunction(m->env, "send");
     MU_ASSERT(f);
-    override_send = (void (*)(void *, DATA_OBJECT *))(void (*)(void))f->functionPointer;
-    for (size_t i = 0; i < OVERRIDE_COUNT; i++) {
-        f = FindFunction(m->env, override_names[i]);
+    builtin_send = (void (*)(void *, DATA_OBJECT *))(void (*)(void))f->functionPointer;
+    for (size_t i = 0; i < BUILTIN_COUNT; i++) {
+        f = FindFunction(m->env, builtin_names[i]);
         MU_ASSERT(f);
-        override_calls[i] = (int (*)(void *))(void (*)(void))f->functionPointer;
-        override_returns[i] = f->returnValueType;
-        override_define(m->env, override_names[i], calls[i], "11k");
+        builtin_calls[i] = (int (*)(void *))(void (*)(void))f->functionPointer;
+        builtin_returns[i] = f->returnValueType;
+        builtin_define(m->env, builtin_names[i], calls[i], "11k");
     }
-    override_print_facts =
-        (void (*)(void *))override_replace(m->env, "facts", (void (*)(void))override_facts);
-    override_list_facts = (void (*)(void *, DATA_OBJECT *))override_replace(
-        m->env, "get-fact-list", (void (*)(void))override_list);
-    override_define(m->env, "str-assert", override_assert, "11k");
-    override_define(m->env, "str-index", override_index, "22j");
-    (void)override_replace(m->env, "gensym*", (void (*)(void))override_gensym);
-    (void)override_replace(m->env, "format", (void (*)(void))clips_format_call);
-    override_define(m->env, "set-strategy", override_strategy, "11w");
+    builtin_print_facts =
+        (void (*)(void *))builtin_replace(m->env, "facts", (void (*)(void))builtin_facts);
+    builtin_list_facts = (void (*)(void *, DATA_OBJECT *))builtin_replace(
+        m->env, "get-fact-list", (void (*)(void))builtin_list);
+    builtin_define(m->env, "str-assert", builtin_assert, "11k");
+    builtin_define(m->env, "str-index", builtin_index, "22j");
+    (void)builtin_replace(m->env, "gensym*", (void (*)(void))builtin_gensym);
+    (void)builtin_replace(m->env, "format", (void (*)(void))clips_format_call);
+    builtin_define(m->env, "set-strategy", builtin_strategy, "11w");
 }

@@ -41,22 +41,22 @@ static void group_change(void *env, const char *function, enum mind_change chang
     }
 }
 
-void clips_group_create(void *env, DATA_OBJECT *out)
+void directory_create(void *env, DATA_OBJECT *out)
 {
     group_change(env, "group-create", MIND_GROUP_CREATE, "a name for a group", out);
 }
 
-void clips_group_join(void *env, DATA_OBJECT *out)
+void directory_join(void *env, DATA_OBJECT *out)
 {
     group_change(env, "group-join", MIND_GROUP_JOIN, "the name of a group", out);
 }
 
-void clips_group_leave(void *env, DATA_OBJECT *out)
+void directory_leave(void *env, DATA_OBJECT *out)
 {
     group_change(env, "group-leave", MIND_GROUP_LEAVE, "the name of a group", out);
 }
 
-void clips_group_withdraw(void *env, DATA_OBJECT *out)
+void directory_withdraw(void *env, DATA_OBJECT *out)
 {
     group_change(env, "withdraw", MIND_WITHDRAW, "the name of a service", out);
 }
@@ -95,7 +95,7 @@ static bool attributes_read(void *env, struct mu_text *to)
     return good && !to->cut && mu_attributes_valid(to->at);
 }
 
-void clips_group_advertise(void *env, DATA_OBJECT *out)
+void directory_advertise(void *env, DATA_OBJECT *out)
 {
     char bytes[MU_ATTRIBUTES_MAX + 1];
     struct mu_text attributes;
@@ -131,12 +131,12 @@ static void list_answer(void *env, enum mind_list list, const char *of, DATA_OBJ
     clips_value_multifield(out, fields);
 }
 
-void clips_group_groups(void *env, DATA_OBJECT *out)
+void directory_groups(void *env, DATA_OBJECT *out)
 {
     list_answer(env, MIND_GROUPS, "", out);
 }
 
-void clips_group_members(void *env, DATA_OBJECT *out)
+void directory_members(void *env, DATA_OBJECT *out)
 {
     const char *group;
     EnvSetMultifieldErrorValue(env, out);
@@ -198,7 +198,7 @@ static void names_once(DATA_OBJECT *names)
     names->end = kept - 1;
 }
 
-void clips_group_find_service(void *env, DATA_OBJECT *out)
+void directory_find_service(void *env, DATA_OBJECT *out)
 {
     char query[MU_QUERY_MAX + 1];
     struct mu_text text;
@@ -219,12 +219,12 @@ void clips_group_find_service(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_social_my_name(void *env, DATA_OBJECT *out)
+void directory_my_name(void *env, DATA_OBJECT *out)
 {
     clips_value_symbol(env, out, environment_mind(env)->options.name);
 }
 
-void clips_social_lookup(void *env, DATA_OBJECT *out)
+void directory_lookup(void *env, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     struct mind_member member;
@@ -242,7 +242,7 @@ void clips_social_lookup(void *env, DATA_OBJECT *out)
     clips_value_multifield(out, fields);
 }
 
-void clips_social_listing(void *env, DATA_OBJECT *out)
+void directory_listing(void *env, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     struct mind_member member;
@@ -258,7 +258,7 @@ void clips_social_listing(void *env, DATA_OBJECT *out)
     clips_value_multifield(out, fields);
 }
 
-void clips_aside_list(void *env, DATA_OBJECT *out)
+void directory_aside(void *env, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     size_t count = 0;
@@ -273,7 +273,7 @@ void clips_aside_list(void *env, DATA_OBJECT *out)
     clips_value_multifield(out, fields);
 }
 
-void clips_aside_drop(void *env, DATA_OBJECT *out)
+void directory_drop_aside(void *env, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     long long number;

@@ -17,7 +17,7 @@ struct deffunctionStruct *layers_function(const struct mind *m, const char *name
     return fits ? f : NULL;
 }
 
-mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function)
+mu_result layers_add(struct mind *m, uint32_t layer, const char *function)
 {
     size_t place = 0;
     if (!layers_function(m, function)) {
@@ -28,7 +28,7 @@ mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function)
            (m->handlers[place].layer != layer || m->handlers[place].function != name)) {
         place++;
     }
-    if (place == CLIPS_HANDLERS_MAX) {
+    if (place == LAYERS_HANDLERS_MAX) {
         return MU_FULL;
     }
     if (place < m->handler_count) { /* it is there already, and becomes the youngest */
@@ -38,11 +38,11 @@ mu_result clips_layer_add(struct mind *m, uint32_t layer, const char *function)
     } else {
         IncrementSymbolCount(name);
     }
-    m->handlers[m->handler_count++] = (struct clips_handler){.layer = layer, .function = name};
+    m->handlers[m->handler_count++] = (struct layers_handler){.layer = layer, .function = name};
     return MU_OK;
 }
 
-void clips_layer_on(void *env, DATA_OBJECT *out)
+void layers_on(void *env, DATA_OBJECT *out)
 {
     long long layer;
     const char *function;
@@ -55,7 +55,7 @@ void clips_layer_on(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "on-layer", "a layer: a whole number from 1 on");
         return;
     }
-    mu_result r = clips_layer_add(environment_mind(env), (uint32_t)layer, function);
+    mu_result r = layers_add(environment_mind(env), (uint32_t)layer, function);
     if (r == MU_ABSENT) {
         clips_value_refuse(env, "on-layer",
                            "a deffunction that takes four arguments: id, from, performative, "

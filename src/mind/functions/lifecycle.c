@@ -40,7 +40,7 @@ static void control_step(void *env, DATA_OBJECT *out, const char *function)
 }
 
 /* (run) on a line asks the life cycle to go on: rules fire in steps only. */
-void clips_control_run(void *env, DATA_OBJECT *out)
+void lifecycle_run(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     if (EnvRtnArgCount(env) > 0) {
@@ -53,12 +53,12 @@ void clips_control_run(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_control_step(void *env, DATA_OBJECT *out)
+void lifecycle_step(void *env, DATA_OBJECT *out)
 {
     control_step(env, out, "step");
 }
 
-void clips_control_suspend(void *env, DATA_OBJECT *out)
+void lifecycle_suspend(void *env, DATA_OBJECT *out)
 {
     clips_value_bool(env, out, true);
     control_wish(environment_mind(env), MIND_WISH_SUSPEND, 0);
@@ -85,15 +85,15 @@ static struct activation *control_next(struct mind *m)
     return next;
 }
 
-bool clips_control_breaks(struct mind *m)
+bool lifecycle_breaks(struct mind *m)
 {
     struct activation *next = control_next(m);
     return next && next->theRule->afterBreakpoint;
 }
 
-bool clips_control_stops(struct mind *m)
+bool lifecycle_stops(struct mind *m)
 {
-    if (!clips_control_breaks(m)) {
+    if (!lifecycle_breaks(m)) {
         return false;
     }
     const char *rule = ValueToString(control_next(m)->theRule->header.name);
@@ -134,7 +134,7 @@ static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
     clips_value_bool(env, out, first);
 }
 
-void clips_mobility_move(void *env, DATA_OBJECT *out)
+void lifecycle_move(void *env, DATA_OBJECT *out)
 {
     struct mind_travel w = {.kind = MIND_MOVES};
     clips_value_bool(env, out, false);
@@ -143,7 +143,7 @@ void clips_mobility_move(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_mobility_clone(void *env, DATA_OBJECT *out)
+void lifecycle_clone(void *env, DATA_OBJECT *out)
 {
     struct mind_travel w = {.kind = MIND_CLONES};
     clips_value_bool(env, out, false);
@@ -155,12 +155,12 @@ void clips_mobility_clone(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_mobility_dispose(void *env, DATA_OBJECT *out)
+void lifecycle_dispose(void *env, DATA_OBJECT *out)
 {
     travel_set(env, (struct mind_travel){.kind = MIND_DISPOSES}, out);
 }
 
-void clips_failure_call(void *env, DATA_OBJECT *out)
+void lifecycle_failures(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     struct multifield *fields = EnvCreateMultifield(env, (long)(2 * m->failing_count));

@@ -52,42 +52,42 @@ static void math_call(void *env, const char *name, double (*function)(double), D
     clips_value_float(env, out, y);
 }
 
-void clips_math_sind(void *env, DATA_OBJECT *out)
+void math_sind(void *env, DATA_OBJECT *out)
 {
     math_call(env, "sind", math_sin, out);
 }
 
-void clips_math_cosd(void *env, DATA_OBJECT *out)
+void math_cosd(void *env, DATA_OBJECT *out)
 {
     math_call(env, "cosd", math_cos, out);
 }
 
-void clips_math_tand(void *env, DATA_OBJECT *out)
+void math_tand(void *env, DATA_OBJECT *out)
 {
     math_call(env, "tand", math_tan, out);
 }
 
-void clips_math_asind(void *env, DATA_OBJECT *out)
+void math_asind(void *env, DATA_OBJECT *out)
 {
     math_call(env, "asind", math_asin, out);
 }
 
-void clips_math_acosd(void *env, DATA_OBJECT *out)
+void math_acosd(void *env, DATA_OBJECT *out)
 {
     math_call(env, "acosd", math_acos, out);
 }
 
-void clips_math_atand(void *env, DATA_OBJECT *out)
+void math_atand(void *env, DATA_OBJECT *out)
 {
     math_call(env, "atand", math_atan, out);
 }
 
-void clips_math_norm_angle(void *env, DATA_OBJECT *out)
+void math_norm_angle(void *env, DATA_OBJECT *out)
 {
     math_call(env, "norm-angle", value_norm_deg, out);
 }
 
-void clips_math_atan2d(void *env, DATA_OBJECT *out)
+void math_atan2d(void *env, DATA_OBJECT *out)
 {
     double a[2];
     clips_value_float(env, out, 0);
@@ -96,7 +96,7 @@ void clips_math_atan2d(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_math_distance(void *env, DATA_OBJECT *out)
+void math_distance(void *env, DATA_OBJECT *out)
 {
     double a[4];
     clips_value_float(env, out, 0);
@@ -105,7 +105,7 @@ void clips_math_distance(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_math_bearing(void *env, DATA_OBJECT *out)
+void math_bearing(void *env, DATA_OBJECT *out)
 {
     double a[4];
     clips_value_float(env, out, 0);
@@ -115,7 +115,7 @@ void clips_math_bearing(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_math_clamp(void *env, DATA_OBJECT *out)
+void math_clamp(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT arg[3];
     double x[3];
@@ -140,12 +140,12 @@ void clips_math_clamp(void *env, DATA_OBJECT *out)
     }
 }
 
-void clips_math_now(void *env, DATA_OBJECT *out)
+void math_now(void *env, DATA_OBJECT *out)
 {
     clips_value_float(env, out, (double)environment_mind(env)->percept.time_ns * 1e-9);
 }
 
-void clips_math_random(void *env, DATA_OBJECT *out)
+void math_random(void *env, DATA_OBJECT *out)
 {
     long long lo = 0;
     long long hi = INT32_MAX;
@@ -166,7 +166,7 @@ void clips_math_random(void *env, DATA_OBJECT *out)
     clips_value_integer(env, out, mu_random_between(&environment_mind(env)->random, lo, hi));
 }
 
-void clips_math_seed(void *env, DATA_OBJECT *out)
+void math_seed(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     long long seed;
@@ -197,7 +197,7 @@ static bool math_whole(void *env, int index, long long *out)
     return true;
 }
 
-void clips_math_div(void *env, DATA_OBJECT *out)
+void math_div(void *env, DATA_OBJECT *out)
 {
     long long result;
     long long by;
@@ -219,7 +219,7 @@ void clips_math_div(void *env, DATA_OBJECT *out)
     clips_value_integer(env, out, result);
 }
 
-void clips_math_mod(void *env, DATA_OBJECT *out)
+void math_mod(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT arg[2];
     clips_value_integer(env, out, 0);

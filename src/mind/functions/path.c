@@ -8,12 +8,12 @@
 /* So many cells of the map cost as much as one turn of a loop. */
 enum { PLAN_CELLS_A_TICK = 8 };
 
-void clips_plan_has_map(void *env, DATA_OBJECT *out)
+void path_has_map(void *env, DATA_OBJECT *out)
 {
     clips_value_bool(env, out, environment_mind(env)->options.planner != NULL);
 }
 
-void clips_plan_call(void *env, DATA_OBJECT *out)
+void path_plan(void *env, DATA_OBJECT *out)
 {
     static struct path path; /* large, and of use only until the fields are made */
     struct mind *m = environment_mind(env);

@@ -13,24 +13,24 @@
 
 #include <string.h>
 
-enum { FINDALL_PARTS_MAX = 64 };
+enum { QUERY_PARTS_MAX = 64 };
 
-struct findall_parser {
+struct query_parser {
     void *env;
     const char *source;
     struct expr *top, *last;
-    char mask[FINDALL_PARTS_MAX + 1];
+    char mask[QUERY_PARTS_MAX + 1];
     size_t parts;
     bool in_slot;
 };
 
-static void findall_append(struct findall_parser *p, struct expr *value)
+static void query_append(struct query_parser *p, struct expr *value)
 {
     *(p->last ? &p->last->nextArg : &p->top->argList) = value;
     p->last = value;
 }
 
-static bool findall_complain(struct findall_parser *p, const char *what)
+static bool query_complain(struct query_parser *p, const char *what)
 {
     PrintErrorID(p->env, "MUSTER", 4, TRUE);
     EnvPrintRouter(p->env, WERROR, "Function findall expected ");
@@ -40,7 +40,7 @@ static bool findall_complain(struct findall_parser *p, const char *what)
 }
 
 /* Writes "part" behind a blank in the pretty print form, as CLIPS does between arguments. */
-static void findall_token(struct findall_parser *p, struct token *t)
+static void query_token(struct query_parser *p, struct token *t)
 {
     SavePPBuffer(p->env, " ");
     GetToken(p->env, p->source, t);
@@ -51,7 +51,7 @@ static void findall_token(struct findall_parser *p, struct token *t)
     }
 }
 
-static bool findall_is_explicit(const struct findall_parser *p)
+static bool query_is_explicit(const struct query_parser *p)
 {
     const struct expr *relation = p->top->argList;
     return relation->type == DEFTEMPLATE_PTR &&
@@ -59,20 +59,20 @@ static bool findall_is_explicit(const struct findall_parser *p)
 }
 
 /* One part that is no closing parenthesis.  @return false: an error was printed */
-static bool findall_part(struct findall_parser *p, struct token *t)
+static bool query_part(struct query_parser *p, struct token *t)
 {
     char letter = 'v';
-    if (p->parts == FINDALL_PARTS_MAX) {
-        return findall_complain(p, "at most 64 fields in a pattern");
+    if (p->parts == QUERY_PARTS_MAX) {
+        return query_complain(p, "at most 64 fields in a pattern");
     }
     if (t->type == SF_WILDCARD || t->type == MF_WILDCARD) {
         letter = t->type == SF_WILDCARD ? '?' : '$';
-    } else if (t->type == LPAREN && !p->in_slot && findall_is_explicit(p)) {
+    } else if (t->type == LPAREN && !p->in_slot && query_is_explicit(p)) {
         GetToken(p->env, p->source, t);
         if (t->type != SYMBOL) {
-            return findall_complain(p, "the name of a slot behind a parenthesis");
+            return query_complain(p, "the name of a slot behind a parenthesis");
         }
-        findall_append(p, GenConstant(p->env, SYMBOL, t->value));
+        query_append(p, GenConstant(p->env, SYMBOL, t->value));
         letter = '(';
         p->in_slot = true;
     } else {
@@ -80,51 +80,51 @@ static bool findall_part(struct findall_parser *p, struct token *t)
         if (!value) {
             return false;
         }
-        findall_append(p, value);
+        query_append(p, value);
     }
     p->mask[p->parts++] = letter;
     return true;
 }
 
 /* @return false: an error was printed */
-static bool findall_pattern(struct findall_parser *p)
+static bool query_pattern(struct query_parser *p)
 {
     struct token t;
-    findall_token(p, &t);
+    query_token(p, &t);
     if (t.type != LPAREN) {
-        return findall_complain(p, "a pattern in parentheses");
+        return query_complain(p, "a pattern in parentheses");
     }
     GetToken(p->env, p->source, &t);
     if (t.type != SYMBOL) {
-        return findall_complain(p, "the name of a relation behind the parenthesis");
+        return query_complain(p, "the name of a relation behind the parenthesis");
     }
     sensors_note(environment_mind(p->env), ValueToString(t.value));
     struct deftemplate *relation = EnvFindDeftemplate(p->env, ValueToString(t.value));
-    findall_append(p, relation ? GenConstant(p->env, DEFTEMPLATE_PTR, relation)
-                               : GenConstant(p->env, SYMBOL, t.value));
+    query_append(p, relation ? GenConstant(p->env, DEFTEMPLATE_PTR, relation)
+                             : GenConstant(p->env, SYMBOL, t.value));
     struct expr *mask = GenConstant(p->env, STRING, EnvAddSymbol(p->env, ""));
-    findall_append(p, mask);
-    for (findall_token(p, &t); t.type != RPAREN || p->in_slot; findall_token(p, &t)) {
+    query_append(p, mask);
+    for (query_token(p, &t); t.type != RPAREN || p->in_slot; query_token(p, &t)) {
         if (t.type == RPAREN) {
             p->in_slot = false;
             p->mask[p->parts++] = ')';
-        } else if (!findall_part(p, &t)) {
+        } else if (!query_part(p, &t)) {
             return false;
         }
-        if (p->parts > FINDALL_PARTS_MAX) {
-            return findall_complain(p, "at most 64 fields in a pattern");
+        if (p->parts > QUERY_PARTS_MAX) {
+            return query_complain(p, "at most 64 fields in a pattern");
         }
     }
     p->mask[p->parts] = '\0';
     mask->value = EnvAddSymbol(p->env, p->mask);
-    findall_token(p, &t);
-    return t.type == RPAREN || findall_complain(p, "one pattern");
+    query_token(p, &t);
+    return t.type == RPAREN || query_complain(p, "one pattern");
 }
 
-struct expr *clips_findall_parse(void *env, struct expr *top, const char *source)
+struct expr *query_parse(void *env, struct expr *top, const char *source)
 {
-    struct findall_parser p = {.env = env, .source = source, .top = top};
-    if (findall_pattern(&p)) {
+    struct query_parser p = {.env = env, .source = source, .top = top};
+    if (query_pattern(&p)) {
         return top;
     }
     ReturnExpression(env, top);
@@ -132,38 +132,38 @@ struct expr *clips_findall_parse(void *env, struct expr *top, const char *source
 }
 
 /* A pattern with its values. */
-struct findall {
-    char mask[FINDALL_PARTS_MAX + 1];
-    DATA_OBJECT values[FINDALL_PARTS_MAX];
+struct query {
+    char mask[QUERY_PARTS_MAX + 1];
+    DATA_OBJECT values[QUERY_PARTS_MAX];
 };
 
-static bool findall_equal(const struct field *f, const DATA_OBJECT *value)
+static bool query_equal(const struct field *f, const DATA_OBJECT *value)
 {
     return f->type == value->type && f->value == value->value;
 }
 
 /* Whether fields match the mask up to a ')' or its end. */
-static bool findall_match(const struct field *f, long count, const char *mask,
-                          const DATA_OBJECT *value)
+static bool query_match(const struct field *f, long count, const char *mask,
+                        const DATA_OBJECT *value)
 {
     if (*mask == '\0' || *mask == ')') {
         return count == 0;
     }
     if (*mask == '$') {
         for (long skip = 0; skip <= count; skip++) {
-            if (findall_match(f + skip, count - skip, mask + 1, value)) {
+            if (query_match(f + skip, count - skip, mask + 1, value)) {
                 return true;
             }
         }
         return false;
     }
-    if (count == 0 || (*mask == 'v' && !findall_equal(f, value))) {
+    if (count == 0 || (*mask == 'v' && !query_equal(f, value))) {
         return false;
     }
-    return findall_match(f + 1, count - 1, mask + 1, value + (*mask == 'v'));
+    return query_match(f + 1, count - 1, mask + 1, value + (*mask == 'v'));
 }
 
-static bool findall_match_slot(const struct fact *f, const char *mask, const DATA_OBJECT *value)
+static bool query_match_slot(const struct fact *f, const char *mask, const DATA_OBJECT *value)
 {
     short index;
     struct templateSlot *slot = FindSlot(f->whichDeftemplate, value->value, &index);
@@ -172,22 +172,22 @@ static bool findall_match_slot(const struct fact *f, const char *mask, const DAT
     }
     const struct field *content = &f->theProposition.theFields[index - 1];
     if (!slot->multislot) {
-        return findall_match(content, 1, mask + 1, value + 1);
+        return query_match(content, 1, mask + 1, value + 1);
     }
     const struct multifield *fields = content->value;
-    return findall_match(fields->theFields, fields->multifieldLength, mask + 1, value + 1);
+    return query_match(fields->theFields, fields->multifieldLength, mask + 1, value + 1);
 }
 
-static bool findall_match_fact(const struct fact *f, const struct findall *pattern)
+static bool query_match_fact(const struct fact *f, const struct query *pattern)
 {
     if (f->whichDeftemplate->implied) {
         const struct multifield *fields = f->theProposition.theFields[0].value;
-        return findall_match(fields->theFields, fields->multifieldLength, pattern->mask,
-                             pattern->values);
+        return query_match(fields->theFields, fields->multifieldLength, pattern->mask,
+                           pattern->values);
     }
     const DATA_OBJECT *value = pattern->values;
     for (const char *mask = pattern->mask; *mask; mask++) {
-        if (*mask == '(' && !findall_match_slot(f, mask, value)) {
+        if (*mask == '(' && !query_match_slot(f, mask, value)) {
             return false;
         }
         value += *mask == '(' || *mask == 'v';
@@ -196,11 +196,11 @@ static bool findall_match_fact(const struct fact *f, const struct findall *patte
 }
 
 /* Evaluates the values of a pattern.  @return false: one ended in an error */
-static bool findall_read(void *env, const char *mask, struct findall *pattern)
+static bool query_read(void *env, const char *mask, struct query *pattern)
 {
     size_t values = 0;
     size_t len = strlen(mask);
-    if (len > FINDALL_PARTS_MAX) {
+    if (len > QUERY_PARTS_MAX) {
         return false;
     }
     memcpy(pattern->mask, mask, len + 1);
@@ -215,7 +215,7 @@ static bool findall_read(void *env, const char *mask, struct findall *pattern)
     return true;
 }
 
-static struct deftemplate *findall_template(void *env)
+static struct deftemplate *query_template(void *env)
 {
     const struct expr *relation = EvaluationData(env)->CurrentExpression->argList;
     return relation->type == DEFTEMPLATE_PTR
@@ -223,9 +223,9 @@ static struct deftemplate *findall_template(void *env)
                : EnvFindDeftemplate(env, ValueToString(relation->value));
 }
 
-void clips_findall_call(void *env, DATA_OBJECT *out)
+void query_findall(void *env, DATA_OBJECT *out)
 {
-    struct findall pattern;
+    struct query pattern;
     const char *mask;
     long count = 0;
     EnvSetMultifieldErrorValue(env, out);
@@ -233,21 +233,21 @@ void clips_findall_call(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "findall", "a pattern in parentheses");
         return;
     }
-    if (!clips_value_word(env, "findall", 2, &mask) || !findall_read(env, mask, &pattern)) {
+    if (!clips_value_word(env, "findall", 2, &mask) || !query_read(env, mask, &pattern)) {
         return;
     }
     percept_show(environment_mind(env));
-    struct deftemplate *t = findall_template(env);
+    struct deftemplate *t = query_template(env);
     if (!t) {
         return; /* no fact of this relation was ever there */
     }
     for (struct fact *f = t->factList; f; f = f->nextTemplateFact) {
-        count += findall_match_fact(f, &pattern);
+        count += query_match_fact(f, &pattern);
     }
     struct multifield *facts = EnvCreateMultifield(env, count);
     long i = 0;
     for (struct fact *f = t->factList; f; f = f->nextTemplateFact) {
-        if (findall_match_fact(f, &pattern)) {
+        if (query_match_fact(f, &pattern)) {
             facts->theFields[i].type = FACT_ADDRESS;
             facts->theFields[i++].value = f;
         }
@@ -255,7 +255,7 @@ void clips_findall_call(void *env, DATA_OBJECT *out)
     clips_value_multifield(out, facts);
 }
 
-void clips_findall_fields(void *env, DATA_OBJECT *out)
+void query_fields(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT arg;
     EnvSetMultifieldErrorValue(env, out);

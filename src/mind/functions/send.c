@@ -10,16 +10,16 @@
 #include <stdio.h>
 #include <string.h>
 
-const struct mind_letter clips_post_blank = {.dst = "",
-                                             .performative = "",
-                                             .language = "clips",
-                                             .ontology = "",
-                                             .reply_with = "",
-                                             .in_reply_to = "",
-                                             .conversation = "",
-                                             .content = ""};
+const struct mind_letter send_blank = {.dst = "",
+                                       .performative = "",
+                                       .language = "clips",
+                                       .ontology = "",
+                                       .reply_with = "",
+                                       .in_reply_to = "",
+                                       .conversation = "",
+                                       .content = ""};
 
-bool clips_post_field(struct mu_text *out, unsigned short type, const void *value)
+bool send_field(struct mu_text *out, unsigned short type, const void *value)
 {
     const struct symbolHashNode *text = value;
     switch (type) {
@@ -36,7 +36,7 @@ bool clips_post_field(struct mu_text *out, unsigned short type, const void *valu
     }
 }
 
-static bool post_value(struct mu_text *out, const DATA_OBJECT *value)
+static bool send_value(struct mu_text *out, const DATA_OBJECT *value)
 {
     bool single = value->type != MULTIFIELD;
     long begin = single ? 0 : value->begin;
@@ -46,8 +46,8 @@ static bool post_value(struct mu_text *out, const DATA_OBJECT *value)
         if (out->len > 0 && out->at[out->len - 1] != '(') {
             mu_text_add(out, " ");
         }
-        bool mailable = single ? clips_post_field(out, value->type, value->value)
-                               : clips_post_field(out, f->type, f->value);
+        bool mailable = single ? send_field(out, value->type, value->value)
+                               : send_field(out, f->type, f->value);
         if (!mailable) {
             return false;
         }
@@ -55,7 +55,7 @@ static bool post_value(struct mu_text *out, const DATA_OBJECT *value)
     return true;
 }
 
-bool clips_post_fields(void *env, const char *function, int first, DATA_OBJECT *fields)
+bool send_fields(void *env, const char *function, int first, DATA_OBJECT *fields)
 {
     struct expr *arguments = EvaluationData(env)->CurrentExpression->argList;
     for (int i = 1; i < first && arguments; i++) {
@@ -68,10 +68,9 @@ bool clips_post_fields(void *env, const char *function, int first, DATA_OBJECT *
     return !GetEvaluationError(env) && !GetHaltExecution(env);
 }
 
-bool clips_post_content(void *env, const char *function, const DATA_OBJECT *fields,
-                        struct mu_text *out)
+bool send_content(void *env, const char *function, const DATA_OBJECT *fields, struct mu_text *out)
 {
-    if (!post_value(out, fields)) {
+    if (!send_value(out, fields)) {
         clips_value_refuse(env, function,
                            "fields that can be mailed: symbols, strings, finite numbers");
         return false;
@@ -120,7 +119,7 @@ static bool who_add_names(struct mu_text *to, const DATA_OBJECT *who)
     return to->len > 0;
 }
 
-const char *clips_post_who(void *env, const char *function, int index, const char *wanted)
+const char *send_address(void *env, const char *function, int index, const char *wanted)
 {
     static char names[MU_DST_MAX + 1]; /* one thread, and the port copies it */
     DATA_OBJECT who;
@@ -143,7 +142,7 @@ const char *clips_post_who(void *env, const char *function, int index, const cha
     return names;
 }
 
-void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
+void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     const struct mind_ports *ports = &m->options.ports;
@@ -159,18 +158,18 @@ void clips_post_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *o
 }
 
 /* Nothing is evaluated from here on, so that the text stays whole. */
-static void post_letter(void *env, const char *function, struct mind_letter *letter,
+static void send_letter(void *env, const char *function, struct mind_letter *letter,
                         const DATA_OBJECT *fields, DATA_OBJECT *out)
 {
     struct mu_text content;
     mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
-    if (clips_post_content(env, function, fields, &content)) {
+    if (send_content(env, function, fields, &content)) {
         letter->content = content.at;
-        clips_post_hand(env, letter, out);
+        send_hand(env, letter, out);
     }
 }
 
-const char *clips_post_question(void *env, char *to, size_t size)
+const char *send_question(void *env, char *to, size_t size)
 {
     struct mind *m = environment_mind(env);
     snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
@@ -178,74 +177,73 @@ const char *clips_post_question(void *env, char *to, size_t size)
 }
 
 /* (FUNCTION WHO field...) */
-static void post_to(void *env, const char *function, const char *performative, bool asks,
+static void send_to(void *env, const char *function, const char *performative, bool asks,
                     DATA_OBJECT *out)
 {
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     letter.performative = performative;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, function, 2, &fields)) {
+    if (!send_fields(env, function, 2, &fields)) {
         return;
     }
-    letter.dst = clips_post_who(env, function, 1, "the name of an agent, or several");
+    letter.dst = send_address(env, function, 1, "the name of an agent, or several");
     if (!letter.dst) {
         return;
     }
     if (asks) {
-        letter.reply_with = clips_post_question(env, question, sizeof question);
+        letter.reply_with = send_question(env, question, sizeof question);
     }
-    post_letter(env, function, &letter, &fields, out);
+    send_letter(env, function, &letter, &fields, out);
 }
 
-void clips_post_send(void *env, DATA_OBJECT *out)
+void send_agent(void *env, DATA_OBJECT *out)
 {
-    post_to(env, "send", "", false, out);
+    send_to(env, "send", "", false, out);
 }
 
-void clips_post_tell(void *env, DATA_OBJECT *out)
+void send_tell(void *env, DATA_OBJECT *out)
 {
-    post_to(env, "tell", "tell", false, out);
+    send_to(env, "tell", "tell", false, out);
 }
 
-void clips_post_ask_one(void *env, DATA_OBJECT *out)
+void send_ask_one(void *env, DATA_OBJECT *out)
 {
-    post_to(env, "ask-one", "ask-one", true, out);
+    send_to(env, "ask-one", "ask-one", true, out);
 }
 
-void clips_post_ask_all(void *env, DATA_OBJECT *out)
+void send_ask_all(void *env, DATA_OBJECT *out)
 {
-    post_to(env, "ask-all", "ask-all", true, out);
+    send_to(env, "ask-all", "ask-all", true, out);
 }
 
-void clips_post_achieve(void *env, DATA_OBJECT *out)
+void send_achieve(void *env, DATA_OBJECT *out)
 {
-    post_to(env, "achieve", "achieve", true, out);
+    send_to(env, "achieve", "achieve", true, out);
 }
 
-void clips_post_broadcast(void *env, DATA_OBJECT *out)
+void send_broadcast(void *env, DATA_OBJECT *out)
 {
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
     letter.dst = "all";
-    if (clips_post_fields(env, "broadcast", 1, &fields)) {
-        post_letter(env, "broadcast", &letter, &fields, out);
+    if (send_fields(env, "broadcast", 1, &fields)) {
+        send_letter(env, "broadcast", &letter, &fields, out);
     }
 }
 
 /* (FUNCTION NAME field...): to SCHEME:NAME */
-static void post_scheme(void *env, const char *function, const char *scheme, const char *wanted,
+static void send_scheme(void *env, const char *function, const char *scheme, const char *wanted,
                         DATA_OBJECT *out)
 {
     char to[MU_FIELD_MAX + 1];
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     const char *name;
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, function, 2, &fields) ||
-        !clips_value_word(env, function, 1, &name)) {
+    if (!send_fields(env, function, 2, &fields) || !clips_value_word(env, function, 1, &name)) {
         return;
     }
     if (!mu_name_valid(name)) {
@@ -254,33 +252,33 @@ static void post_scheme(void *env, const char *function, const char *scheme, con
     }
     snprintf(to, sizeof to, "%s:%s", scheme, name);
     letter.dst = to;
-    post_letter(env, function, &letter, &fields, out);
+    send_letter(env, function, &letter, &fields, out);
 }
 
-void clips_post_group_send(void *env, DATA_OBJECT *out)
+void send_group(void *env, DATA_OBJECT *out)
 {
-    post_scheme(env, "group-send", "group", "the name of a group", out);
+    send_scheme(env, "group-send", "group", "the name of a group", out);
 }
 
-void clips_post_send_role(void *env, DATA_OBJECT *out)
+void send_role(void *env, DATA_OBJECT *out)
 {
-    post_scheme(env, "send-role", "role", "the name of a role", out);
+    send_scheme(env, "send-role", "role", "the name of a role", out);
 }
 
-void clips_post_send_task(void *env, DATA_OBJECT *out)
+void send_task(void *env, DATA_OBJECT *out)
 {
-    post_scheme(env, "send-task", "task", "the name of a task", out);
+    send_scheme(env, "send-task", "task", "the name of a task", out);
 }
 
 /* Rules have millimetres, addresses metres. */
-void clips_post_send_near(void *env, DATA_OBJECT *out)
+void send_near(void *env, DATA_OBJECT *out)
 {
     char to[MU_FIELD_MAX + 1];
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     double distance_mm;
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, "send-near", 2, &fields) ||
+    if (!send_fields(env, "send-near", 2, &fields) ||
         !clips_value_number(env, "send-near", 1, &distance_mm)) {
         return;
     }
@@ -290,11 +288,11 @@ void clips_post_send_near(void *env, DATA_OBJECT *out)
     }
     snprintf(to, sizeof to, "near:%.15g", distance_mm / 1000);
     letter.dst = to;
-    post_letter(env, "send-near", &letter, &fields, out);
+    send_letter(env, "send-near", &letter, &fields, out);
 }
 
 /* The text of a mail fact's slot, "" for nil. */
-static const char *post_slot(const struct fact *f, size_t index)
+static const char *send_slot(const struct fact *f, size_t index)
 {
     const struct field *slot = &f->theProposition.theFields[index];
     bool word = slot->type == SYMBOL || slot->type == STRING;
@@ -306,15 +304,15 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
 {
     enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
     const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
-    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(post_slot(f, FROM))) {
+    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(send_slot(f, FROM))) {
         return false;
     }
     const struct field *layer = &f->theProposition.theFields[LAYER];
     double number = clips_value_of(layer->type, layer->value);
-    letter->dst = post_slot(f, FROM);
-    letter->ontology = post_slot(f, ONTOLOGY);
-    letter->in_reply_to = post_slot(f, REPLY_WITH);
-    letter->conversation = post_slot(f, CONVERSATION);
+    letter->dst = send_slot(f, FROM);
+    letter->ontology = send_slot(f, ONTOLOGY);
+    letter->in_reply_to = send_slot(f, REPLY_WITH);
+    letter->conversation = send_slot(f, CONVERSATION);
     letter->layer = number >= 1 && number <= UINT32_MAX ? (uint32_t)number : 0;
     return true;
 }
@@ -336,14 +334,14 @@ static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
     return true;
 }
 
-void clips_post_reply(void *env, DATA_OBJECT *out)
+void send_reply(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     DATA_OBJECT mail;
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, "reply", 2, &fields) || !clips_value_any(env, 1, &mail)) {
+    if (!send_fields(env, "reply", 2, &fields) || !clips_value_any(env, 1, &mail)) {
         return;
     }
     letter.performative = "tell";
@@ -351,7 +349,7 @@ void clips_post_reply(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "reply", "a mail fact and fields");
         return;
     }
-    post_letter(env, "reply", &letter, &fields, out);
+    send_letter(env, "reply", &letter, &fields, out);
 }
 
 /* A group's own name will do where no agent bears it.  @return whether it is such a name */
@@ -372,19 +370,19 @@ static bool you_do_group(const struct mind *m, const char *name)
     return false;
 }
 
-void clips_post_you_do(void *env, DATA_OBJECT *out)
+void send_you_do(void *env, DATA_OBJECT *out)
 {
     static const char wanted[] = "a name, a group or a multifield of names, a command, its fields";
     char group[MU_FIELD_MAX + 1];
     struct mind *m = environment_mind(env);
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     struct mu_text line;
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, "you-do", 2, &fields)) {
+    if (!send_fields(env, "you-do", 2, &fields)) {
         return;
     }
-    letter.dst = clips_post_who(env, "you-do", 1, wanted);
+    letter.dst = send_address(env, "you-do", 1, wanted);
     if (!letter.dst) {
         return;
     }
@@ -398,12 +396,12 @@ void clips_post_you_do(void *env, DATA_OBJECT *out)
     }
     mu_text_init(&line, m->scratch, MU_CONTENT_MAX);
     mu_text_add(&line, "(");
-    if (!clips_post_content(env, "you-do", &fields, &line)) {
+    if (!send_content(env, "you-do", &fields, &line)) {
         return;
     }
     mu_text_add(&line, ")");
     letter.directive = true;
     letter.performative = "do";
     letter.content = line.at;
-    clips_post_hand(env, &letter, out);
+    send_hand(env, &letter, out);
 }

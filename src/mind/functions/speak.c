@@ -143,9 +143,9 @@ static bool speak_performative(void *env, const char *function, int index,
     return true;
 }
 
-void clips_speak_call(void *env, DATA_OBJECT *out)
+void speak_send(void *env, DATA_OBJECT *out)
 {
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     struct mu_text content;
     DATA_OBJECT fields;
     int count = EnvRtnArgCount(env);
@@ -163,7 +163,7 @@ void clips_speak_call(void *env, DATA_OBJECT *out)
             return;
         }
     }
-    letter.dst = clips_post_who(env, "speak", 2, "the name of an agent, or several");
+    letter.dst = send_address(env, "speak", 2, "the name of an agent, or several");
     if (!letter.dst) {
         return;
     }
@@ -174,31 +174,31 @@ void clips_speak_call(void *env, DATA_OBJECT *out)
     }
     if (content.cut) {
         clips_value_refuse(env, "speak", "a content of at most 16384 bytes");
-    } else if (raw || clips_post_content(env, "speak", &fields, &content)) {
+    } else if (raw || send_content(env, "speak", &fields, &content)) {
         letter.content = content.at;
-        clips_post_hand(env, &letter, out);
+        send_hand(env, &letter, out);
     }
 }
 
-void clips_speak_layer(void *env, DATA_OBJECT *out)
+void speak_send_layer(void *env, DATA_OBJECT *out)
 {
-    struct mind_letter letter = clips_post_blank;
+    struct mind_letter letter = send_blank;
     struct mu_text content;
     char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     clips_value_bool(env, out, false);
-    if (!clips_post_fields(env, "send-layer", 4, &fields) ||
+    if (!send_fields(env, "send-layer", 4, &fields) ||
         !layer_read(env, "send-layer", 1, &letter.layer) ||
         !speak_performative(env, "send-layer", 2, &letter)) {
         return;
     }
-    letter.dst = clips_post_who(env, "send-layer", 3, "the name of an agent, or several");
+    letter.dst = send_address(env, "send-layer", 3, "the name of an agent, or several");
     if (!mu_performative_answers(letter.performative)) {
-        letter.reply_with = clips_post_question(env, question, sizeof question);
+        letter.reply_with = send_question(env, question, sizeof question);
     }
     mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
-    if (letter.dst && clips_post_content(env, "send-layer", &fields, &content)) {
+    if (letter.dst && send_content(env, "send-layer", &fields, &content)) {
         letter.content = content.at;
-        clips_post_hand(env, &letter, out);
+        send_hand(env, &letter, out);
     }
 }

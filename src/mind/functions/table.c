@@ -15,9 +15,9 @@ struct function_row {
 
 #define X(name, code, function, arguments, usage, text) \
     {name, code, function, arguments, usage, text},
-static const struct function_row function_physical[] = {CLIPS_PHYSICAL(X)};
-static const struct function_row function_agent[] = {CLIPS_AGENT(X)};
-static const struct function_row function_extensions[] = {CLIPS_EXTENSIONS(X)};
+static const struct function_row function_physical[] = {FUNCTIONS_PHYSICAL(X)};
+static const struct function_row function_agent[] = {FUNCTIONS_AGENT(X)};
+static const struct function_row function_extensions[] = {FUNCTIONS_EXTENSIONS(X)};
 #undef X
 
 static const struct {
@@ -101,7 +101,7 @@ static void sense_install(struct mind *m)
     }
 }
 
-void clips_functions_install(struct mind *m)
+void functions_install(struct mind *m)
 {
     for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
         for (size_t i = 0; i < function_groups[g].count; i++) {
@@ -112,7 +112,7 @@ void clips_functions_install(struct mind *m)
             MU_ASSERT(known);
         }
     }
-    AddFunctionParser(m->env, "findall", clips_findall_parse);
+    AddFunctionParser(m->env, "findall", query_parse);
     AddFunctionParser(m->env, "getmsg", mailbox_parse_getmsg);
     speech_install(m);
     sense_install(m);

@@ -13,7 +13,7 @@
 #include "mind/clips_mind.h"
 
 /* clang-format off */
-#define CLIPS_PHYSICAL(X) \
+#define FUNCTIONS_PHYSICAL(X) \
     X("position", 'm', sensors_position, "00", \
       "(position)", \
       "the position fact's seven fields: time in s, x and y in mm, speed in mm/s, turn " \
@@ -63,7 +63,7 @@
       "(sonar-data s...)", \
       "clearance in mm: the smallest of these ranges less `?*sonar-margin*`, clipped to " \
       "0..`?*sonar-clip*`; takes numbers and multifields of numbers") \
-    X("clear-way", 'm', clips_way_clear, "12n", \
+    X("clear-way", 'm', avoidance_clear_way, "12n", \
       "(clear-way want [far])", \
       "the direction in deg from straight ahead (left is positive) that is nearest to the " \
       "wanted one and free, and the room ahead in mm (less `?*sonar-margin*`), as the front " \
@@ -74,12 +74,12 @@
       "(speed-to x y compass tx ty)", \
       "the speed in mm/s and the turn rate in deg/s that lead to a point, keeping " \
       "`?*follow-distance*` mm away from it") \
-    X("plan", 'u', clips_plan_call, "22n", \
+    X("plan", 'u', path_plan, "22n", \
       "(plan x y)", \
       "the way to a point round all that stands in the world and never moves: `(x1 y1 x2 y2 " \
       "... x y)` in mm, the corners where it turns and where it ends; FALSE when there is " \
       "none, or the robot was given no map (`--world`)") \
-    X("has-map", 'u', clips_plan_has_map, "00", \
+    X("has-map", 'u', path_has_map, "00", \
       "(has-map)", \
       "TRUE if the robot was given a map for plan") \
     X("setSpeed", 'u', motion_set_speed, "22n", \
@@ -93,12 +93,12 @@
       "I have acted, let me see again: ends the step behind this right-hand side; TRUE, on " \
       "the console FALSE")
 
-#define CLIPS_AGENT(X) \
-    X("send", 'u', clips_override_send, "1*", \
+#define FUNCTIONS_AGENT(X) \
+    X("send", 'u', builtins_send, "1*", \
       "(send to field...)", \
       "mail to an agent, a multifield of agents, or an address such as group:scouts; TRUE, or " \
       "FALSE when there is no room.  With an instance as first argument: CLIPS's own send") \
-    X("broadcast", 'u', clips_post_broadcast, "0*", \
+    X("broadcast", 'u', send_broadcast, "0*", \
       "(broadcast field...)", \
       "mail to all agents that are there now; TRUE or FALSE") \
     X("getmsg", 'm', mailbox_getmsg, "00", \
@@ -106,198 +106,198 @@
       "takes the oldest mail: `(from field...)`, or `()`.  Of mails without a mail fact the " \
       "latest 1024 wait here; when a construct calls getmsg, they are a queue that refuses when " \
       "it is full") \
-    X("speak", 'u', clips_speak_call, "3*u", \
+    X("speak", 'u', speak_send, "3*u", \
       "(speak performative to (create$ field...) key value...)", \
       "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time " \
       "of the run in s) conversation, and layer (a number), priority (low normal high), " \
       "level (ram logged synced).  TRUE or FALSE; with reply-with that word") \
-    X("tell", 'u', clips_post_tell, "1*", \
+    X("tell", 'u', send_tell, "1*", \
       "(tell to field...)", \
       "speak with the performative tell; TRUE or FALSE") \
-    X("ask-one", 'u', clips_post_ask_one, "1*", \
+    X("ask-one", 'u', send_ask_one, "1*", \
       "(ask-one to field...)", \
       "a question for one answer; the word that the answer's in-reply-to bears, or FALSE") \
-    X("ask-all", 'u', clips_post_ask_all, "1*", \
+    X("ask-all", 'u', send_ask_all, "1*", \
       "(ask-all to field...)", \
       "a question for all answers; as ask-one") \
-    X("achieve", 'u', clips_post_achieve, "1*", \
+    X("achieve", 'u', send_achieve, "1*", \
       "(achieve to field...)", \
       "a request to make something true; as ask-one") \
-    X("reply", 'u', clips_post_reply, "1*", \
+    X("reply", 'u', send_reply, "1*", \
       "(reply mail field...)", \
       "answers a mail fact, or in a handler of a layer the mail of that number, with a tell in " \
       "its layer that bears its reply-with and conversation; TRUE or FALSE") \
-    X("you-do", 'u', clips_post_you_do, "2*u", \
+    X("you-do", 'u', send_you_do, "2*u", \
       "(you-do who command field...)", \
       "makes who (a name, all, robots, special, a group, or a multifield of names) evaluate " \
       "(command field...), if the trust policy lets it; TRUE or FALSE") \
-    X("send-layer", 'u', clips_speak_layer, "3*uik", \
+    X("send-layer", 'u', speak_send_layer, "3*uik", \
       "(send-layer layer performative to field...)", \
       "mail in a layer of your own, from 4 on, or a question in layer 2; as ask-one, and TRUE " \
       "for a performative that is an answer") \
-    X("on-layer", 'u', clips_layer_on, "22uik", \
+    X("on-layer", 'u', layers_on, "22uik", \
       "(on-layer layer function)", \
       "makes a deffunction the handler of a layer: it is called with `(id from performative " \
       "content)` of each mail of that layer, before the mail becomes a fact.  When it returns " \
       "FALSE the handler that was there before is asked, then what every agent can do; anything " \
       "else: it has taken the mail.  May stand outside of rules in a rule file") \
-    X("group-create", 'u', clips_group_create, "11k", \
+    X("group-create", 'u', directory_create, "11k", \
       "(group-create group)", \
       "makes a group without members; TRUE or FALSE.  A change takes effect when the broker has " \
       "it; what it refuses becomes a fact: `(event refused group-create scouts group-exists)`") \
-    X("group-join", 'u', clips_group_join, "11k", \
+    X("group-join", 'u', directory_join, "11k", \
       "(group-join group)", \
       "enters a group, and makes it if it is not there; TRUE or FALSE") \
-    X("group-leave", 'u', clips_group_leave, "11k", \
+    X("group-leave", 'u', directory_leave, "11k", \
       "(group-leave group)", \
       "leaves a group; TRUE or FALSE") \
-    X("group-send", 'u', clips_post_group_send, "1*uk", \
+    X("group-send", 'u', send_group, "1*uk", \
       "(group-send group field...)", \
       "mail to all members but this agent; TRUE or FALSE") \
-    X("groups", 'm', clips_group_groups, "00", \
+    X("groups", 'm', directory_groups, "00", \
       "(groups)", \
       "the names of all groups") \
-    X("members", 'm', clips_group_members, "11k", \
+    X("members", 'm', directory_members, "11k", \
       "(members group)", \
       "the names of its members; `()` for a group that is not there") \
-    X("advertise", 'u', clips_group_advertise, "1*uk", \
+    X("advertise", 'u', directory_advertise, "1*uk", \
       "(advertise service key value...)", \
       "offers a service with these attributes: symbols, strings without blanks, numbers; offered " \
       "again, they are replaced.  TRUE or FALSE") \
-    X("withdraw", 'u', clips_group_withdraw, "11k", \
+    X("withdraw", 'u', directory_withdraw, "11k", \
       "(withdraw service)", \
       "no longer offers it; TRUE or FALSE") \
-    X("find-service", 'm', clips_group_find_service, "1*", \
+    X("find-service", 'm', directory_find_service, "1*", \
       "(find-service service constraint...)", \
       "the names of the agents that offer it and are not absent: `(find-service " \
       "mapper role=scout battery>=0.5 near=2.5,-1,3)`, the last at most 3 m from there by the " \
       "attributes x and y; `*` is any service") \
-    X("send-role", 'u', clips_post_send_role, "1*uk", \
+    X("send-role", 'u', send_role, "1*uk", \
       "(send-role role field...)", \
       "mail to the agents that have a role; TRUE or FALSE") \
-    X("send-task", 'u', clips_post_send_task, "1*uk", \
+    X("send-task", 'u', send_task, "1*uk", \
       "(send-task task field...)", \
       "mail to the agents that do a task; TRUE or FALSE") \
-    X("send-near", 'u', clips_post_send_near, "1*un", \
+    X("send-near", 'u', send_near, "1*un", \
       "(send-near mm field...)", \
       "mail to the agents within so many mm; TRUE or FALSE") \
-    X("my-name", 'u', clips_social_my_name, "00", \
+    X("my-name", 'u', directory_my_name, "00", \
       "(my-name)", \
       "this agent's name") \
-    X("lookup", 'u', clips_social_lookup, "11k", \
+    X("lookup", 'u', directory_lookup, "11k", \
       "(lookup name)", \
       "`(name kind state host)` from the white pages, or FALSE; host is the platform on which it " \
       "lives, or an empty string") \
-    X("listing", 'm', clips_social_listing, "00", \
+    X("listing", 'm', directory_listing, "00", \
       "(listing)", \
       "the names of all agents") \
-    X("moveTo", 'u', clips_mobility_move, "11k", \
+    X("moveTo", 'u', lifecycle_move, "11k", \
       "(moveTo host)", \
       "moves to another platform when this right-hand side is over, which ends the step; TRUE.  " \
       "When it may not, or cannot, the agent goes on here: `(event refused moveTo north " \
       "unknown-host)`") \
-    X("clone", 'u', clips_mobility_clone, "12k", \
+    X("clone", 'u', lifecycle_clone, "12k", \
       "(clone name [host])", \
       "likewise makes a copy of this agent with a name of its own, there or here; TRUE") \
-    X("dispose", 'u', clips_mobility_dispose, "00", \
+    X("dispose", 'u', lifecycle_dispose, "00", \
       "(dispose)", \
       "likewise ends this agent for good; TRUE") \
-    X("failures", 'm', clips_failure_call, "00", \
+    X("failures", 'm', lifecycle_failures, "00", \
       "(failures)", \
       "each rule that has ended in an error or was stopped by a guard, and how often: `(rule " \
       "count ...)`.  A rule that fails too often suspends the robot; to resume it begins to " \
       "count anew") \
-    X("set-aside", 'm', clips_aside_list, "00", \
+    X("set-aside", 'm', directory_aside, "00", \
       "(set-aside)", \
       "the lines that are set aside, as they begin: the agent has died of each of them twice, " \
       "and does not carry it out again ([crashes.md](../crashes.md))") \
-    X("drop-aside", 'u', clips_aside_drop, "11i", \
+    X("drop-aside", 'u', directory_drop_aside, "11i", \
       "(drop-aside n)", \
       "takes the n-th of them off the list, counted from 1; FALSE when there is none") \
-    X("run", 'u', clips_control_run, "01i", \
+    X("run", 'u', lifecycle_run, "01i", \
       "(run [n])", \
       "on the console: leaves standby, or goes on after suspend or a break; with a number, as " \
       "step; in rules: nothing") \
-    X("resume", 'u', clips_control_run, "00", \
+    X("resume", 'u', lifecycle_run, "00", \
       "(resume)", \
       "the same as run") \
-    X("continue", 'u', clips_control_run, "00", \
+    X("continue", 'u', lifecycle_run, "00", \
       "(continue)", \
       "the same as run: the rule that the agent stands before fires") \
-    X("step", 'u', clips_control_step, "01i", \
+    X("step", 'u', lifecycle_step, "01i", \
       "(step [n])", \
       "on the console: fires n rules, or one, in as many control steps as that takes, and " \
       "suspends then; in rules: nothing") \
-    X("suspend", 'u', clips_control_suspend, "00", \
+    X("suspend", 'u', lifecycle_suspend, "00", \
       "(suspend)", \
       "stands still until it is resumed; in a rule, when the step is over")
 
-#define CLIPS_EXTENSIONS(X) \
-    X("findall", 'm', clips_findall_call, NULL, \
+#define FUNCTIONS_EXTENSIONS(X) \
+    X("findall", 'm', query_findall, NULL, \
       "(findall (relation field...))", \
       "the facts that match; `?` and `$?` as in a pattern, slots of a template as `(slot " \
       "field...)`") \
-    X("fact-fields", 'm', clips_findall_fields, "11", \
+    X("fact-fields", 'm', query_fields, "11", \
       "(fact-fields fact)", \
       "the fields of an ordered fact, given by address or index") \
-    X("sind", 'u', clips_math_sind, "11n", \
+    X("sind", 'u', math_sind, "11n", \
       "(sind a)", \
       "sine of an angle in deg") \
-    X("cosd", 'u', clips_math_cosd, "11n", \
+    X("cosd", 'u', math_cosd, "11n", \
       "(cosd a)", \
       "cosine of an angle in deg") \
-    X("tand", 'u', clips_math_tand, "11n", \
+    X("tand", 'u', math_tand, "11n", \
       "(tand a)", \
       "tangent of an angle in deg") \
-    X("asind", 'u', clips_math_asind, "11n", \
+    X("asind", 'u', math_asind, "11n", \
       "(asind x)", \
       "arc sine in deg") \
-    X("acosd", 'u', clips_math_acosd, "11n", \
+    X("acosd", 'u', math_acosd, "11n", \
       "(acosd x)", \
       "arc cosine in deg") \
-    X("atand", 'u', clips_math_atand, "11n", \
+    X("atand", 'u', math_atand, "11n", \
       "(atand x)", \
       "arc tangent in deg") \
-    X("atan2d", 'u', clips_math_atan2d, "22n", \
+    X("atan2d", 'u', math_atan2d, "22n", \
       "(atan2d y x)", \
       "direction of (x, y) in deg") \
-    X("norm-angle", 'u', clips_math_norm_angle, "11n", \
+    X("norm-angle", 'u', math_norm_angle, "11n", \
       "(norm-angle a)", \
       "the same angle in (-180, 180]") \
-    X("distance", 'u', clips_math_distance, "44n", \
+    X("distance", 'u', math_distance, "44n", \
       "(distance x1 y1 x2 y2)", \
       "between two points") \
-    X("bearing", 'u', clips_math_bearing, "44n", \
+    X("bearing", 'u', math_bearing, "44n", \
       "(bearing x1 y1 x2 y2)", \
       "direction from the first point to the second, in deg") \
-    X("clamp", 'u', clips_math_clamp, "33n", \
+    X("clamp", 'u', math_clamp, "33n", \
       "(clamp x lo hi)", \
       "x, or the limit that it is beyond; whole when all three are") \
-    X("now", 'u', clips_math_now, "00", \
+    X("now", 'u', math_now, "00", \
       "(now)", \
       "simulated time in s") \
-    X("time", 'u', clips_math_now, "00", \
+    X("time", 'u', math_now, "00", \
       "(time)", \
       "the same as now: rules see no other clock") \
-    X("random", 'u', clips_math_random, "02i", \
+    X("random", 'u', math_random, "02i", \
       "(random [lo hi])", \
       "a whole number, lo and hi included; without them 0 to 2147483647; a stream of each " \
       "agent's own") \
-    X("seed", 'u', clips_math_seed, "11i", \
+    X("seed", 'u', math_seed, "11i", \
       "(seed n)", \
       "starts this agent's random numbers again") \
-    X("div", 'u', clips_math_div, "2*n", \
+    X("div", 'u', math_div, "2*n", \
       "(div a b...)", \
       "whole division") \
-    X("mod", 'u', clips_math_mod, "22n", \
+    X("mod", 'u', math_mod, "22n", \
       "(mod a b)", \
       "remainder, with the sign of a")
 /* clang-format on */
 
 #define X(name, code, function, arguments, usage, text) void function(void *env, DATA_OBJECT *out);
-CLIPS_PHYSICAL(X)
-CLIPS_AGENT(X)
-CLIPS_EXTENSIONS(X)
+FUNCTIONS_PHYSICAL(X)
+FUNCTIONS_AGENT(X)
+FUNCTIONS_EXTENSIONS(X)
 #undef X
 
 #endif

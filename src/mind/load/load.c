@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LOAD_TEXT_MAX = 2 * CLIPS_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
+enum { LOAD_TEXT_MAX = 2 * LOAD_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
 
 /* CLIPS calls this with the line of the form at which it gave up. */
 static void load_note_error(void *env, const char *file, const char *warning, const char *error,
@@ -23,17 +23,17 @@ static void load_note_error(void *env, const char *file, const char *warning, co
     }
 }
 
-void clips_load_install(struct mind *m)
+void load_install(struct mind *m)
 {
     EnvSetParserErrorCallback(m->env, load_note_error);
     clips_place_install(m);
 }
 
-void clips_load_reserve(struct mind *m)
+void load_reserve(struct mind *m)
 {
     m->text = mu_startup_alloc(LOAD_TEXT_MAX);
     clips_place_reserve(m);
-    m->form = mu_startup_alloc(CLIPS_FILE_MAX);
+    m->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
 /* Reads a file onto the stack of texts. */
@@ -52,7 +52,7 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
     if (failed) {
         return mu_fault_at(fault, path, 0, 0, "cannot be read: %s", strerror(errno));
     }
-    if (len >= room || len > CLIPS_FILE_MAX) {
+    if (len >= room || len > LOAD_FILE_MAX) {
         return mu_fault_at(fault, path, 0, 0, "is larger than a rule file may be (1 MiB)");
     }
     to[len] = '\0';
@@ -85,11 +85,11 @@ static void load_said(struct mind *m, char *to, size_t size)
     }
 }
 
-mu_result clips_load_construct(struct mind *m, const char *path, struct clips_form f,
-                               struct mu_fault *fault)
+mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+                         struct mu_fault *fault)
 {
     struct mu_text form;
-    mu_text_init(&form, m->form, CLIPS_FILE_MAX);
+    mu_text_init(&form, m->form, LOAD_FILE_MAX);
     clips_text_rewrite(&form, f.at, f.len);
     if (form.cut) {
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
@@ -215,11 +215,11 @@ static mu_result load_extends(struct mind *m, const char *from, int line, const 
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": the files extend each other",
                            name);
     }
-    if (m->files_deep == CLIPS_FILES_DEEP_MAX) {
+    if (m->files_deep == LOAD_DEEP_MAX) {
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": more than %d files deep", name,
-                           CLIPS_FILES_DEEP_MAX);
+                           LOAD_DEEP_MAX);
     }
-    return clips_load_file(m, path, fault);
+    return load_file(m, path, fault);
 }
 
 /* (on-layer 4 trade) outside of rules, below the deffunction. */
@@ -238,10 +238,10 @@ static mu_result load_layer(struct mind *m, const char *path, int line, const ch
                            "expected (on-layer LAYER FUNCTION): a number from 1 on, a deffunction");
     }
     memcpy(name, function.at, function.len);
-    mu_result r = clips_layer_add(m, (uint32_t)layer.integer, name);
+    mu_result r = layers_add(m, (uint32_t)layer.integer, name);
     if (r == MU_FULL) {
         return mu_fault_at(fault, path, line, 0, "on-layer: more than %d handlers",
-                           CLIPS_HANDLERS_MAX);
+                           LAYERS_HANDLERS_MAX);
     }
     return r == MU_OK ? MU_OK
                       : mu_fault_at(fault, path, line, 0,
@@ -267,7 +267,7 @@ static mu_result load_form(struct mind *m, const char *path, struct clips_form f
         return load_layer(m, path, f.line, at, fault);
     }
     if (!load_is_extends(f, name, sizeof name, &well_formed)) {
-        return clips_load_construct(m, path, f, fault);
+        return load_construct(m, path, f, fault);
     }
     if (!well_formed) {
         return mu_fault_at(fault, path, f.line, 0, "expected (extends \"FILE\")");
@@ -291,7 +291,7 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
     return r;
 }
 
-mu_result clips_load_file(struct mind *m, const char *path, struct mu_fault *fault)
+mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 {
     const char *at;
     size_t used = m->text_used;

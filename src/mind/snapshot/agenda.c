@@ -42,8 +42,8 @@ static void key_make(struct mu_text *key, const struct activation *a)
     const struct defrule *rule = a->theRule;
     mu_text_clear(key);
     mu_text_format(key, " %d", disjunct_number(rule));
-    clips_capsule_add_word(key, ValueToString(rule->header.whichModule->theModule->name));
-    clips_capsule_add_word(key, ValueToString(rule->header.name));
+    snapshot_add_word(key, ValueToString(rule->header.whichModule->theModule->name));
+    snapshot_add_word(key, ValueToString(rule->header.name));
     mu_text_add(key, " ");
     basis_add(key, a->basis);
 }
@@ -51,7 +51,7 @@ static void key_make(struct mu_text *key, const struct activation *a)
 static void module_save(struct mind *m, void *self)
 {
     struct mu_text *out = self;
-    char bytes[CLIPS_CAPSULE_KEY_MAX];
+    char bytes[SNAPSHOT_KEY_MAX];
     struct mu_text key;
     mu_text_init(&key, bytes, sizeof bytes);
     for (struct activation *a = EnvGetNextActivation(m->env, NULL); a;
@@ -63,13 +63,13 @@ static void module_save(struct mind *m, void *self)
     }
 }
 
-void clips_capsule_save_agenda(struct mind *m, struct mu_text *out)
+void snapshot_save_agenda(struct mind *m, struct mu_text *out)
 {
     environment_each_module(m, out, module_save);
     mu_text_format(out, "agenda-end %llu\n", AgendaData(m->env)->CurrentTimetag);
     mu_text_add(out, "focus");
     for (const struct focus *f = EngineData(m->env)->CurrentFocus; f; f = f->next) {
-        clips_capsule_add_word(out, ValueToString(f->theModule->name));
+        snapshot_add_word(out, ValueToString(f->theModule->name));
     }
     mu_text_add(out, "\n");
 }
@@ -115,13 +115,13 @@ static void agenda_make(struct mind *m, struct agenda *g, const char *text)
     memset(g->lines, 0, g->places * sizeof *g->lines);
 }
 
-static bool agenda_read(struct capsule *c, struct agenda *g)
+static bool agenda_read(struct snapshot *c, struct agenda *g)
 {
-    while (clips_capsule_line(c, "act")) {
+    while (snapshot_line(c, "act")) {
         long long salience, random;
         uint64_t timetag;
-        if (!clips_capsule_whole(c, &salience) || !clips_capsule_count(c, &timetag) ||
-            !clips_capsule_whole(c, &random)) {
+        if (!snapshot_whole(c, &salience) || !snapshot_count(c, &timetag) ||
+            !snapshot_whole(c, &random)) {
             return false;
         }
         struct agenda_line line = {.key = c->at,
@@ -139,7 +139,7 @@ static bool agenda_read(struct capsule *c, struct agenda *g)
 static void module_load(struct mind *m, void *self)
 {
     struct agenda *g = self;
-    char bytes[CLIPS_CAPSULE_KEY_MAX];
+    char bytes[SNAPSHOT_KEY_MAX];
     struct mu_text key;
     mu_text_init(&key, bytes, sizeof bytes);
     struct activation *next;
@@ -159,7 +159,7 @@ static void module_load(struct mind *m, void *self)
     EnvReorderAgenda(m->env, EnvGetCurrentModule(m->env));
 }
 
-static mu_result activations_load(struct capsule *c)
+static mu_result activations_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     struct agenda g;
@@ -170,7 +170,7 @@ static mu_result activations_load(struct capsule *c)
     }
     rm(m->env, g.lines, g.places * sizeof *g.lines);
     if (!read) {
-        return clips_capsule_wrong(c, "an activation");
+        return snapshot_wrong(c, "an activation");
     }
     return g.found == g.count
                ? MU_OK
@@ -180,10 +180,10 @@ static mu_result activations_load(struct capsule *c)
 }
 
 /* The stack was written from its top: the last comes first. */
-static mu_result focus_load(struct capsule *c)
+static mu_result focus_load(struct snapshot *c)
 {
     void *env = c->mind->env;
-    struct multifield *names = clips_capsule_fields(c);
+    struct multifield *names = snapshot_fields(c);
     bool good = names != NULL;
     for (long i = good ? names->multifieldLength : 0; i > 0 && good; i--) {
         const struct field *f = &names->theFields[i - 1];
@@ -194,20 +194,20 @@ static mu_result focus_load(struct capsule *c)
         }
     }
     ReturnMultifield(env, names);
-    return good ? MU_OK : clips_capsule_wrong(c, "modules of the rules");
+    return good ? MU_OK : snapshot_wrong(c, "modules of the rules");
 }
 
-mu_result clips_capsule_load_agenda(struct capsule *c)
+mu_result snapshot_load_agenda(struct snapshot *c)
 {
     struct mind *m = c->mind;
     uint64_t timetag;
     MU_TRY(activations_load(c));
-    if (!clips_capsule_line(c, "agenda-end") || !clips_capsule_count(c, &timetag) ||
-        !clips_capsule_end(c) || !clips_capsule_line(c, "focus")) {
-        return clips_capsule_wrong(c, "the end of the agenda");
+    if (!snapshot_line(c, "agenda-end") || !snapshot_count(c, &timetag) || !snapshot_end(c) ||
+        !snapshot_line(c, "focus")) {
+        return snapshot_wrong(c, "the end of the agenda");
     }
     AgendaData(m->env)->CurrentTimetag = timetag;
     EnvClearFocusStack(m->env);
     MU_TRY(focus_load(c));
-    return clips_capsule_end(c) ? MU_OK : clips_capsule_wrong(c, "the end of the focus stack");
+    return snapshot_end(c) ? MU_OK : snapshot_wrong(c, "the end of the focus stack");
 }

@@ -11,7 +11,7 @@
 static bool fields_add(struct mu_text *out, const struct multifield *fields, long first, long last)
 {
     for (long i = first; i <= last; i++) {
-        if (!clips_capsule_add(out, fields->theFields[i].type, fields->theFields[i].value)) {
+        if (!snapshot_add(out, fields->theFields[i].type, fields->theFields[i].value)) {
             return false;
         }
     }
@@ -25,11 +25,11 @@ static bool global_save(struct mu_text *out, const struct defglobal *g)
     const DATA_OBJECT *value = &g->current;
     bool many = value->type == MULTIFIELD;
     mu_text_add(out, "global");
-    clips_capsule_add_word(out, ValueToString(g->header.whichModule->theModule->name));
-    clips_capsule_add_word(out, ValueToString(g->header.name));
+    snapshot_add_word(out, ValueToString(g->header.whichModule->theModule->name));
+    snapshot_add_word(out, ValueToString(g->header.name));
     mu_text_add(out, many ? " many" : " one");
     bool good = many ? fields_add(out, value->value, value->begin, value->end)
-                     : clips_capsule_add(out, value->type, value->value);
+                     : snapshot_add(out, value->type, value->value);
     mu_text_add(out, "\n");
     return good;
 }
@@ -48,7 +48,7 @@ static void globals_save(struct mind *m, void *self)
     }
 }
 
-bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char **why)
+bool snapshot_save_globals(struct mind *m, struct mu_text *out, const char **why)
 {
     struct globals_saved s = {.out = out, .good = true};
     environment_each_module(m, &s, globals_save);
@@ -57,12 +57,12 @@ bool clips_capsule_save_globals(struct mind *m, struct mu_text *out, const char 
 }
 
 /* Takes a module, which becomes the current one, and a name in it.  @return NULL: there is none */
-static const char *name_load(struct capsule *c)
+static const char *name_load(struct snapshot *c)
 {
     void *env = c->mind->env;
-    const char *word = clips_capsule_word(c);
+    const char *word = snapshot_word(c);
     struct defmodule *module = word ? EnvFindDefmodule(env, word) : NULL;
-    word = clips_capsule_word(c);
+    word = snapshot_word(c);
     if (!module || !word) {
         return NULL;
     }
@@ -71,27 +71,27 @@ static const char *name_load(struct capsule *c)
 }
 
 /* The global that a line names.  @return NULL: there is none */
-static struct defglobal *global_find(struct capsule *c)
+static struct defglobal *global_find(struct snapshot *c)
 {
     const char *name = name_load(c);
     return name ? EnvFindDefglobal(c->mind->env, name) : NULL;
 }
 
-static mu_result global_load(struct capsule *c)
+static mu_result global_load(struct snapshot *c)
 {
     struct defglobal *g = global_find(c);
     bool many = strncmp(c->at, " many", 5) == 0;
     if (!g || (!many && strncmp(c->at, " one", 4) != 0)) {
-        return clips_capsule_wrong(c, "a global of the rules");
+        return snapshot_wrong(c, "a global of the rules");
     }
     c->at += many ? 5 : 4;
-    struct multifield *fields = clips_capsule_fields(c);
+    struct multifield *fields = snapshot_fields(c);
     if (!fields) {
-        return clips_capsule_wrong(c, "the value of a global");
+        return snapshot_wrong(c, "the value of a global");
     }
     if (!many && fields->multifieldLength != 1) {
         ReturnMultifield(c->mind->env, fields);
-        return clips_capsule_wrong(c, "one value of a global");
+        return snapshot_wrong(c, "one value of a global");
     }
     DATA_OBJECT value = {.type = MULTIFIELD, .end = fields->multifieldLength - 1};
     value.value = fields;
@@ -101,13 +101,13 @@ static mu_result global_load(struct capsule *c)
     }
     QSetDefglobalValue(c->mind->env, g, &value, FALSE);
     ReturnMultifield(c->mind->env, fields);
-    return clips_capsule_end(c) ? MU_OK : clips_capsule_wrong(c, "the end of a global");
+    return snapshot_end(c) ? MU_OK : snapshot_wrong(c, "the end of a global");
 }
 
-mu_result clips_capsule_load_globals(struct capsule *c)
+mu_result snapshot_load_globals(struct snapshot *c)
 {
     mu_result r = MU_OK;
-    while (r == MU_OK && clips_capsule_line(c, "global")) {
+    while (r == MU_OK && snapshot_line(c, "global")) {
         r = global_load(c);
     }
     return r;
@@ -121,8 +121,8 @@ static bool fact_save(struct mu_text *out, const struct fact *f)
     const struct field *slots = f->theProposition.theFields;
     bool good = true;
     mu_text_format(out, "fact %lld", f->factIndex);
-    clips_capsule_add_word(out, ValueToString(t->header.whichModule->theModule->name));
-    clips_capsule_add_word(out, ValueToString(t->header.name));
+    snapshot_add_word(out, ValueToString(t->header.whichModule->theModule->name));
+    snapshot_add_word(out, ValueToString(t->header.name));
     long count = t->implied ? 1 : (long)t->numberOfSlots;
     for (long i = 0; i < count && good; i++) {
         if (slots[i].type == MULTIFIELD) {
@@ -131,14 +131,14 @@ static bool fact_save(struct mu_text *out, const struct fact *f)
             good = fields_add(out, fields, 0, fields->multifieldLength - 1);
             mu_text_add(out, " )");
         } else {
-            good = clips_capsule_add(out, slots[i].type, slots[i].value);
+            good = snapshot_add(out, slots[i].type, slots[i].value);
         }
     }
     mu_text_add(out, "\n");
     return good;
 }
 
-bool clips_capsule_save_facts(struct mind *m, struct mu_text *out, const char **why)
+bool snapshot_save_facts(struct mind *m, struct mu_text *out, const char **why)
 {
     *why = NULL;
     for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !*why; f = EnvGetNextFact(m->env, f)) {
@@ -153,7 +153,7 @@ bool clips_capsule_save_facts(struct mind *m, struct mu_text *out, const char **
 }
 
 /* The template that a line names; one of ordered facts is made when no rule has it. */
-static struct deftemplate *template_find(struct capsule *c)
+static struct deftemplate *template_find(struct snapshot *c)
 {
     void *env = c->mind->env;
     const char *name = name_load(c);
@@ -164,14 +164,14 @@ static struct deftemplate *template_find(struct capsule *c)
     return t ? t : CreateImpliedDeftemplate(env, EnvAddSymbol(env, name), TRUE);
 }
 
-static bool slot_load(struct capsule *c, struct field *slot)
+static bool slot_load(struct snapshot *c, struct field *slot)
 {
     c->at += strspn(c->at, " ");
     if (*c->at != '(') {
-        return clips_capsule_field(c, slot);
+        return snapshot_field(c, slot);
     }
     c->at++;
-    slot->value = clips_capsule_fields(c);
+    slot->value = snapshot_fields(c);
     slot->type = slot->value ? MULTIFIELD : RVOID;
     c->at += strspn(c->at, " ");
     bool closed = slot->value && *c->at == ')';
@@ -179,7 +179,7 @@ static bool slot_load(struct capsule *c, struct field *slot)
     return closed;
 }
 
-static bool slots_load(struct capsule *c, const struct deftemplate *t, struct field *slots)
+static bool slots_load(struct snapshot *c, const struct deftemplate *t, struct field *slots)
 {
     const struct templateSlot *slot = t->slotList; /* none: ordered facts */
     long count = t->implied ? 1 : (long)t->numberOfSlots;
@@ -196,41 +196,41 @@ static bool slots_load(struct capsule *c, const struct deftemplate *t, struct fi
     return good;
 }
 
-static mu_result fact_load(struct capsule *c)
+static mu_result fact_load(struct snapshot *c)
 {
     void *env = c->mind->env;
     long long index;
-    struct deftemplate *t = clips_capsule_whole(c, &index) ? template_find(c) : NULL;
+    struct deftemplate *t = snapshot_whole(c, &index) ? template_find(c) : NULL;
     if (!t || index < 0) {
-        return clips_capsule_wrong(c, "a fact");
+        return snapshot_wrong(c, "a fact");
     }
     struct fact *f = EnvCreateFact(env, t);
     if (!slots_load(c, t, f->theProposition.theFields)) {
         ReturnFact(env, f);
-        return clips_capsule_wrong(c, "the fields of a fact");
+        return snapshot_wrong(c, "the fields of a fact");
     }
     FactData(env)->NextFactIndex = index;
-    if (!EnvAssert(env, f) || !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "a fact that can be asserted");
+    if (!EnvAssert(env, f) || !snapshot_end(c)) {
+        return snapshot_wrong(c, "a fact that can be asserted");
     }
     return MU_OK;
 }
 
-mu_result clips_capsule_load_facts(struct capsule *c)
+mu_result snapshot_load_facts(struct snapshot *c)
 {
     void *env = c->mind->env;
     long long next;
     mu_result r = MU_OK;
     FactData(env)->NextFactIndex = 0;
     int duplication = EnvSetFactDuplication(env, TRUE);
-    while (r == MU_OK && clips_capsule_line(c, "fact")) {
+    while (r == MU_OK && snapshot_line(c, "fact")) {
         r = fact_load(c);
     }
     EnvSetFactDuplication(env, duplication);
     MU_TRY(r);
-    if (!clips_capsule_line(c, "facts-end") || !clips_capsule_whole(c, &next) || next < 0 ||
-        !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "the end of the facts");
+    if (!snapshot_line(c, "facts-end") || !snapshot_whole(c, &next) || next < 0 ||
+        !snapshot_end(c)) {
+        return snapshot_wrong(c, "the end of the facts");
     }
     FactData(env)->NextFactIndex = next;
     return MU_OK;

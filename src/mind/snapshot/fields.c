@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-mu_result clips_capsule_wrong(struct capsule *c, const char *what)
+mu_result snapshot_wrong(struct snapshot *c, const char *what)
 {
     return mu_fault_at(c->fault, "capsule", c->line, 0, "expected %s, found '%.40s'", what, c->at);
 }
@@ -29,17 +29,17 @@ static void add_quoted(struct mu_text *out, char type, const char *s)
     mu_text_add(out, "\"");
 }
 
-void clips_capsule_add_word(struct mu_text *out, const char *word)
+void snapshot_add_word(struct mu_text *out, const char *word)
 {
     add_quoted(out, 'y', word);
 }
 
-void clips_capsule_add_real(struct mu_text *out, double x)
+void snapshot_add_real(struct mu_text *out, double x)
 {
     mu_text_format(out, " %a", x);
 }
 
-bool clips_capsule_add(struct mu_text *out, unsigned short type, const void *value)
+bool snapshot_add(struct mu_text *out, unsigned short type, const void *value)
 {
     switch (type) {
     case INTEGER: mu_text_format(out, " i%lld", ValueToLong(value)); return true;
@@ -49,32 +49,32 @@ bool clips_capsule_add(struct mu_text *out, unsigned short type, const void *val
     case INSTANCE_NAME: add_quoted(out, 'n', ValueToString(value)); return true;
     case FACT_ADDRESS: {
         const struct fact *f = value;
-        mu_text_format(out, " a%lld", f->garbage ? CLIPS_CAPSULE_NONE : f->factIndex);
+        mu_text_format(out, " a%lld", f->garbage ? SNAPSHOT_NONE : f->factIndex);
         return true;
     }
     default: return false;
     }
 }
 
-long long clips_capsule_index(const struct mind *m, struct fact *fact)
+long long snapshot_index(const struct mind *m, struct fact *fact)
 {
-    return fact && EnvFactExistp(m->env, fact) ? fact->factIndex : CLIPS_CAPSULE_NONE;
+    return fact && EnvFactExistp(m->env, fact) ? fact->factIndex : SNAPSHOT_NONE;
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static void skip_spaces(struct capsule *c)
+static void skip_spaces(struct snapshot *c)
 {
     c->at += strspn(c->at, " ");
 }
 
-bool clips_capsule_more(const struct capsule *c)
+bool snapshot_more(const struct snapshot *c)
 {
     const char *at = c->at + strspn(c->at, " ");
     return *at && !strchr("\n()", *at);
 }
 
-struct fact *clips_capsule_fact(const struct capsule *c, long long index)
+struct fact *snapshot_fact(const struct snapshot *c, long long index)
 {
     if (index < 0) {
         return NULL;
@@ -97,7 +97,7 @@ static size_t text_bytes(const char *at)
 }
 
 /* Reads what stands in quotes.  @return false: no quotes */
-static bool text_read(struct capsule *c, char *to)
+static bool text_read(struct snapshot *c, char *to)
 {
     const char *at = c->at;
     if (*at++ != '"') {
@@ -116,7 +116,7 @@ static bool text_read(struct capsule *c, char *to)
 }
 
 /* A text may be as long as the capsule has room. */
-static bool field_text(struct capsule *c, unsigned short type, struct field *out)
+static bool field_text(struct snapshot *c, unsigned short type, struct field *out)
 {
     void *env = c->mind->env;
     size_t bytes = text_bytes(c->at);
@@ -128,35 +128,35 @@ static bool field_text(struct capsule *c, unsigned short type, struct field *out
     return good;
 }
 
-static bool field_whole(struct capsule *c, struct field *out)
+static bool field_whole(struct snapshot *c, struct field *out)
 {
     long long number;
-    bool good = clips_capsule_whole(c, &number);
+    bool good = snapshot_whole(c, &number);
     out->type = INTEGER;
     out->value = good ? EnvAddLong(c->mind->env, number) : NULL;
     return good;
 }
 
-static bool field_real(struct capsule *c, struct field *out)
+static bool field_real(struct snapshot *c, struct field *out)
 {
     double number;
-    bool good = clips_capsule_real(c, &number);
+    bool good = snapshot_real(c, &number);
     out->type = FLOAT;
     out->value = good ? EnvAddDouble(c->mind->env, number) : NULL;
     return good;
 }
 
-static bool field_fact(struct capsule *c, struct field *out)
+static bool field_fact(struct snapshot *c, struct field *out)
 {
     long long index;
-    bool good = clips_capsule_whole(c, &index);
-    struct fact *f = good ? clips_capsule_fact(c, index) : NULL;
+    bool good = snapshot_whole(c, &index);
+    struct fact *f = good ? snapshot_fact(c, index) : NULL;
     out->type = FACT_ADDRESS;
     out->value = f ? f : &FactData(c->mind->env)->DummyFact;
     return good;
 }
 
-bool clips_capsule_field(struct capsule *c, struct field *out)
+bool snapshot_field(struct snapshot *c, struct field *out)
 {
     skip_spaces(c);
     switch (*c->at) {
@@ -171,12 +171,12 @@ bool clips_capsule_field(struct capsule *c, struct field *out)
 }
 
 /* @return how many fields there are up to the line's end or a parenthesis; -1: one is wrong */
-static long fields_count(struct capsule c)
+static long fields_count(struct snapshot c)
 {
     struct field skipped;
     long count = 0;
-    while (clips_capsule_more(&c)) {
-        if (!clips_capsule_field(&c, &skipped)) {
+    while (snapshot_more(&c)) {
+        if (!snapshot_field(&c, &skipped)) {
             return -1;
         }
         count++;
@@ -184,7 +184,7 @@ static long fields_count(struct capsule c)
     return count;
 }
 
-struct multifield *clips_capsule_fields(struct capsule *c)
+struct multifield *snapshot_fields(struct snapshot *c)
 {
     long count = fields_count(*c);
     if (count < 0) {
@@ -192,19 +192,19 @@ struct multifield *clips_capsule_fields(struct capsule *c)
     }
     struct multifield *fields = CreateMultifield2(c->mind->env, count);
     for (long i = 0; i < count; i++) {
-        (void)clips_capsule_field(c, &fields->theFields[i]);
+        (void)snapshot_field(c, &fields->theFields[i]);
     }
     return fields;
 }
 
-const char *clips_capsule_word(struct capsule *c)
+const char *snapshot_word(struct snapshot *c)
 {
     struct field f;
-    c->word = clips_capsule_field(c, &f) && f.type == SYMBOL ? ValueToString(f.value) : NULL;
+    c->word = snapshot_field(c, &f) && f.type == SYMBOL ? ValueToString(f.value) : NULL;
     return c->word;
 }
 
-bool clips_capsule_whole(struct capsule *c, long long *out)
+bool snapshot_whole(struct snapshot *c, long long *out)
 {
     char *end;
     errno = 0;
@@ -214,7 +214,7 @@ bool clips_capsule_whole(struct capsule *c, long long *out)
     return good;
 }
 
-bool clips_capsule_count(struct capsule *c, uint64_t *out)
+bool snapshot_count(struct snapshot *c, uint64_t *out)
 {
     char *end;
     errno = 0;
@@ -224,7 +224,7 @@ bool clips_capsule_count(struct capsule *c, uint64_t *out)
     return good;
 }
 
-bool clips_capsule_real(struct capsule *c, double *out)
+bool snapshot_real(struct snapshot *c, double *out)
 {
     char *end;
     *out = strtod(c->at, &end);
@@ -233,7 +233,7 @@ bool clips_capsule_real(struct capsule *c, double *out)
     return good;
 }
 
-bool clips_capsule_line(struct capsule *c, const char *word)
+bool snapshot_line(struct snapshot *c, const char *word)
 {
     size_t len = strlen(word);
     bool same = strncmp(c->at, word, len) == 0 && strchr(" \n", c->at[len]);
@@ -241,7 +241,7 @@ bool clips_capsule_line(struct capsule *c, const char *word)
     return same;
 }
 
-bool clips_capsule_end(struct capsule *c)
+bool snapshot_end(struct snapshot *c)
 {
     skip_spaces(c);
     if (*c->at != '\n') {

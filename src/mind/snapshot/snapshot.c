@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char CAPSULE_WORD[] = "muster-capsule";
-enum { CAPSULE_VERSION = 3, CAPSULE_HEAD_MAX = 96 };
+static const char SNAPSHOT_WORD[] = "muster-capsule";
+enum { SNAPSHOT_VERSION = 3, SNAPSHOT_HEAD_MAX = 96 };
 
 /* Against pieces that are lost or mixed up, not against attackers. */
-static uint64_t capsule_sum(const char *body, size_t len)
+static uint64_t snapshot_sum(const char *body, size_t len)
 {
     return mu_hash_bytes(MU_HASH_EMPTY, body, len);
 }
@@ -47,15 +47,15 @@ static void switches_save(struct mind *m, struct mu_text *out)
     mu_text_add(out, "\n");
 }
 
-static mu_result switches_load(struct capsule *c)
+static mu_result switches_load(struct snapshot *c)
 {
     uint64_t values[SWITCHES];
-    bool good = clips_capsule_line(c, "switches");
+    bool good = snapshot_line(c, "switches");
     for (size_t i = 0; i < SWITCHES && good; i++) {
-        good = clips_capsule_count(c, &values[i]) && values[i] <= (uint64_t)switches[i].most;
+        good = snapshot_count(c, &values[i]) && values[i] <= (uint64_t)switches[i].most;
     }
-    if (!good || !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "the switches");
+    if (!good || !snapshot_end(c)) {
+        return snapshot_wrong(c, "the switches");
     }
     for (size_t i = 0; i < SWITCHES; i++) {
         (void)switches[i].set(c->mind->env, (int)values[i]);
@@ -68,7 +68,7 @@ static mu_result switches_load(struct capsule *c)
 static int route_query(void *env, const char *name)
 {
     (void)env;
-    return strcmp(name, "mu-capsule") == 0;
+    return strcmp(name, "mu-snapshot") == 0;
 }
 
 static int route_print(void *env, const char *name, const char *text)
@@ -87,7 +87,7 @@ static void constructs_print(struct mind *m)
              f = f->next) {
             void (*save)(void *, void *, const char *) =
                 (void (*)(void *, void *, const char *))(void (*)(void))f->func;
-            save(m->env, module, "mu-capsule");
+            save(m->env, module, "mu-snapshot");
         }
     }
 }
@@ -97,9 +97,9 @@ static void constructs_save(struct mind *m, struct mu_text *out)
     struct mu_text *before = m->out;
     size_t start = out->len;
     m->out = out;
-    EnvAddRouter(m->env, "mu-capsule", 40, route_query, route_print, NULL, NULL, NULL);
+    EnvAddRouter(m->env, "mu-snapshot", 40, route_query, route_print, NULL, NULL, NULL);
     constructs_print(m);
-    EnvDeleteRouter(m->env, "mu-capsule");
+    EnvDeleteRouter(m->env, "mu-snapshot");
     m->out = before;
     mu_text_format(out, "\nconstructs-end %zu\n", out->len - start);
 }
@@ -112,7 +112,7 @@ static bool form_is_ours(struct clips_form f)
            strchr(" \t\r\n", f.at[sizeof mail - 1]);
 }
 
-static mu_result constructs_load(struct capsule *c)
+static mu_result constructs_load(struct snapshot *c)
 {
     size_t len = 0;
     while (true) {
@@ -122,19 +122,19 @@ static mu_result constructs_load(struct capsule *c)
             break;
         }
         if (!is_list) {
-            return clips_capsule_wrong(c, "a construct");
+            return snapshot_wrong(c, "a construct");
         }
         if (!form_is_ours(f)) {
-            MU_TRY(clips_load_construct(c->mind, "capsule", f, c->fault));
+            MU_TRY(load_construct(c->mind, "capsule", f, c->fault));
         }
     }
     bool good = sscanf(c->at, " %zu", &len) == 1;
     c->at += strspn(c->at, " 0123456789");
-    return good && clips_capsule_end(c) ? MU_OK : clips_capsule_wrong(c, "the end of the rules");
+    return good && snapshot_end(c) ? MU_OK : snapshot_wrong(c, "the end of the rules");
 }
 
 /* What was taken where it was written is taken here. */
-static mu_result rules_load(struct capsule *c)
+static mu_result rules_load(struct snapshot *c)
 {
     void *env = c->mind->env;
     int sequence = EnvSetSequenceOperatorRecognition(env, FALSE);
@@ -172,12 +172,11 @@ static void gensym_save(struct mind *m, struct mu_text *out)
     mu_text_format(out, "gensym %" PRIu64 "\n", number);
 }
 
-static mu_result gensym_load(struct capsule *c)
+static mu_result gensym_load(struct snapshot *c)
 {
     uint64_t number;
-    if (!clips_capsule_line(c, "gensym") || !clips_capsule_count(c, &number) ||
-        !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "the number of (gensym)");
+    if (!snapshot_line(c, "gensym") || !snapshot_count(c, &number) || !snapshot_end(c)) {
+        return snapshot_wrong(c, "the number of (gensym)");
     }
     gensym_set(c->mind, number);
     return MU_OK;
@@ -204,36 +203,36 @@ static bool body_save(struct mind *m, struct mu_text *out, const char **why)
         return false;
     }
     mu_text_add(out, "agent");
-    clips_capsule_add_word(out, m->options.name);
+    snapshot_add_word(out, m->options.name);
     mu_text_add(out, "\n");
     switches_save(m, out);
     constructs_save(m, out);
     gensym_save(m, out);
-    if (!clips_capsule_save_globals(m, out, why) || !clips_capsule_save_facts(m, out, why)) {
+    if (!snapshot_save_globals(m, out, why) || !snapshot_save_facts(m, out, why)) {
         return false;
     }
-    clips_capsule_save_agenda(m, out);
-    clips_capsule_save_state(m, out);
+    snapshot_save_agenda(m, out);
+    snapshot_save_state(m, out);
     *why = out->cut ? "it is too large for a capsule" : NULL;
     return !out->cut;
 }
 
 mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 {
-    char head[CAPSULE_HEAD_MAX + 1];
+    char head[SNAPSHOT_HEAD_MAX + 1];
     const char *why = NULL;
     mu_text_clear(out);
-    mu_text_format(out, "%*s", CAPSULE_HEAD_MAX, ""); /* its place: the sum comes last */
+    mu_text_format(out, "%*s", SNAPSHOT_HEAD_MAX, ""); /* its place: the sum comes last */
     if (!body_save(m, out, &why)) {
         (void)mu_fault_at(fault, "capsule", 0, 0, "%s", why);
         return out->cut ? MU_FULL : MU_REFUSED;
     }
-    const char *body = out->at + CAPSULE_HEAD_MAX;
-    size_t len = out->len - CAPSULE_HEAD_MAX;
-    int used = snprintf(head, sizeof head, "%s %d %zu %016" PRIx64, CAPSULE_WORD, CAPSULE_VERSION,
-                        len, capsule_sum(body, len));
+    const char *body = out->at + SNAPSHOT_HEAD_MAX;
+    size_t len = out->len - SNAPSHOT_HEAD_MAX;
+    int used = snprintf(head, sizeof head, "%s %d %zu %016" PRIx64, SNAPSHOT_WORD, SNAPSHOT_VERSION,
+                        len, snapshot_sum(body, len));
     memcpy(out->at, head, (size_t)used);
-    out->at[CAPSULE_HEAD_MAX - 1] = '\n';
+    out->at[SNAPSHOT_HEAD_MAX - 1] = '\n';
     return MU_OK;
 }
 
@@ -244,19 +243,19 @@ mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault)
     int version = 0;
     size_t bytes = 0;
     uint64_t sum = 0;
-    size_t word = sizeof CAPSULE_WORD - 1;
-    bool good = len > CAPSULE_HEAD_MAX && strncmp(text, CAPSULE_WORD, word) == 0 &&
+    size_t word = sizeof SNAPSHOT_WORD - 1;
+    bool good = len > SNAPSHOT_HEAD_MAX && strncmp(text, SNAPSHOT_WORD, word) == 0 &&
                 sscanf(text + word, " %d %zu %" SCNx64, &version, &bytes, &sum) == 3;
     if (!good) {
         return mu_fault_at(fault, "capsule", 1, 0, "this is no capsule");
     }
-    if (version != CAPSULE_VERSION) {
-        return mu_fault_at(fault, "capsule", 1, 0, "expected version %d, found %d", CAPSULE_VERSION,
-                           version);
+    if (version != SNAPSHOT_VERSION) {
+        return mu_fault_at(fault, "capsule", 1, 0, "expected version %d, found %d",
+                           SNAPSHOT_VERSION, version);
     }
-    const char *body = text + CAPSULE_HEAD_MAX;
-    if (bytes != len - CAPSULE_HEAD_MAX || body[bytes - 1] != '\n' || memchr(body, '\0', bytes) ||
-        sum != capsule_sum(body, bytes)) {
+    const char *body = text + SNAPSHOT_HEAD_MAX;
+    if (bytes != len - SNAPSHOT_HEAD_MAX || body[bytes - 1] != '\n' || memchr(body, '\0', bytes) ||
+        sum != snapshot_sum(body, bytes)) {
         return mu_fault_at(fault, "capsule", 1, 0, "it is not whole: the checksum differs");
     }
     return MU_OK;
@@ -271,12 +270,12 @@ static void facts_clear(struct mind *m)
     }
 }
 
-static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
+static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
 {
     struct mind *m = c->mind;
-    if (!clips_capsule_line(c, "agent") || !clips_capsule_word(c) ||
-        !mu_text_copy(name, MU_NAME_MAX + 1, c->word) || !clips_capsule_end(c)) {
-        return clips_capsule_wrong(c, "whose mind it is");
+    if (!snapshot_line(c, "agent") || !snapshot_word(c) ||
+        !mu_text_copy(name, MU_NAME_MAX + 1, c->word) || !snapshot_end(c)) {
+        return snapshot_wrong(c, "whose mind it is");
     }
     facts_clear(m);
     MU_TRY(switches_load(c));
@@ -285,12 +284,12 @@ static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
     clips_guard_start(m, CLIPS_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
     mu_result r = gensym_load(c);
-    struct capsule globals = *c; /* patterns look at them, and they at facts */
-    r = r == MU_OK ? clips_capsule_load_globals(c) : r;
-    r = r == MU_OK ? clips_capsule_load_facts(c) : r;
-    r = r == MU_OK ? clips_capsule_load_globals(&globals) : r;
-    r = r == MU_OK ? clips_capsule_load_agenda(c) : r;
-    r = r == MU_OK ? clips_capsule_load_state(c) : r;
+    struct snapshot globals = *c; /* patterns look at them, and they at facts */
+    r = r == MU_OK ? snapshot_load_globals(c) : r;
+    r = r == MU_OK ? snapshot_load_facts(c) : r;
+    r = r == MU_OK ? snapshot_load_globals(&globals) : r;
+    r = r == MU_OK ? snapshot_load_agenda(c) : r;
+    r = r == MU_OK ? snapshot_load_state(c) : r;
     EnvSetCurrentModule(m->env, EnvFindDefmodule(m->env, "MAIN"));
     EnvDecrementGCLocks(m->env);
     environment_leave(m);
@@ -300,6 +299,6 @@ static mu_result body_load(struct capsule *c, char name[MU_NAME_MAX + 1])
 mu_result snapshot_load(struct mind *m, const char *text, struct mu_fault *fault,
                         char name[MU_NAME_MAX + 1])
 {
-    struct capsule c = {.mind = m, .at = text + CAPSULE_HEAD_MAX, .line = 2, .fault = fault};
+    struct snapshot c = {.mind = m, .at = text + SNAPSHOT_HEAD_MAX, .line = 2, .fault = fault};
     return body_load(&c, name);
 }

@@ -7,10 +7,10 @@
 
 /* --- numbers ---------------------------------------------------------------------------------- */
 
-static bool reals_load(struct capsule *c, double **reals, size_t count)
+static bool reals_load(struct snapshot *c, double **reals, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (!clips_capsule_real(c, reals[i])) {
+        if (!snapshot_real(c, reals[i])) {
             return false;
         }
     }
@@ -21,62 +21,62 @@ static void floats_save(struct mu_text *out, const char *word, const float *at, 
 {
     mu_text_format(out, "%s %zu", word, count);
     for (size_t i = 0; i < count; i++) {
-        clips_capsule_add_real(out, (double)at[i]);
+        snapshot_add_real(out, (double)at[i]);
     }
     mu_text_add(out, "\n");
 }
 
-static bool floats_load(struct capsule *c, const char *word, float *to, size_t *count, size_t most)
+static bool floats_load(struct snapshot *c, const char *word, float *to, size_t *count, size_t most)
 {
     uint64_t wanted;
     double x;
-    if (!clips_capsule_line(c, word) || !clips_capsule_count(c, &wanted) || wanted > most) {
+    if (!snapshot_line(c, word) || !snapshot_count(c, &wanted) || wanted > most) {
         return false;
     }
     for (*count = 0; *count < wanted; (*count)++) {
-        if (!clips_capsule_real(c, &x)) {
+        if (!snapshot_real(c, &x)) {
             return false;
         }
         to[*count] = (float)x;
     }
-    return clips_capsule_end(c);
+    return snapshot_end(c);
 }
 
-static bool counts_load(struct capsule *c, const char *word, uint64_t *to, size_t count)
+static bool counts_load(struct snapshot *c, const char *word, uint64_t *to, size_t count)
 {
-    if (!clips_capsule_line(c, word)) {
+    if (!snapshot_line(c, word)) {
         return false;
     }
     for (size_t i = 0; i < count; i++) {
-        if (!clips_capsule_count(c, &to[i])) {
+        if (!snapshot_count(c, &to[i])) {
             return false;
         }
     }
-    return clips_capsule_end(c);
+    return snapshot_end(c);
 }
 
 /* A fact that C code keeps, or has let rules take away. */
-static bool fact_load(struct capsule *c, struct fact **fact)
+static bool fact_load(struct snapshot *c, struct fact **fact)
 {
     long long index;
-    if (!clips_capsule_whole(c, &index)) {
+    if (!snapshot_whole(c, &index)) {
         return false;
     }
-    *fact = clips_capsule_fact(c, index);
+    *fact = snapshot_fact(c, index);
     if (*fact) {
         EnvIncrementFactCount(c->mind->env, *fact);
     }
-    return *fact || index == CLIPS_CAPSULE_NONE;
+    return *fact || index == SNAPSHOT_NONE;
 }
 
 static void facts_save(struct mind *m, struct mu_text *out, struct fact *const *facts, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        mu_text_format(out, " %lld", clips_capsule_index(m, facts[i]));
+        mu_text_format(out, " %lld", snapshot_index(m, facts[i]));
     }
 }
 
-static bool facts_load(struct capsule *c, struct fact **facts, size_t count)
+static bool facts_load(struct snapshot *c, struct fact **facts, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (!fact_load(c, &facts[i])) {
@@ -96,7 +96,7 @@ static void percept_save(struct mind *m, struct mu_text *out)
     mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
                    p->stalled, p->bumpers, p->gripper);
     for (size_t i = 0; i < PERCEPT_REALS; i++) {
-        clips_capsule_add_real(out, *reals[i]);
+        snapshot_add_real(out, *reals[i]);
     }
     mu_text_add(out, "\n");
     floats_save(out, "sonar", m->sonar, p->sonar_count);
@@ -118,18 +118,18 @@ static void percept_save(struct mind *m, struct mu_text *out)
     mu_text_add(out, "\n");
 }
 
-static bool percept_line_load(struct capsule *c)
+static bool percept_line_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     struct mu_percept p = {.time_ns = 0};
     double *reals[PERCEPT_REALS];
     uint64_t n[5];
     percept_reals(&p, reals);
-    bool good = clips_capsule_line(c, "percept");
+    bool good = snapshot_line(c, "percept");
     for (size_t i = 0; i < 5 && good; i++) {
-        good = clips_capsule_count(c, &n[i]);
+        good = snapshot_count(c, &n[i]);
     }
-    if (!good || !reals_load(c, reals, PERCEPT_REALS) || !clips_capsule_end(c)) {
+    if (!good || !reals_load(c, reals, PERCEPT_REALS) || !snapshot_end(c)) {
         return false;
     }
     m->sensed = n[0] != 0;
@@ -145,16 +145,16 @@ static bool percept_line_load(struct capsule *c)
     return true;
 }
 
-static bool blobs_load(struct capsule *c)
+static bool blobs_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     size_t *count = &m->percept.blob_count;
-    while (clips_capsule_line(c, "blob")) {
+    while (snapshot_line(c, "blob")) {
         uint64_t rgb;
         struct mu_blob b = {0};
         double *reals[] = {&b.bearing_rad, &b.width_rad, &b.range_m};
-        if (*count == MU_BLOBS_MAX || !clips_capsule_count(c, &rgb) || !reals_load(c, reals, 3) ||
-            !clips_capsule_end(c)) {
+        if (*count == MU_BLOBS_MAX || !snapshot_count(c, &rgb) || !reals_load(c, reals, 3) ||
+            !snapshot_end(c)) {
             return false;
         }
         b.rgb = (uint32_t)rgb;
@@ -163,16 +163,16 @@ static bool blobs_load(struct capsule *c)
     return true;
 }
 
-static bool fiducials_load(struct capsule *c)
+static bool fiducials_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     size_t *count = &m->percept.fiducial_count;
-    while (clips_capsule_line(c, "fiducial")) {
+    while (snapshot_line(c, "fiducial")) {
         long long number;
         struct mu_fiducial f = {0};
         double *reals[] = {&f.bearing_rad, &f.range_m, &f.heading_rad};
-        if (*count == MU_FIDUCIALS_MAX || !clips_capsule_whole(c, &number) ||
-            !reals_load(c, reals, 3) || !clips_capsule_end(c)) {
+        if (*count == MU_FIDUCIALS_MAX || !snapshot_whole(c, &number) || !reals_load(c, reals, 3) ||
+            !snapshot_end(c)) {
             return false;
         }
         f.number = (int32_t)number;
@@ -181,35 +181,35 @@ static bool fiducials_load(struct capsule *c)
     return true;
 }
 
-static bool percept_load(struct capsule *c)
+static bool percept_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     uint64_t unseen;
     if (!percept_line_load(c) ||
         !floats_load(c, "sonar", m->sonar, &m->percept.sonar_count, MU_SONARS_MAX) ||
         !floats_load(c, "laser", m->laser_m, &m->percept.laser_count, MU_BEAMS_MAX) ||
-        !blobs_load(c) || !fiducials_load(c) || !clips_capsule_line(c, "percept-facts") ||
-        !clips_capsule_count(c, &unseen) || !clips_capsule_whole(c, &m->ring_number)) {
+        !blobs_load(c) || !fiducials_load(c) || !snapshot_line(c, "percept-facts") ||
+        !snapshot_count(c, &unseen) || !snapshot_whole(c, &m->ring_number)) {
         return false;
     }
     m->ring_unseen = unseen != 0;
     return fact_load(c, &m->position_fact) && fact_load(c, &m->ring_fact) &&
            fact_load(c, &m->laser_fact) && facts_load(c, m->blob_facts, m->percept.blob_count) &&
-           facts_load(c, m->fiducial_facts, m->percept.fiducial_count) && clips_capsule_end(c);
+           facts_load(c, m->fiducial_facts, m->percept.fiducial_count) && snapshot_end(c);
 }
 
 /* --- mail ------------------------------------------------------------------------------------- */
 
 static void mail_save(struct mind *m, struct mu_text *out)
 {
-    const struct clips_messages *all = m->messages;
+    const struct messages *all = m->messages;
     for (uint16_t i = all->oldest; i; i = all->at[i].newer) {
-        const struct clips_message *e = &all->at[i];
-        mu_text_format(out, "message %lld %llu %llu", clips_capsule_index(m, e->fact),
+        const struct message *e = &all->at[i];
+        mu_text_format(out, "message %lld %llu %llu", snapshot_index(m, e->fact),
                        (unsigned long long)e->id, (unsigned long long)e->step);
-        clips_capsule_add_word(out, ValueToString(e->from));
+        snapshot_add_word(out, ValueToString(e->from));
         if (e->first) {
-            (void)clips_capsule_add(out, e->first_type, e->first);
+            (void)snapshot_add(out, e->first_type, e->first);
         }
         mu_text_add(out, "\n");
     }
@@ -218,70 +218,70 @@ static void mail_save(struct mind *m, struct mu_text *out)
             mu_text_format(out, "mail %lld\n", m->mails[i]->factIndex);
         }
     }
-    const struct clips_parked *p = m->parked;
+    const struct mail_ring *p = m->parked;
     for (uint32_t i = 0; i < p->count; i++) {
-        const struct clips_parked_mail *mail = &p->mails[(p->first + i) % CLIPS_PARKED_MAX];
+        const struct mail_ring_entry *mail = &p->mails[(p->first + i) % MAIL_RING_MAX];
         mu_text_format(out, "parked %llu %d", (unsigned long long)mail->id, mail->clips);
-        clips_capsule_add_word(out, ValueToString(mail->from));
-        clips_capsule_add_word(out, p->bytes + mail->at);
+        snapshot_add_word(out, ValueToString(mail->from));
+        snapshot_add_word(out, p->bytes + mail->at);
         mu_text_add(out, "\n");
     }
 }
 
-static bool message_load(struct capsule *c)
+static bool message_load(struct snapshot *c)
 {
-    struct clips_message e = {.first_type = SYMBOL};
+    struct message e = {.first_type = SYMBOL};
     struct field first = {.value = NULL};
-    if (!fact_load(c, &e.fact) || !clips_capsule_count(c, &e.id) ||
-        !clips_capsule_count(c, &e.step) || !clips_capsule_word(c)) {
+    if (!fact_load(c, &e.fact) || !snapshot_count(c, &e.id) || !snapshot_count(c, &e.step) ||
+        !snapshot_word(c)) {
         return false;
     }
     e.from = EnvAddSymbol(c->mind->env, c->word);
-    if (clips_capsule_more(c)) {
-        if (!clips_capsule_field(c, &first)) {
+    if (snapshot_more(c)) {
+        if (!snapshot_field(c, &first)) {
             return false;
         }
         e.first_type = first.type;
         e.first = first.value;
     }
-    return messages_enter(c->mind, &e) && clips_capsule_end(c);
+    return messages_enter(c->mind, &e) && snapshot_end(c);
 }
 
-static bool mail_fact_load(struct capsule *c)
+static bool mail_fact_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     struct fact *f;
-    if (m->mail_count == CLIPS_MAILS_MAX || !fact_load(c, &f) || !f) {
+    if (m->mail_count == MAILBOX_MAX || !fact_load(c, &f) || !f) {
         return false;
     }
     m->mails[m->mail_count++] = f;
-    return clips_capsule_end(c);
+    return snapshot_end(c);
 }
 
-static bool parked_load(struct capsule *c)
+static bool parked_load(struct snapshot *c)
 {
     struct mind_mail mail = {.id = 0};
     struct field content;
     uint64_t clips;
-    if (!clips_capsule_count(c, &mail.id) || !clips_capsule_count(c, &clips) ||
-        !clips_capsule_word(c) || !clips_capsule_field(c, &content) || content.type != SYMBOL) {
+    if (!snapshot_count(c, &mail.id) || !snapshot_count(c, &clips) || !snapshot_word(c) ||
+        !snapshot_field(c, &content) || content.type != SYMBOL) {
         return false;
     }
     mail.src = c->word;
     mail.content = ValueToString(content.value);
-    return mail_ring_put(c->mind, &mail, clips != 0) == MU_OK && clips_capsule_end(c);
+    return mail_ring_put(c->mind, &mail, clips != 0) == MU_OK && snapshot_end(c);
 }
 
-static bool mail_load(struct capsule *c)
+static bool mail_load(struct snapshot *c)
 {
     bool good = true;
-    while (good && clips_capsule_line(c, "message")) {
+    while (good && snapshot_line(c, "message")) {
         good = message_load(c);
     }
-    while (good && clips_capsule_line(c, "mail")) {
+    while (good && snapshot_line(c, "mail")) {
         good = mail_fact_load(c);
     }
-    while (good && clips_capsule_line(c, "parked")) {
+    while (good && snapshot_line(c, "parked")) {
         good = parked_load(c);
     }
     return good;
@@ -297,36 +297,36 @@ static void life_save(struct mind *m, struct mu_text *out)
     }
     facts_save(m, out, m->events, MU_EVENTS);
     mu_text_format(out, "\nrefused %zu", m->refused_next);
-    facts_save(m, out, m->refused, CLIPS_REFUSED_MAX);
+    facts_save(m, out, m->refused, EVENTS_REFUSED_MAX);
     mu_text_add(out, "\n");
     for (size_t i = 0; i < m->handler_count; i++) {
         mu_text_format(out, "handler %u", m->handlers[i].layer);
-        clips_capsule_add_word(out, ValueToString(m->handlers[i].function));
+        snapshot_add_word(out, ValueToString(m->handlers[i].function));
         mu_text_add(out, "\n");
     }
 }
 
-static bool handler_load(struct capsule *c)
+static bool handler_load(struct snapshot *c)
 {
     uint64_t layer;
-    return clips_capsule_count(c, &layer) && layer <= UINT32_MAX && clips_capsule_word(c) &&
-           clips_layer_add(c->mind, (uint32_t)layer, c->word) == MU_OK && clips_capsule_end(c);
+    return snapshot_count(c, &layer) && layer <= UINT32_MAX && snapshot_word(c) &&
+           layers_add(c->mind, (uint32_t)layer, c->word) == MU_OK && snapshot_end(c);
 }
 
-static bool life_load(struct capsule *c)
+static bool life_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     uint64_t number;
-    bool good = clips_capsule_line(c, "events");
+    bool good = snapshot_line(c, "events");
     for (size_t i = 0; i < MU_EVENTS && good; i++) {
-        good = clips_capsule_count(c, &number);
+        good = snapshot_count(c, &number);
         m->pending[i] = good && number != 0;
     }
-    good = good && facts_load(c, m->events, MU_EVENTS) && clips_capsule_end(c) &&
-           clips_capsule_line(c, "refused") && clips_capsule_count(c, &number);
-    m->refused_next = good ? number % CLIPS_REFUSED_MAX : 0;
-    good = good && facts_load(c, m->refused, CLIPS_REFUSED_MAX) && clips_capsule_end(c);
-    while (good && clips_capsule_line(c, "handler")) {
+    good = good && facts_load(c, m->events, MU_EVENTS) && snapshot_end(c) &&
+           snapshot_line(c, "refused") && snapshot_count(c, &number);
+    m->refused_next = good ? number % EVENTS_REFUSED_MAX : 0;
+    good = good && facts_load(c, m->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
+    while (good && snapshot_line(c, "handler")) {
         good = handler_load(c);
     }
     return good;
@@ -334,7 +334,7 @@ static bool life_load(struct capsule *c)
 
 enum { STATE_NUMBERS = 7 };
 
-void clips_capsule_save_state(struct mind *m, struct mu_text *out)
+void snapshot_save_state(struct mind *m, struct mu_text *out)
 {
     mu_text_format(out, "mind %llu %llu %llu %u %d %d %u\n", (unsigned long long)m->random.state,
                    (unsigned long long)m->asked, (unsigned long long)m->step, m->senses_named,
@@ -342,16 +342,16 @@ void clips_capsule_save_state(struct mind *m, struct mu_text *out)
     percept_save(m, out);
     mail_save(m, out);
     life_save(m, out);
-    clips_capsule_save_watch(m, out);
+    snapshot_save_watch(m, out);
     mu_text_add(out, "end\n");
 }
 
-mu_result clips_capsule_load_state(struct capsule *c)
+mu_result snapshot_load_state(struct snapshot *c)
 {
     struct mind *m = c->mind;
     uint64_t n[STATE_NUMBERS];
     if (!counts_load(c, "mind", n, STATE_NUMBERS) || n[5] > MIND_WISH_SUSPEND) {
-        return clips_capsule_wrong(c, "the numbers of the mind");
+        return snapshot_wrong(c, "the numbers of the mind");
     }
     m->random.state = n[0];
     m->asked = n[1];
@@ -361,14 +361,14 @@ mu_result clips_capsule_load_state(struct capsule *c)
     m->wish = (enum mind_wish)n[5];
     m->wish_rules = (uint32_t)n[6];
     if (!percept_load(c)) {
-        return clips_capsule_wrong(c, "what the mind has sensed");
+        return snapshot_wrong(c, "what the mind has sensed");
     }
     if (!mail_load(c)) {
-        return clips_capsule_wrong(c, "mail");
+        return snapshot_wrong(c, "mail");
     }
     if (!life_load(c)) {
-        return clips_capsule_wrong(c, "events and handlers");
+        return snapshot_wrong(c, "events and handlers");
     }
-    MU_TRY(clips_capsule_load_watch(c));
-    return clips_capsule_line(c, "end") ? MU_OK : clips_capsule_wrong(c, "the end");
+    MU_TRY(snapshot_load_watch(c));
+    return snapshot_line(c, "end") ? MU_OK : snapshot_wrong(c, "the end");
 }

@@ -20,8 +20,8 @@ static bool is_watched(struct mind *m, const char *item)
 static void name_add(struct mu_text *out, const char *word, const struct constructHeader *h)
 {
     mu_text_add(out, word);
-    clips_capsule_add_word(out, ValueToString(h->whichModule->theModule->name));
-    clips_capsule_add_word(out, ValueToString(h->name));
+    snapshot_add_word(out, ValueToString(h->whichModule->theModule->name));
+    snapshot_add_word(out, ValueToString(h->name));
 }
 
 static void rules_save(struct mind *m, struct mu_text *out)
@@ -54,14 +54,14 @@ static void module_save(struct mind *m, void *self)
     templates_save(m, self);
 }
 
-void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
+void snapshot_save_watch(struct mind *m, struct mu_text *out)
 {
     mu_text_add(out, "watch");
     for (size_t i = 0; i < ITEMS; i++) {
         mu_text_format(out, " %d", is_watched(m, items[i]));
     }
     mu_text_format(out, " %d", m->passes);
-    clips_capsule_add_word(out, m->stands);
+    snapshot_add_word(out, m->stands);
     mu_text_add(out, "\n");
     environment_each_module(m, out, module_save);
 }
@@ -69,32 +69,30 @@ void clips_capsule_save_watch(struct mind *m, struct mu_text *out)
 /* --- loading ---------------------------------------------------------------------------------- */
 
 /* Reads a module and makes it the current one.  @return whether it is there */
-static bool module_load(struct capsule *c)
+static bool module_load(struct snapshot *c)
 {
-    struct defmodule *module =
-        clips_capsule_word(c) ? EnvFindDefmodule(c->mind->env, c->word) : NULL;
+    struct defmodule *module = snapshot_word(c) ? EnvFindDefmodule(c->mind->env, c->word) : NULL;
     if (module) {
         EnvSetCurrentModule(c->mind->env, module);
     }
     return module != NULL;
 }
 
-static bool flags_load(struct capsule *c, uint64_t *flags, size_t count)
+static bool flags_load(struct snapshot *c, uint64_t *flags, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (!clips_capsule_count(c, &flags[i]) || flags[i] > 1) {
+        if (!snapshot_count(c, &flags[i]) || flags[i] > 1) {
             return false;
         }
     }
-    return clips_capsule_end(c);
+    return snapshot_end(c);
 }
 
-static bool rule_load(struct capsule *c)
+static bool rule_load(struct snapshot *c)
 {
     void *env = c->mind->env;
     uint64_t flags[3];
-    struct defrule *rule =
-        module_load(c) && clips_capsule_word(c) ? EnvFindDefrule(env, c->word) : NULL;
+    struct defrule *rule = module_load(c) && snapshot_word(c) ? EnvFindDefrule(env, c->word) : NULL;
     if (!rule || !flags_load(c, flags, 3)) {
         return false;
     }
@@ -106,12 +104,12 @@ static bool rule_load(struct capsule *c)
     return true;
 }
 
-static bool template_load(struct capsule *c)
+static bool template_load(struct snapshot *c)
 {
     void *env = c->mind->env;
     uint64_t watch;
     struct deftemplate *t =
-        module_load(c) && clips_capsule_word(c) ? EnvFindDeftemplate(env, c->word) : NULL;
+        module_load(c) && snapshot_word(c) ? EnvFindDeftemplate(env, c->word) : NULL;
     if (!t || !flags_load(c, &watch, 1)) {
         return false;
     }
@@ -119,34 +117,34 @@ static bool template_load(struct capsule *c)
     return true;
 }
 
-static bool items_load(struct capsule *c)
+static bool items_load(struct snapshot *c)
 {
     uint64_t on = 0;
     for (size_t i = 0; i < ITEMS; i++) {
-        if (!clips_capsule_count(c, &on) || on > 1) {
+        if (!snapshot_count(c, &on) || on > 1) {
             return false;
         }
         if (on) {
             (void)EnvWatch(c->mind->env, items[i]);
         }
     }
-    bool good = clips_capsule_count(c, &on) && clips_capsule_word(c) &&
+    bool good = snapshot_count(c, &on) && snapshot_word(c) &&
                 mu_text_copy(c->mind->stands, sizeof c->mind->stands, c->word);
     c->mind->passes = on != 0;
-    return good && clips_capsule_end(c);
+    return good && snapshot_end(c);
 }
 
-mu_result clips_capsule_load_watch(struct capsule *c)
+mu_result snapshot_load_watch(struct snapshot *c)
 {
-    bool good = clips_capsule_line(c, "watch") && items_load(c);
+    bool good = snapshot_line(c, "watch") && items_load(c);
     for (bool more = true; good && more;) {
-        if (clips_capsule_line(c, "rule")) {
+        if (snapshot_line(c, "rule")) {
             good = rule_load(c);
-        } else if (clips_capsule_line(c, "relation")) {
+        } else if (snapshot_line(c, "relation")) {
             good = template_load(c);
         } else {
             more = false;
         }
     }
-    return good ? MU_OK : clips_capsule_wrong(c, "breakpoints and what is watched");
+    return good ? MU_OK : snapshot_wrong(c, "breakpoints and what is watched");
 }
