@@ -30,6 +30,13 @@ void mu_sensor_add(struct mu_text *out, uint32_t senses)
     }
 }
 
+const struct mu_field mu_readings[MU_READING_COUNT] = {
+#define X(type, member, unit, ...) \
+    {MU_FIELD_##type, MU_UNIT_##unit, offsetof(struct mu_percept, member)},
+    MU_READINGS(X)
+#undef X
+};
+
 /* The fields of an element, by the column "unit in rules". */
 #define PLAIN(unit)                           \
     {                                         \

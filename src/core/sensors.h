@@ -23,14 +23,26 @@ void mu_sensor_add(struct mu_text *out, uint32_t senses);
 /* Units in rules, as in muster/sensors.h. */
 enum mu_unit { MU_UNIT_MM, MU_UNIT_DEG, MU_UNIT_HEADING, MU_UNIT_COLOR, MU_UNIT_AS_IS };
 
-enum mu_field_type { MU_FIELD_double, MU_FIELD_float, MU_FIELD_uint32_t, MU_FIELD_int32_t };
+enum mu_field_type {
+    MU_FIELD_double,
+    MU_FIELD_float,
+    MU_FIELD_uint32_t,
+    MU_FIELD_int32_t,
+    MU_FIELD_bool
+};
 
-/* A number: of a record, or the only one of an element that is no record. */
+/* A number: of a percept or a record, or the only one of an element that is no record. */
 struct mu_field {
     enum mu_field_type type;
     enum mu_unit unit;
     size_t at; /* bytes from the element's beginning */
 };
+
+#define MU_READING_NUMBER_(type, member, ...) MU_READING_##member,
+enum mu_reading { MU_READINGS(MU_READING_NUMBER_) MU_READING_COUNT };
+
+/* Where struct mu_percept has the numbers that every body has. */
+extern const struct mu_field mu_readings[MU_READING_COUNT];
 
 struct mu_channel {
     const char *fact;

@@ -7,6 +7,7 @@
 #define MUSTER_AGENT_CLIPS_MIND_H
 
 #include "core/random.h"
+#include "core/sensors.h"
 #include "mind/engine/syntax.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
@@ -127,6 +128,24 @@ enum clips_diary_fact {
     CLIPS_DIARY_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
 };
 
+/* The lists of a percept, and the facts of each: a plain list is one. */
+#define PERCEPT_ELEMENTS(id, senses, type, list, count, most, ...) type list[most];
+#define PERCEPT_FACTS(id, senses, type, list, count, most, ...) \
+    struct fact *list[_Generic((type *)0, float * : 1, default : (most))];
+struct percept_elements {
+    MU_CHANNELS(PERCEPT_ELEMENTS)
+};
+struct percept_facts {
+    MU_CHANNELS(PERCEPT_FACTS)
+};
+
+/* What belongs to one row of mu_channels. */
+struct percept_list {
+    void *elements;
+    struct fact **facts;
+    struct deftemplate *relation;
+};
+
 struct mind {
     void *env; /* NULL: there is none, or it broke */
     struct clips_heap heap;
@@ -137,16 +156,15 @@ struct mind {
 
     /* percepts */
     struct mu_percept percept;
-    float sonar[MU_SONARS_MAX], laser_m[MU_BEAMS_MAX];
-    struct mu_blob blobs[MU_BLOBS_MAX];
-    struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
+    struct percept_elements elements;
+    struct percept_facts list_facts;
+    struct percept_list lists[MU_CHANNEL_COUNT];
     bool sensed;
     uint32_t senses_named; /* enum mu_sense: by calls of their functions */
     uint64_t step;
-    struct deftemplate *position, *ring, *laser, *blob, *fiducial, *message, *event, *mail;
+    struct deftemplate *position, *message, *event, *mail;
     struct defglobal *globals[CLIPS_GLOBALS];
-    struct fact *position_fact, *ring_fact, *laser_fact;
-    struct fact *blob_facts[MU_BLOBS_MAX], *fiducial_facts[MU_FIDUCIALS_MAX];
+    struct fact *position_fact;
     bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
     long long ring_number; /* that it would bear */
 

@@ -141,7 +141,7 @@ static struct glance_before glance_begin(struct mind *m)
 static void glance_end(struct mind *m, const struct glance_before *before)
 {
     if (before->ring_unseen) {
-        fact_retract(m, &m->ring_fact);
+        fact_retract(m, m->lists[MU_CHANNEL_SONAR].facts);
     }
     CleanCurrentGarbageFrame(m->env, NULL);
     FactData(m->env)->NextFactIndex = before->next_fact;

@@ -157,14 +157,7 @@ bool mind_speaks(const struct mind *m)
 
 uint32_t mind_senses(const struct mind *m)
 {
-    if (!m->env) {
-        return m->senses_named;
-    }
-    uint32_t used = (fact_is_used(m->ring) ? MU_SENSE_SONAR : 0u) |
-                    (fact_is_used(m->laser) ? MU_SENSE_LASER : 0u) |
-                    (fact_is_used(m->blob) ? MU_SENSE_CAMERA : 0u) |
-                    (fact_is_used(m->fiducial) ? MU_SENSE_FIDUCIALS : 0u);
-    return used | m->senses_named;
+    return sensors_wanted(m);
 }
 
 mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)

@@ -37,21 +37,26 @@ bool fact_is_used(const struct deftemplate *template)
 }
 
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
+static struct deftemplate *fact_hold_relation(struct mind *m, const char *name)
+{
+    struct deftemplate *t = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, name), TRUE);
+    t->busyCount++;
+    return t;
+}
+
 bool facts_build(struct mind *m)
 {
-    struct deftemplate **implied[] = {&m->position, &m->ring,    &m->laser, &m->blob,
-                                      &m->fiducial, &m->message, &m->event};
-    static const char *const names[] = {"position", "sonar",   "laser", "blob",
-                                        "fiducial", "message", "event"};
     if (!EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
                           " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
                           " (slot conversation) (multislot content) (slot layer))")) {
         return false;
     }
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        *implied[i] = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, names[i]), TRUE);
-        (*implied[i])->busyCount++;
+    m->position = fact_hold_relation(m, "position");
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        m->lists[i].relation = fact_hold_relation(m, mu_channels[i].fact);
     }
+    m->message = fact_hold_relation(m, "message");
+    m->event = fact_hold_relation(m, "event");
     m->mail = EnvFindDeftemplate(m->env, "mail");
     m->mail->busyCount++;
     return true;

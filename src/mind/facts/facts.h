@@ -29,27 +29,23 @@ bool fact_is_used(const struct deftemplate *template);
  */
 void sensors_note(struct mind *m, const char *word);
 
+/** @return bits of enum mu_sense: what rules look at */
+uint32_t sensors_wanted(const struct mind *m);
+
 /** @return the colour's name, or #rrggbb in bytes */
 const char *sensors_color(uint32_t rgb, char bytes[8]);
 
-/** Writes four fields: colour, bearing deg, width deg, range mm. */
-void sensors_set_blob(struct mind *m, const struct mu_blob *b, struct multifield *fields,
-                      size_t at);
-
-/** Writes four fields: number, bearing deg, range mm, heading deg. */
-void sensors_set_fiducial(struct mind *m, const struct mu_fiducial *f, struct multifield *fields,
-                          size_t at);
+/** Writes the fields of some elements of a list, in the units of rules. */
+void sensors_set(struct mind *m, const struct mu_channel *c, const void *elements, size_t count,
+                 struct multifield *fields, size_t at);
 
 /** Writes time s, x mm, y mm, speed mm/s, turn rate deg/s, compass deg in (-180, 180]. */
 void sensors_set_position(const struct mu_percept *p, double out[6]);
 
 /* percept.c */
 
-/* Numbers of a percept that every body has; the order is that of a capsule. */
-enum { PERCEPT_REALS = 12 };
-
-/** Says where they are. */
-void percept_reals(struct mu_percept *p, double *reals[PERCEPT_REALS]);
+/** @return how many facts a list may have now: those that are not there are NULL */
+size_t percept_fact_count(const struct mind *m, size_t number);
 
 /** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
 void percept_show(struct mind *m);
@@ -59,6 +55,8 @@ void percept_take(struct mind *m, const struct mu_percept *p);
 
 /** There is no percept any more: its facts go, the time stays. */
 void percept_lose(struct mind *m, uint64_t time_ns);
+
+/** Says where the lists and their facts are, and what (reset) takes along. */
 void percept_install(struct mind *m);
 
 /* messages.c */

@@ -19,51 +19,27 @@ static struct fact *percept_position(struct mind *m)
     return fact_assert(m, m->position, fields);
 }
 
-static struct fact *percept_sonar(struct mind *m)
+/* The time and some elements; NULL: there are none. */
+static struct multifield *percept_fields(struct mind *m, const struct mu_channel *c,
+                                         const void *element, size_t count)
 {
-    size_t count = m->percept.sonar_count;
-    if (count == 0) {
-        return NULL;
-    }
-    struct multifield *fields = CreateMultifield2(m->env, (long)count + 1);
+    struct multifield *fields = CreateMultifield2(m->env, (long)(count * c->field_count) + 1);
     clips_value_set_float(m->env, fields, 0, (double)m->percept.time_ns * 1e-9);
-    for (size_t i = 0; i < count; i++) {
-        clips_value_set_float(m->env, fields, i + 1, (double)m->sonar[i] * 1000);
-    }
-    return fact_assert(m, m->ring, fields);
+    sensors_set(m, c, element, count, fields, 1);
+    return fields;
 }
 
-static struct fact *percept_laser(struct mind *m)
+static void percept_list_assert(struct mind *m, size_t number)
 {
-    size_t count = m->percept.laser_count;
-    if (count == 0 || !(fact_is_used(m->laser) || m->senses_named & MU_SENSE_LASER)) {
-        return NULL;
+    const struct mu_channel *c = &mu_channels[number];
+    struct percept_list *list = &m->lists[number];
+    size_t count;
+    const char *element = mu_channel_list(c, &m->percept, &count);
+    if (c->plain && count > 0) {
+        list->facts[0] = fact_assert(m, list->relation, percept_fields(m, c, element, count));
     }
-    struct multifield *fields = CreateMultifield2(m->env, (long)count + 1);
-    clips_value_set_float(m->env, fields, 0, (double)m->percept.time_ns * 1e-9);
-    for (size_t i = 0; i < count; i++) {
-        clips_value_set_float(m->env, fields, i + 1, (double)m->laser_m[i] * 1000);
-    }
-    return fact_assert(m, m->laser, fields);
-}
-
-/* What is seen becomes facts for those who have a pattern of them. */
-static void percept_sights(struct mind *m)
-{
-    double time_s = (double)m->percept.time_ns * 1e-9;
-    bool blobs = fact_is_used(m->blob);
-    bool fiducials = fact_is_used(m->fiducial);
-    for (size_t i = 0; blobs && i < m->percept.blob_count; i++) {
-        struct multifield *fields = CreateMultifield2(m->env, 5);
-        clips_value_set_float(m->env, fields, 0, time_s);
-        sensors_set_blob(m, &m->blobs[i], fields, 1);
-        m->blob_facts[i] = fact_assert(m, m->blob, fields);
-    }
-    for (size_t i = 0; fiducials && i < m->percept.fiducial_count; i++) {
-        struct multifield *fields = CreateMultifield2(m->env, 5);
-        clips_value_set_float(m->env, fields, 0, time_s);
-        sensors_set_fiducial(m, &m->fiducials[i], fields, 1);
-        m->fiducial_facts[i] = fact_assert(m, m->fiducial, fields);
+    for (size_t i = 0; i < count && !c->plain; i++, element += c->bytes) {
+        list->facts[i] = fact_assert(m, list->relation, percept_fields(m, c, element, 1));
     }
 }
 
@@ -75,7 +51,7 @@ void percept_show(struct mind *m)
         EnvIncrementGCLocks(m->env);
         FactData(m->env)->NextFactIndex = m->ring_number;
         m->diary_fact = CLIPS_DIARY_SHOWN;
-        m->ring_fact = percept_sonar(m);
+        percept_list_assert(m, MU_CHANNEL_SONAR);
         m->diary_fact = CLIPS_DIARY_CAUSED;
         FactData(m->env)->NextFactIndex = next;
         EnvDecrementGCLocks(m->env);
@@ -85,11 +61,26 @@ void percept_show(struct mind *m)
 /* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
 static void percept_ring(struct mind *m)
 {
-    m->ring_unseen = m->percept.sonar_count > 0 && !fact_is_used(m->ring);
+    m->ring_unseen =
+        m->percept.sonar_count > 0 && !fact_is_used(m->lists[MU_CHANNEL_SONAR].relation);
     if (m->ring_unseen) {
         m->ring_number = FactData(m->env)->NextFactIndex++;
     } else {
-        m->ring_fact = percept_sonar(m);
+        percept_list_assert(m, MU_CHANNEL_SONAR);
+    }
+}
+
+/* A plain list becomes a fact when its sensor is looked at in any way, a record only for those who
+ * have a pattern of it. */
+static void percept_lists(struct mind *m)
+{
+    uint32_t senses = sensors_wanted(m);
+    percept_ring(m);
+    for (size_t i = MU_CHANNEL_SONAR + 1; i < MU_CHANNEL_COUNT; i++) {
+        const struct mu_channel *c = &mu_channels[i];
+        if (c->plain ? (senses & c->senses) == c->senses : fact_is_used(m->lists[i].relation)) {
+            percept_list_assert(m, i);
+        }
     }
 }
 
@@ -97,87 +88,65 @@ static void percept_ring(struct mind *m)
 static void percept_retract_all(struct mind *m)
 {
     fact_retract(m, &m->position_fact);
-    fact_retract(m, &m->ring_fact);
-    fact_retract(m, &m->laser_fact);
-    for (size_t i = 0; i < m->percept.blob_count; i++) {
-        fact_retract(m, &m->blob_facts[i]);
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        size_t count = percept_fact_count(m, i);
+        for (size_t k = 0; k < count; k++) {
+            fact_retract(m, &m->lists[i].facts[k]);
+        }
     }
-    for (size_t i = 0; i < m->percept.fiducial_count; i++) {
-        fact_retract(m, &m->fiducial_facts[i]);
-    }
+}
+
+size_t percept_fact_count(const struct mind *m, size_t number)
+{
+    size_t count;
+    (void)mu_channel_list(&mu_channels[number], &m->percept, &count);
+    return mu_channels[number].plain ? 1 : count;
 }
 
 /* Numbers that are no numbers would only poison what rules compute: 0 stands for them. */
-static double percept_finite(double x)
+static void percept_make_finite(const struct mu_field *f, char *element)
 {
-    return isfinite(x) ? x : 0;
-}
-
-static size_t percept_ranges(float *to, const float *from_m, size_t count, size_t most)
-{
-    count = count < most ? count : most;
-    for (size_t i = 0; i < count; i++) {
-        to[i] = isfinite(from_m[i]) ? from_m[i] : 0;
-    }
-    return count;
-}
-
-void percept_reals(struct mu_percept *p, double *reals[PERCEPT_REALS])
-{
-    double *const all[PERCEPT_REALS] = {&p->x_m,
-                                        &p->y_m,
-                                        &p->heading_rad,
-                                        &p->forward_m_s,
-                                        &p->turn_rad_s,
-                                        &p->gps_x_m,
-                                        &p->gps_y_m,
-                                        &p->compass_rad,
-                                        &p->odometer_x_m,
-                                        &p->odometer_y_m,
-                                        &p->odometer_heading_rad,
-                                        &p->battery_share};
-    memcpy(reals, all, sizeof all);
-}
-
-static void percept_copy_body(struct mu_percept *p)
-{
-    double *reals[PERCEPT_REALS];
-    percept_reals(p, reals);
-    for (size_t i = 0; i < PERCEPT_REALS; i++) {
-        *reals[i] = percept_finite(*reals[i]);
+    double real;
+    float range;
+    if (f->type == MU_FIELD_double) {
+        memcpy(&real, element + f->at, sizeof real);
+        real = isfinite(real) ? real : 0;
+        memcpy(element + f->at, &real, sizeof real);
+    } else if (f->type == MU_FIELD_float) {
+        memcpy(&range, element + f->at, sizeof range);
+        range = isfinite(range) ? range : 0;
+        memcpy(element + f->at, &range, sizeof range);
     }
 }
 
-static void percept_copy_sights(struct mind *m, const struct mu_percept *p)
+static void percept_copy_list(struct mind *m, size_t number, const struct mu_percept *from)
 {
-    size_t blobs = p->blob_count < MU_BLOBS_MAX ? p->blob_count : MU_BLOBS_MAX;
-    size_t fiducials = p->fiducial_count < MU_FIDUCIALS_MAX ? p->fiducial_count : MU_FIDUCIALS_MAX;
-    for (size_t i = 0; i < blobs; i++) {
-        const struct mu_blob *b = &p->blobs[i];
-        m->blobs[i] = (struct mu_blob){b->rgb, percept_finite(b->bearing_rad),
-                                       percept_finite(b->width_rad), percept_finite(b->range_m)};
+    const struct mu_channel *c = &mu_channels[number];
+    char *element = m->lists[number].elements;
+    size_t count;
+    const void *list = mu_channel_list(c, from, &count);
+    count = count < c->most ? count : c->most;
+    mu_channel_set(c, &m->percept, element, count);
+    if (count > 0) {
+        memcpy(element, list, count * c->bytes);
     }
-    for (size_t i = 0; i < fiducials; i++) {
-        const struct mu_fiducial *f = &p->fiducials[i];
-        m->fiducials[i] =
-            (struct mu_fiducial){f->number, percept_finite(f->bearing_rad),
-                                 percept_finite(f->range_m), percept_finite(f->heading_rad)};
+    for (size_t i = 0; i < count; i++, element += c->bytes) {
+        for (size_t k = 0; k < c->field_count; k++) {
+            percept_make_finite(&c->fields[k], element);
+        }
     }
-    m->percept.blob_count = blobs;
-    m->percept.fiducial_count = fiducials;
-    m->percept.blobs = m->blobs;
-    m->percept.fiducials = m->fiducials;
 }
 
 static void percept_copy(struct mind *m, const struct mu_percept *p)
 {
     m->percept = *p;
-    percept_copy_body(&m->percept);
-    percept_copy_sights(m, p);
-    m->percept.sonar_count = percept_ranges(m->sonar, p->sonar_m, p->sonar_count, MU_SONARS_MAX);
-    m->percept.laser_count = percept_ranges(m->laser_m, p->laser_m, p->laser_count, MU_BEAMS_MAX);
-    m->percept.sonar_m = m->sonar;
-    m->percept.laser_m = m->laser_m;
+    m->percept.robot = NULL; /* the caller's */
+    for (size_t i = 0; i < MU_READING_COUNT; i++) {
+        percept_make_finite(&mu_readings[i], (char *)&m->percept);
+    }
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        percept_copy_list(m, i, p);
+    }
     m->sensed = true;
 }
 
@@ -187,9 +156,7 @@ void percept_take(struct mind *m, const struct mu_percept *p)
     percept_retract_all(m);
     percept_copy(m, p);
     m->position_fact = percept_position(m);
-    percept_ring(m);
-    m->laser_fact = percept_laser(m);
-    percept_sights(m);
+    percept_lists(m);
     m->diary_fact = CLIPS_DIARY_CAUSED;
 }
 
@@ -209,5 +176,10 @@ static void percept_reset(void *env)
 
 void percept_install(struct mind *m)
 {
+#define LIST(id, senses, type, list, ...) \
+    m->lists[MU_CHANNEL_##id] =           \
+        (struct percept_list){.elements = m->elements.list, .facts = m->list_facts.list};
+    MU_CHANNELS(LIST)
+#undef LIST
     EnvAddResetFunction(m->env, "mu-percept", percept_reset, 100);
 }

@@ -6,24 +6,29 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Who calls such a function, or has a pattern of such a fact, looks at that sensor. */
-static const struct {
-    const char *word;
-    uint32_t sense;
-} sense_words[] = {
-    {"sonar", MU_SENSE_SONAR},        {"clear-way", MU_SENSE_SONAR},
-    {"laser", MU_SENSE_LASER},        {"camera", MU_SENSE_CAMERA},
-    {"blob", MU_SENSE_CAMERA},        {"fiducials", MU_SENSE_FIDUCIALS},
-    {"fiducial", MU_SENSE_FIDUCIALS},
-};
-
+/* Who calls a function of a sensor, or has a pattern of its facts, looks at that sensor. */
 void sensors_note(struct mind *m, const char *word)
 {
-    for (size_t i = 0; i < sizeof sense_words / sizeof sense_words[0]; i++) {
-        if (strcmp(word, sense_words[i].word) == 0) {
-            m->senses_named |= sense_words[i].sense;
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        if (strcmp(word, mu_channels[i].fact) == 0) {
+            m->senses_named |= mu_channels[i].senses;
         }
     }
+    if (strcmp(word, "all") != 0) {
+        m->senses_named |= mu_sensor_bits(word);
+    }
+    if (strcmp(word, "clear-way") == 0) {
+        m->senses_named |= MU_SENSE_SONAR;
+    }
+}
+
+uint32_t sensors_wanted(const struct mind *m)
+{
+    uint32_t senses = m->senses_named;
+    for (size_t i = 0; i < MU_CHANNEL_COUNT && m->env; i++) {
+        senses |= fact_is_used(m->lists[i].relation) ? mu_channels[i].senses : 0;
+    }
+    return senses;
 }
 
 /* The colours that have a name: X11's, which world files use. */
@@ -48,23 +53,52 @@ const char *sensors_color(uint32_t rgb, char bytes[8])
     return bytes;
 }
 
-void sensors_set_blob(struct mind *m, const struct mu_blob *b, struct multifield *fields, size_t at)
+static double sensors_real(enum mu_field_type type, const char *at)
 {
-    char bytes[8];
-    clips_value_set_symbol(m->env, fields, at, sensors_color(b->rgb, bytes));
-    clips_value_set_float(m->env, fields, at + 1, b->bearing_rad * VALUE_DEG);
-    clips_value_set_float(m->env, fields, at + 2, b->width_rad * VALUE_DEG);
-    clips_value_set_float(m->env, fields, at + 3, b->range_m * 1000);
+    double real;
+    float range;
+    uint32_t bits;
+    switch (type) {
+    case MU_FIELD_double: memcpy(&real, at, sizeof real); return real;
+    case MU_FIELD_float: memcpy(&range, at, sizeof range); return (double)range;
+    case MU_FIELD_uint32_t: memcpy(&bits, at, sizeof bits); return (double)bits;
+    case MU_FIELD_int32_t: memcpy(&bits, at, sizeof bits); return (double)(int32_t)bits;
+    case MU_FIELD_bool: return *at;
+    }
+    return 0;
 }
 
-void sensors_set_fiducial(struct mind *m, const struct mu_fiducial *f, struct multifield *fields,
-                          size_t at)
+static void sensors_set_field(struct mind *m, const struct mu_field *f, const char *element,
+                              struct multifield *fields, size_t at)
 {
-    fields->theFields[at].type = INTEGER;
-    fields->theFields[at].value = EnvAddLong(m->env, f->number);
-    clips_value_set_float(m->env, fields, at + 1, f->bearing_rad * VALUE_DEG);
-    clips_value_set_float(m->env, fields, at + 2, f->range_m * 1000);
-    clips_value_set_float(m->env, fields, at + 3, value_norm_deg(f->heading_rad * VALUE_DEG));
+    double x = sensors_real(f->type, element + f->at);
+    char bytes[8];
+    switch (f->unit) {
+    case MU_UNIT_MM: x *= 1000; break;
+    case MU_UNIT_DEG: x *= VALUE_DEG; break;
+    case MU_UNIT_HEADING: x = value_norm_deg(x * VALUE_DEG); break;
+    case MU_UNIT_COLOR:
+        clips_value_set_symbol(m->env, fields, at, sensors_color((uint32_t)x, bytes));
+        return;
+    case MU_UNIT_AS_IS: break;
+    }
+    if (f->type == MU_FIELD_int32_t) {
+        fields->theFields[at].type = INTEGER;
+        fields->theFields[at].value = EnvAddLong(m->env, (long long)x);
+    } else {
+        clips_value_set_float(m->env, fields, at, x);
+    }
+}
+
+void sensors_set(struct mind *m, const struct mu_channel *c, const void *elements, size_t count,
+                 struct multifield *fields, size_t at)
+{
+    const char *element = elements;
+    for (size_t i = 0; i < count; i++, element += c->bytes) {
+        for (size_t k = 0; k < c->field_count; k++) {
+            sensors_set_field(m, &c->fields[k], element, fields, at++);
+        }
+    }
 }
 
 void sensors_set_position(const struct mu_percept *p, double out[6])

@@ -86,8 +86,9 @@ void avoidance_clear_way(void *env, DATA_OBJECT *out)
         return;
     }
     for (size_t i = 0; i < WAY_FRONT; i++) {
-        bool seen = m->percept.sonar_count >= WAY_FRONT && (double)m->sonar[i] * 1000 <= arg[1];
-        ring_mm[i] = seen ? (double)m->sonar[i] * 1000 : way_nothing_mm;
+        bool seen =
+            m->percept.sonar_count >= WAY_FRONT && (double)m->percept.sonar_m[i] * 1000 <= arg[1];
+        ring_mm[i] = seen ? (double)m->percept.sonar_m[i] * 1000 : way_nothing_mm;
     }
     double want_deg = fmax(-90, fmin(value_norm_deg(arg[0]), 90));
     double turns_deg = m->percept.turn_rad_s * VALUE_DEG / way_turn_s;

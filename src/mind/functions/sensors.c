@@ -7,9 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Four fields tell of a blob, and of a fiducial. */
-enum { SENSORS_FIELDS = 4 };
-
 void sensors_position(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
@@ -41,7 +38,7 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
     clips_value_bool(env, out, false);
     if (EnvRtnArgCount(env) == 0) {
         for (size_t i = 0; i < count; i++) {
-            ranges_mm[i] = (double)m->sonar[i] * 1000;
+            ranges_mm[i] = (double)m->percept.sonar_m[i] * 1000;
         }
         clips_value_floats(env, out, count, ranges_mm);
         return;
@@ -57,7 +54,7 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
         return;
     }
-    clips_value_float(env, out, (double)m->sonar[index] * 1000);
+    clips_value_float(env, out, (double)m->percept.sonar_m[index] * 1000);
 }
 
 /* Takes the least of an argument, a number or several.  @return false: it holds something else */
@@ -98,84 +95,96 @@ void sensors_sonar_data(void *env, DATA_OBJECT *out)
     clips_value_float(env, out, fmax(0, fmin(clear, clip)));
 }
 
-/* The index of a beam as an argument.  @return false: it is none, and a CLIPS error */
-static bool sense_beam(void *env, int argument, size_t count, long long *index)
+/* The index of an element as an argument.  @return false: it is none, and a CLIPS error */
+static bool list_index(void *env, const struct mu_channel *c, int argument, size_t count,
+                       long long *index)
 {
-    if (!clips_value_whole(env, "laser", argument, index)) {
+    if (!clips_value_whole(env, c->fact, argument, index)) {
         return false;
     }
     if (*index < 0 || (size_t)*index >= count) {
-        clips_value_refuse(env, "laser", "the index of a beam that was read, from 0");
+        clips_value_refuse(env, c->fact, "the index of a beam that was read, from 0");
         return false;
     }
     return true;
 }
 
-void sensors_laser(void *env, DATA_OBJECT *out)
+/* The plain list that the function called is named after. */
+static const struct mu_channel *list_called(void *env)
 {
-    const struct mind *m = environment_mind(env);
+    const char *name =
+        ValueToString(ExpressionFunctionCallName(EvaluationData(env)->CurrentExpression));
+    size_t i = 0;
+    while (strcmp(mu_channels[i].fact, name) != 0) {
+        i++;
+        MU_ASSERT(i < MU_CHANNEL_COUNT);
+    }
+    return &mu_channels[i];
+}
+
+void sensors_list(void *env, DATA_OBJECT *out)
+{
+    struct mind *m = environment_mind(env);
+    const struct mu_channel *c = list_called(env);
+    size_t count;
+    const char *elements = mu_channel_list(c, &m->percept, &count);
     int arguments = EnvRtnArgCount(env);
-    size_t count = m->percept.laser_count;
     long long from = 0, to = (long long)count - 1;
     clips_value_bool(env, out, false);
-    if (arguments > 0 && (!sense_beam(env, 1, count, &from) ||
-                          (arguments == 2 && !sense_beam(env, 2, count, &to)))) {
+    if (arguments > 0 && (!list_index(env, c, 1, count, &from) ||
+                          (arguments == 2 && !list_index(env, c, 2, count, &to)))) {
         return;
     }
+    to = arguments == 1 ? from : to;
+    size_t length = to >= from ? (size_t)(to - from + 1) : 0;
+    struct multifield *fields = EnvCreateMultifield(env, (long)length);
+    sensors_set(m, c, elements + (size_t)from * c->bytes, length, fields, 0);
+    clips_value_multifield(out, fields);
     if (arguments == 1) {
-        clips_value_float(env, out, (double)m->laser_m[from] * 1000);
-        return;
+        out->type = fields->theFields[0].type;
+        out->value = fields->theFields[0].value;
     }
-    long length = to >= from ? (long)(to - from + 1) : 0;
-    struct multifield *fields = EnvCreateMultifield(env, length);
-    for (long i = 0; i < length; i++) {
-        clips_value_set_float(env, fields, (size_t)i, (double)m->laser_m[from + i] * 1000);
+}
+
+/* Gives the records that are picked, each in its fields; picked NULL: all. */
+static void records_give(void *env, size_t number, const bool *picked, DATA_OBJECT *out)
+{
+    struct mind *m = environment_mind(env);
+    const struct mu_channel *c = &mu_channels[number];
+    size_t count, wanted = 0, at = 0;
+    const char *record = mu_channel_list(c, &m->percept, &count);
+    for (size_t i = 0; i < count; i++) {
+        wanted += !picked || picked[i];
+    }
+    struct multifield *fields = EnvCreateMultifield(env, (long)(wanted * c->field_count));
+    for (size_t i = 0; i < count; i++, record += c->bytes) {
+        if (!picked || picked[i]) {
+            sensors_set(m, c, record, 1, fields, at);
+            at += c->field_count;
+        }
     }
     clips_value_multifield(out, fields);
 }
 
-/* Marks the blobs of that colour.  @return how many there are */
-static size_t sense_pick(const struct mind *m, const char *color, bool picked[MU_BLOBS_MAX])
-{
-    size_t count = 0;
-    for (size_t i = 0; i < m->percept.blob_count; i++) {
-        char bytes[8];
-        picked[i] = !color || strcmp(sensors_color(m->blobs[i].rgb, bytes), color) == 0;
-        count += picked[i];
-    }
-    return count;
-}
-
 void sensors_camera(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = environment_mind(env);
+    const struct mu_percept *p = &environment_mind(env)->percept;
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
     if (EnvRtnArgCount(env) == 1 && !clips_value_word(env, "camera", 1, &color)) {
         return;
     }
-    size_t count = sense_pick(m, color, picked);
-    struct multifield *fields = EnvCreateMultifield(env, (long)(count * SENSORS_FIELDS));
-    size_t at = 0;
-    for (size_t i = 0; i < m->percept.blob_count; i++) {
-        if (picked[i]) {
-            sensors_set_blob(m, &m->blobs[i], fields, at);
-            at += SENSORS_FIELDS;
-        }
+    for (size_t i = 0; i < p->blob_count; i++) {
+        char bytes[8];
+        picked[i] = !color || strcmp(sensors_color(p->blobs[i].rgb, bytes), color) == 0;
     }
-    clips_value_multifield(out, fields);
+    records_give(env, MU_CHANNEL_BLOBS, picked, out);
 }
 
 void sensors_fiducials(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = environment_mind(env);
-    size_t count = m->percept.fiducial_count;
-    struct multifield *fields = EnvCreateMultifield(env, (long)(count * SENSORS_FIELDS));
-    for (size_t i = 0; i < count; i++) {
-        sensors_set_fiducial(m, &m->fiducials[i], fields, i * SENSORS_FIELDS);
-    }
-    clips_value_multifield(out, fields);
+    records_give(env, MU_CHANNEL_FIDUCIALS, NULL, out);
 }
 
 void sensors_gps(void *env, DATA_OBJECT *out)

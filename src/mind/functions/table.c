@@ -95,10 +95,10 @@ static struct expr *sense_parse(void *env, struct expr *top, const char *source)
 
 static void sense_install(struct mind *m)
 {
-    static const char *const functions[] = {"sonar", "clear-way", "laser", "camera", "fiducials"};
-    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
-        function_note(m, functions[i], sense_parse);
-    }
+#define NOTE(id, word, ...) function_note(m, word, sense_parse);
+    MU_SENSORS(NOTE)
+#undef NOTE
+    function_note(m, "clear-way", sense_parse);
 }
 
 void functions_install(struct mind *m)

@@ -31,7 +31,7 @@
       "(sonar [i [otherwise]])", \
       "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
       "such") \
-    X("laser", 'u', sensors_laser, "02i", \
+    X("laser", 'u', sensors_list, "02i", \
       "(laser [from [to]])", \
       "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
       "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \

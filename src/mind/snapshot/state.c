@@ -7,16 +7,6 @@
 
 /* --- numbers ---------------------------------------------------------------------------------- */
 
-static bool reals_load(struct snapshot *c, double **reals, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (!snapshot_real(c, reals[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static void floats_save(struct mu_text *out, const char *word, const float *at, size_t count)
 {
     mu_text_format(out, "%s %zu", word, count);
@@ -30,7 +20,10 @@ static bool floats_load(struct snapshot *c, const char *word, float *to, size_t 
 {
     uint64_t wanted;
     double x;
-    if (!snapshot_line(c, word) || !snapshot_count(c, &wanted) || wanted > most) {
+    if (!snapshot_line(c, word)) {
+        return true; /* it is of an earlier version, without such a list */
+    }
+    if (!snapshot_count(c, &wanted) || wanted > most) {
         return false;
     }
     for (*count = 0; *count < wanted; (*count)++) {
@@ -88,96 +81,123 @@ static bool facts_load(struct snapshot *c, struct fact **facts, size_t count)
 
 /* --- percept ---------------------------------------------------------------------------------- */
 
+static void field_save(struct mu_text *out, const struct mu_field *f, const char *element)
+{
+    double real;
+    uint32_t bits;
+    if (f->type == MU_FIELD_double) {
+        memcpy(&real, element + f->at, sizeof real);
+        snapshot_add_real(out, real);
+    } else {
+        memcpy(&bits, element + f->at, sizeof bits);
+        mu_text_format(out, f->type == MU_FIELD_int32_t ? " %d" : " %u", bits);
+    }
+}
+
+static bool field_load(struct snapshot *c, const struct mu_field *f, char *element)
+{
+    double real;
+    long long whole;
+    if (f->type == MU_FIELD_double) {
+        bool good = snapshot_real(c, &real);
+        memcpy(element + f->at, &real, sizeof real);
+        return good;
+    }
+    bool good = snapshot_whole(c, &whole);
+    memcpy(element + f->at, &(uint32_t){(uint32_t)whole}, sizeof(uint32_t));
+    return good;
+}
+
+/* A plain list is one line; of records, each is one. */
+static void list_save(struct mind *m, struct mu_text *out, const struct mu_channel *c)
+{
+    size_t count;
+    const char *element = mu_channel_list(c, &m->percept, &count);
+    if (c->plain) {
+        floats_save(out, c->fact, (const float *)(const void *)element, count);
+        return;
+    }
+    for (size_t i = 0; i < count; i++, element += c->bytes) {
+        mu_text_add(out, c->fact);
+        for (size_t k = 0; k < c->field_count; k++) {
+            field_save(out, &c->fields[k], element);
+        }
+        mu_text_add(out, "\n");
+    }
+}
+
+static bool records_load(struct snapshot *c, const struct mu_channel *channel, char *element,
+                         size_t *count)
+{
+    for (*count = 0; snapshot_line(c, channel->fact); (*count)++) {
+        bool good = *count < channel->most;
+        for (size_t k = 0; good && k < channel->field_count; k++) {
+            good = field_load(c, &channel->fields[k], element);
+        }
+        if (!good || !snapshot_end(c)) {
+            return false;
+        }
+        element += channel->bytes;
+    }
+    return true;
+}
+
+static bool lists_load(struct snapshot *c)
+{
+    bool good = true;
+    for (size_t i = 0; i < MU_CHANNEL_COUNT && good; i++) {
+        const struct mu_channel *channel = &mu_channels[i];
+        void *elements = c->mind->lists[i].elements;
+        size_t count = 0;
+        good = channel->plain ? floats_load(c, channel->fact, elements, &count, channel->most)
+                              : records_load(c, channel, elements, &count);
+        mu_channel_set(channel, &c->mind->percept, elements, count);
+    }
+    return good;
+}
+
 static void percept_save(struct mind *m, struct mu_text *out)
 {
-    struct mu_percept *p = &m->percept;
-    double *reals[PERCEPT_REALS];
-    percept_reals(p, reals);
+    const struct mu_percept *p = &m->percept;
     mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
                    p->stalled, p->bumpers, p->gripper);
-    for (size_t i = 0; i < PERCEPT_REALS; i++) {
-        snapshot_add_real(out, *reals[i]);
+    for (size_t i = 0; i < MU_READING_COUNT; i++) {
+        if (mu_readings[i].type == MU_FIELD_double) {
+            field_save(out, &mu_readings[i], (const char *)p);
+        }
     }
     mu_text_add(out, "\n");
-    floats_save(out, "sonar", m->sonar, p->sonar_count);
-    floats_save(out, "laser", m->laser_m, p->laser_count);
-    for (size_t i = 0; i < p->blob_count; i++) {
-        const struct mu_blob *b = &m->blobs[i];
-        mu_text_format(out, "blob %u %a %a %a\n", b->rgb, b->bearing_rad, b->width_rad, b->range_m);
-    }
-    for (size_t i = 0; i < p->fiducial_count; i++) {
-        const struct mu_fiducial *f = &m->fiducials[i];
-        mu_text_format(out, "fiducial %d %a %a %a\n", f->number, f->bearing_rad, f->range_m,
-                       f->heading_rad);
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        list_save(m, out, &mu_channels[i]);
     }
     mu_text_format(out, "percept-facts %d %lld", m->ring_unseen, m->ring_number);
-    struct fact *const facts[] = {m->position_fact, m->ring_fact, m->laser_fact};
-    facts_save(m, out, facts, 3);
-    facts_save(m, out, m->blob_facts, p->blob_count);
-    facts_save(m, out, m->fiducial_facts, p->fiducial_count);
+    facts_save(m, out, &m->position_fact, 1);
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        facts_save(m, out, m->lists[i].facts, percept_fact_count(m, i));
+    }
     mu_text_add(out, "\n");
 }
 
 static bool percept_line_load(struct snapshot *c)
 {
-    struct mind *m = c->mind;
     struct mu_percept p = {.time_ns = 0};
-    double *reals[PERCEPT_REALS];
     uint64_t n[5];
-    percept_reals(&p, reals);
     bool good = snapshot_line(c, "percept");
     for (size_t i = 0; i < 5 && good; i++) {
         good = snapshot_count(c, &n[i]);
     }
-    if (!good || !reals_load(c, reals, PERCEPT_REALS) || !snapshot_end(c)) {
+    for (size_t i = 0; i < MU_READING_COUNT && good; i++) {
+        good = mu_readings[i].type != MU_FIELD_double || field_load(c, &mu_readings[i], (char *)&p);
+    }
+    if (!good || !snapshot_end(c)) {
         return false;
     }
-    m->sensed = n[0] != 0;
+    c->mind->sensed = n[0] != 0;
     p.time_ns = n[1];
     p.stalled = n[2] != 0;
     p.bumpers = (uint32_t)n[3];
     p.gripper = (uint32_t)n[4];
-    p.sonar_m = m->sonar;
-    p.laser_m = m->laser_m;
-    p.blobs = m->blobs;
-    p.fiducials = m->fiducials;
-    m->percept = p;
-    return true;
-}
-
-static bool blobs_load(struct snapshot *c)
-{
-    struct mind *m = c->mind;
-    size_t *count = &m->percept.blob_count;
-    while (snapshot_line(c, "blob")) {
-        uint64_t rgb;
-        struct mu_blob b = {0};
-        double *reals[] = {&b.bearing_rad, &b.width_rad, &b.range_m};
-        if (*count == MU_BLOBS_MAX || !snapshot_count(c, &rgb) || !reals_load(c, reals, 3) ||
-            !snapshot_end(c)) {
-            return false;
-        }
-        b.rgb = (uint32_t)rgb;
-        m->blobs[(*count)++] = b;
-    }
-    return true;
-}
-
-static bool fiducials_load(struct snapshot *c)
-{
-    struct mind *m = c->mind;
-    size_t *count = &m->percept.fiducial_count;
-    while (snapshot_line(c, "fiducial")) {
-        long long number;
-        struct mu_fiducial f = {0};
-        double *reals[] = {&f.bearing_rad, &f.range_m, &f.heading_rad};
-        if (*count == MU_FIDUCIALS_MAX || !snapshot_whole(c, &number) || !reals_load(c, reals, 3) ||
-            !snapshot_end(c)) {
-            return false;
-        }
-        f.number = (int32_t)number;
-        m->fiducials[(*count)++] = f;
-    }
+    c->mind->percept = p;
     return true;
 }
 
@@ -185,17 +205,16 @@ static bool percept_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     uint64_t unseen;
-    if (!percept_line_load(c) ||
-        !floats_load(c, "sonar", m->sonar, &m->percept.sonar_count, MU_SONARS_MAX) ||
-        !floats_load(c, "laser", m->laser_m, &m->percept.laser_count, MU_BEAMS_MAX) ||
-        !blobs_load(c) || !fiducials_load(c) || !snapshot_line(c, "percept-facts") ||
+    if (!percept_line_load(c) || !lists_load(c) || !snapshot_line(c, "percept-facts") ||
         !snapshot_count(c, &unseen) || !snapshot_whole(c, &m->ring_number)) {
         return false;
     }
     m->ring_unseen = unseen != 0;
-    return fact_load(c, &m->position_fact) && fact_load(c, &m->ring_fact) &&
-           fact_load(c, &m->laser_fact) && facts_load(c, m->blob_facts, m->percept.blob_count) &&
-           facts_load(c, m->fiducial_facts, m->percept.fiducial_count) && snapshot_end(c);
+    bool good = fact_load(c, &m->position_fact);
+    for (size_t i = 0; i < MU_CHANNEL_COUNT && good && snapshot_more(c); i++) {
+        good = facts_load(c, m->lists[i].facts, percept_fact_count(m, i));
+    }
+    return good && snapshot_end(c);
 }
 
 /* --- mail ------------------------------------------------------------------------------------- */
