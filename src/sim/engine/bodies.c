@@ -3,7 +3,7 @@
 #include "sim/engine/engine_core.h"
 
 /* What turns a thing on the floor lies this far from its middle: the mean of a disc's radius. */
-#define BODIES_RUB_AT (2.0 / 3.0)
+#define BODIES_FRICTION_AT (2.0 / 3.0)
 
 /* --- what they are made of -------------------------------------------------------------------- */
 
@@ -95,12 +95,12 @@ static void bodies_add_object(struct engine *e, size_t k, double thinnest_m)
     *b = (struct engine_body){.name = object->name, .mass_kg = object->mass_kg};
     b->inertia_kg_m2 = ode_world_add(&size, object->shape.pose);
     b->speed_max_m_s = bodies_speed_max(e, fmin(solid.half_x, solid.half_y), thinnest_m);
-    ode_world_lay(body);
+    ode_world_add_friction(body);
     double area = size.disc ? M_PI * solid.half_x * solid.half_x : 4 * solid.half_x * solid.half_y;
     double friction = object->friction * object->mass_kg * DRIVE_GRAVITY_M_S2;
     e->objects[k] =
         (struct engine_object){.friction_n = friction,
-                               .friction_nm = friction * BODIES_RUB_AT * sqrt(area / M_PI),
+                               .friction_nm = friction * BODIES_FRICTION_AT * sqrt(area / M_PI),
                                .bearer = ENGINE_NO_BEARER};
     solid.owner = (int32_t)body;
     e->outlines[part] = solid;

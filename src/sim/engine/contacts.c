@@ -20,7 +20,7 @@ static void contacts_wake(struct engine *e, int32_t body, int32_t by)
     if (b->asleep) {
         ode_world_sleep((size_t)body, false);
         b->asleep = false;
-        motion_rub(e, (size_t)body - e->robot_count); /* only objects sleep */
+        motion_set_friction(e, (size_t)body - e->robot_count); /* only objects sleep */
     }
 }
 
@@ -51,7 +51,7 @@ static void contacts_bump(struct engine *e, const struct engine_part *part,
     }
 }
 
-static void contacts_plug(struct engine *e, const struct engine_part *part, double give_w)
+static void contacts_charge(struct engine *e, const struct engine_part *part, double give_w)
 {
     if (part->is_case) {
         struct engine_robot *r = &e->robots[part->body];
@@ -76,8 +76,8 @@ static void contacts_touch(struct engine *e, const struct engine_pair *pair)
     if (contact.count == 0) {
         return;
     }
-    contacts_plug(e, a, b->look->give_w);
-    contacts_plug(e, b, a->look->give_w);
+    contacts_charge(e, a, b->look->give_w);
+    contacts_charge(e, b, a->look->give_w);
     if (!stop) {
         return;
     }

@@ -227,7 +227,7 @@ void motion_put(struct engine *e, size_t body, struct world_pose pose);
 void motion_settle(struct engine *e);
 
 /** Lets the floor rub on an object in the next substep. */
-void motion_rub(struct engine *e, size_t object);
+void motion_set_friction(struct engine *e, size_t object);
 
 /** Pushes what is pushed from outside, and lets the floor rub on the objects. */
 void motion_load_forces(struct engine *e);

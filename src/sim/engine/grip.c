@@ -36,7 +36,7 @@ static void grip_weigh(struct engine *e, size_t robot)
 
 /* An object belongs to a body from now on: its own, or that of its bearer, who then does not see
  * it. */
-static void grip_give(struct engine *e, size_t object, size_t body)
+static void grip_assign(struct engine *e, size_t object, size_t body)
 {
     e->parts[bodies_object_part(e, object)].body = (int32_t)body;
     e->outlines[bodies_object_part(e, object)].owner = (int32_t)body;
@@ -79,7 +79,7 @@ static void grip_bind(struct engine *e, size_t robot, size_t object)
 {
     size_t body = e->robot_count + object;
     e->objects[object].bearer = (int32_t)robot;
-    grip_give(e, object, robot);
+    grip_assign(e, object, robot);
     e->bodies[body].asleep = true;
     e->bodies[body].push_substeps = 0;
     ode_world_sleep(body, true);
@@ -120,7 +120,7 @@ void grip_let_go(struct engine *e, size_t robot)
     size_t object = (size_t)(o - e->objects);
     size_t body = e->robot_count + object;
     o->bearer = ENGINE_NO_BEARER;
-    grip_give(e, object, body);
+    grip_assign(e, object, body);
     e->outlines[bodies_object_part(e, object)].away = false;
     e->bodies[body].asleep = false;
     ode_world_sleep(body, false);
@@ -174,7 +174,7 @@ static bool grip_is_takeable(const struct engine *e, size_t robot, uint32_t part
 }
 
 /* A free graspable thing between the paddles that one of them touches.  @return whether there is */
-static bool grip_find_prey(struct engine *e, size_t robot, double closed, size_t *object)
+static bool grip_find_object(struct engine *e, size_t robot, double closed, size_t *object)
 {
     size_t first = bodies_object_part(e, 0);
     space_refresh(e);
@@ -214,7 +214,7 @@ static void grip_move_paddles(struct engine *e, size_t robot)
         }
         grip_let_go(e, robot);
     }
-    if (g->closes && !gripper_is_up(g) && grip_find_prey(e, robot, next, &object)) {
+    if (g->closes && !gripper_is_up(g) && grip_find_object(e, robot, next, &object)) {
         g->closed = next;
         grip_take(e, robot, object);
     } else if (gripper_is_up(g) || grip_paddles_fit(e, robot, next)) {

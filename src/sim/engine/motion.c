@@ -91,7 +91,7 @@ void motion_settle(struct engine *e)
 
 /* --- what pushes them ------------------------------------------------------------------------- */
 
-static void motion_shove(struct engine *e, size_t body)
+static void motion_push(struct engine *e, size_t body)
 {
     struct engine_body *b = &e->bodies[body];
     if (b->push_substeps > 0) {
@@ -104,7 +104,7 @@ static void motion_shove(struct engine *e, size_t body)
  * Coulomb's friction.  What slides is braked against its motion, and nothing holds it across;
  * what would stand within a substep is held in all directions, up to the same force.
  */
-void motion_rub(struct engine *e, size_t object)
+void motion_set_friction(struct engine *e, size_t object)
 {
     const struct engine_object *o = &e->objects[object];
     size_t body = e->robot_count + object;
@@ -116,17 +116,17 @@ void motion_rub(struct engine *e, size_t object)
                              .along_n = o->friction_n,
                              .across_n = slides ? 0 : o->friction_n,
                              .turn_nm = o->friction_nm};
-    ode_world_rub(body, &f);
+    ode_world_set_friction(body, &f);
 }
 
 void motion_load_forces(struct engine *e)
 {
     for (size_t b = 0; b < e->body_count; b++) {
-        motion_shove(e, b);
+        motion_push(e, b);
     }
     for (size_t k = 0; k < e->object_count; k++) {
         if (!e->bodies[e->robot_count + k].asleep) {
-            motion_rub(e, k);
+            motion_set_friction(e, k);
         }
     }
 }

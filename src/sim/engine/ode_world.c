@@ -194,7 +194,7 @@ void ode_world_sleep(size_t body, bool sleeps)
 
 /* Friction as motors that want no motion and have so much force: the solver weighs it against what
  * pushes, so that a body that is pushed too weakly does not creep. */
-void ode_world_lay(size_t body)
+void ode_world_add_friction(size_t body)
 {
     struct ode_body *b = &ode_world.bodies[body];
     b->slide = dJointCreateLMotor(ode_world.world, 0);
@@ -206,7 +206,7 @@ void ode_world_lay(size_t body)
     dJointSetAMotorAxis(b->spin, 0, 0, 0, 0, 1);
 }
 
-void ode_world_rub(size_t body, const struct ode_friction *f)
+void ode_world_set_friction(size_t body, const struct ode_friction *f)
 {
     struct ode_body *b = &ode_world.bodies[body];
     dJointSetLMotorAxis(b->slide, 0, 0, f->along_x, f->along_y, 0);

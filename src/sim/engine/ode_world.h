@@ -58,7 +58,7 @@ void ode_world_weigh(size_t body, double mass_kg, double inertia_kg_m2);
 void ode_world_sleep(size_t body, bool sleeps);
 
 /** Lays a body on the floor, which rubs on it from now on. */
-void ode_world_lay(size_t body);
+void ode_world_add_friction(size_t body);
 
 /* What the floor can bring against a body: along a direction, across it, and against its turn. */
 struct ode_friction {
@@ -67,7 +67,7 @@ struct ode_friction {
 };
 
 /** Sets the friction of a body that lies on the floor, for the steps that come. */
-void ode_world_rub(size_t body, const struct ode_friction *friction);
+void ode_world_set_friction(size_t body, const struct ode_friction *friction);
 
 /** Pushes a body for the next step, in the world's frame; all finite. */
 void ode_world_push(size_t body, double fx_n, double fy_n, double torque_nm);

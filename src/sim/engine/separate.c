@@ -60,11 +60,8 @@ static bool separate_pair(struct engine *e, const struct engine_pair *pair)
     int32_t a = e->parts[pair->part].body;
     int32_t b = pair->stands ? ODE_WORLD_STANDS : e->parts[pair->other].body;
     struct narrow_contact contact;
-    double depth = 0;
     narrow_collide(&e->outlines[pair->part], other, &contact);
-    for (size_t i = 0; i < contact.count; i++) {
-        depth = fmax(depth, contact.points[i].depth);
-    }
+    double depth = narrow_depth(&contact);
     if (depth <= SEPARATE_DEEP_M) {
         return false;
     }

@@ -16,12 +16,12 @@ static const uint64_t SNAPSHOT_VERSION = 1;
 
 /* --- which world ------------------------------------------------------------------------------ */
 
-static void snapshot_mark(struct block *b, double value)
+static void snapshot_add(struct block *b, double value)
 {
     block_double(b, &value, -INFINITY, INFINITY);
 }
 
-static void snapshot_mark_name(struct block *b, const char *name)
+static void snapshot_add_name(struct block *b, const char *name)
 {
     for (size_t i = 0; i == 0 || name[i - 1]; i++) {
         uint64_t letter = (unsigned char)name[i];
@@ -29,26 +29,26 @@ static void snapshot_mark_name(struct block *b, const char *name)
     }
 }
 
-static void snapshot_mark_pose(struct block *b, const struct world_pose *pose)
+static void snapshot_add_pose(struct block *b, const struct world_pose *pose)
 {
-    snapshot_mark(b, pose->x_m);
-    snapshot_mark(b, pose->y_m);
-    snapshot_mark(b, pose->heading_rad);
+    snapshot_add(b, pose->x_m);
+    snapshot_add(b, pose->y_m);
+    snapshot_add(b, pose->heading_rad);
 }
 
-static void snapshot_mark_shape(struct block *b, const struct world_shape *shape)
+static void snapshot_add_shape(struct block *b, const struct world_shape *shape)
 {
     bool disc = shape->kind == WORLD_DISC;
-    snapshot_mark(b, disc);
-    snapshot_mark_pose(b, &shape->pose);
-    snapshot_mark(b, disc ? shape->radius_m : shape->half_x_m);
-    snapshot_mark(b, disc ? shape->radius_m : shape->half_y_m);
-    snapshot_mark(b, shape->look.stops);
-    snapshot_mark(b, shape->look.graspable);
-    snapshot_mark(b, shape->look.give_w);
+    snapshot_add(b, disc);
+    snapshot_add_pose(b, &shape->pose);
+    snapshot_add(b, disc ? shape->radius_m : shape->half_x_m);
+    snapshot_add(b, disc ? shape->radius_m : shape->half_y_m);
+    snapshot_add(b, shape->look.stops);
+    snapshot_add(b, shape->look.graspable);
+    snapshot_add(b, shape->look.give_w);
 }
 
-static void snapshot_mark_robot(struct block *b, const struct world_robot *r)
+static void snapshot_add_robot(struct block *b, const struct world_robot *r)
 {
     const double values[] = {r->length_m,
                              r->width_m,
@@ -72,11 +72,11 @@ static void snapshot_mark_robot(struct block *b, const struct world_robot *r)
                              r->gripper.width_m,
                              r->gripper.paddle_length_m,
                              r->gripper.paddle_width_m};
-    snapshot_mark_name(b, r->name);
-    snapshot_mark_pose(b, &r->pose);
-    snapshot_mark_pose(b, &r->gripper.pose);
+    snapshot_add_name(b, r->name);
+    snapshot_add_pose(b, &r->pose);
+    snapshot_add_pose(b, &r->gripper.pose);
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        snapshot_mark(b, values[i]);
+        snapshot_add(b, values[i]);
     }
 }
 
@@ -87,19 +87,19 @@ static uint64_t snapshot_fingerprint(const struct engine *e)
     struct block b = block_open(BLOCK_MEASURE, NULL, 0);
     uint64_t seed = e->seed;
     (void)block_number(&b, &seed, UINT64_MAX);
-    snapshot_mark(&b, e->dt_s);
-    snapshot_mark(&b, e->substeps_per_step);
+    snapshot_add(&b, e->dt_s);
+    snapshot_add(&b, e->substeps_per_step);
     for (size_t i = 0; i < w->shape_count; i++) {
-        snapshot_mark_shape(&b, &w->shapes[i]);
+        snapshot_add_shape(&b, &w->shapes[i]);
     }
     for (size_t k = 0; k < w->object_count; k++) {
-        snapshot_mark_name(&b, w->objects[k].name);
-        snapshot_mark_shape(&b, &w->objects[k].shape);
-        snapshot_mark(&b, w->objects[k].mass_kg);
-        snapshot_mark(&b, w->objects[k].friction);
+        snapshot_add_name(&b, w->objects[k].name);
+        snapshot_add_shape(&b, &w->objects[k].shape);
+        snapshot_add(&b, w->objects[k].mass_kg);
+        snapshot_add(&b, w->objects[k].friction);
     }
     for (size_t i = 0; i < w->robot_count; i++) {
-        snapshot_mark_robot(&b, &w->robots[i]);
+        snapshot_add_robot(&b, &w->robots[i]);
     }
     return b.sum;
 }

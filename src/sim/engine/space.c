@@ -13,12 +13,8 @@ void space_refresh(struct engine *e)
 static bool space_is_in(const struct solid *a, const struct solid *b, double tolerance_m)
 {
     struct narrow_contact contact;
-    double deepest = 0;
     narrow_collide(a, b, &contact);
-    for (size_t i = 0; i < contact.count; i++) {
-        deepest = fmax(deepest, contact.points[i].depth);
-    }
-    return contact.count > 0 && deepest > tolerance_m;
+    return narrow_depth(&contact) > tolerance_m;
 }
 
 const char *space_obstacle(struct engine *e, const struct solid *solid, size_t body,

@@ -165,6 +165,16 @@ struct narrow_contact {
 /** Finds the contact of two solids: up to two points, each with its depth in metres. */
 void narrow_collide(const struct solid *a, const struct solid *b, struct narrow_contact *contact);
 
+/** @return the depth of the deepest point, in metres; 0: they do not touch */
+static inline double narrow_depth(const struct narrow_contact *contact)
+{
+    double depth = 0;
+    for (size_t i = 0; i < contact->count; i++) {
+        depth = fmax(depth, contact->points[i].depth);
+    }
+    return depth;
+}
+
 /* --- the grid --------------------------------------------------------------------------------- */
 
 /*
