@@ -16,7 +16,7 @@ static bool block_takes_in(const struct block *block)
     return block->mode == BLOCK_CHECK || block->mode == BLOCK_READ;
 }
 
-/* @return the number that goes on or comes off next; bad: 0 */
+/* Passes one number to or from the block.  @return the number; 0 if the block is bad */
 static uint64_t block_pass(struct block *block, uint64_t value)
 {
     bool stored = block->mode != BLOCK_MEASURE;
@@ -66,7 +66,7 @@ void block_flag(struct block *block, bool *value)
 {
     uint64_t number = *value;
     (void)block_number(block, &number, 1);
-    *value = number != 0; /* the old one, unless the mode is to read */
+    *value = number != 0; /* unchanged unless the mode is BLOCK_READ */
 }
 
 int32_t block_index(struct block *block, int32_t *value, size_t count)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bodies of the engine: what they are made of, and where they are. */
+/* The bodies of the engine: their shapes and masses, and their present poses. */
 #include "sim/engine/engine_core.h"
 
-/* What turns a thing on the floor lies this far from its middle: the mean of a disc's radius. */
+/* Friction against a turn acts at this share of the radius: the mean over a disc. */
 #define BODIES_FRICTION_AT (2.0 / 3.0)
 
-/* --- what they are made of -------------------------------------------------------------------- */
+/* --- shapes and masses ------------------------------------------------------------------------ */
 
 static double bodies_thinnest(const struct engine *e)
 {
@@ -23,8 +23,8 @@ static double bodies_thinnest(const struct engine *e)
 }
 
 /*
- * Half of the thinnest thing that a body could meet, and of itself, per substep: nothing is
- * jumped over.
+ * @return the speed limit of a body.  In a substep it moves at most half of its own half width plus
+ *         half of the thinnest thing, so that it jumps over nothing
  */
 static double bodies_speed_max(const struct engine *e, double half_m, double thinnest_m)
 {
@@ -133,7 +133,7 @@ void bodies_start_devices(struct engine *e, size_t robot)
     r->bumpers = 0;
 }
 
-/* --- where they are --------------------------------------------------------------------------- */
+/* --- poses ------------------------------------------------------------------------------------ */
 
 void bodies_follow(struct engine *e, size_t body)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/engine/engine_core.h"
 
-/* Farther out than any world reaches: what is there has been flung, not driven. */
+/* Farther out than any world reaches: a body gets there only by a fault of the physics. */
 #define BOUNDS_OPEN_M 1e7
 
-/* What ends so near the side of a world stands at that side. */
+/* A solid that ends so near to a side of the box stands at that side. */
 #define BOUNDS_AT_SIDE_M 1e-3
 
 static const struct bounds bounds_open = {-BOUNDS_OPEN_M, -BOUNDS_OPEN_M, BOUNDS_OPEN_M,
@@ -38,8 +38,10 @@ static bool bounds_stands_at(const struct solid *solid, const struct bounds *box
     }
 }
 
-/* Whether what stands at a side of the box around everything covers it from end to end: up to
- * where is it closed, and who closes it farthest from there on? */
+/*
+ * @return whether the standing solids cover a side of the box from end to end, but for gaps of
+ *         gap_m.  Each round extends the covered stretch as far as one solid reaches.
+ */
 static bool bounds_covers(const struct solid *still, size_t count, const struct bounds *box,
                           int side, double gap_m)
 {

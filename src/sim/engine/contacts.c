@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the bodies touch in a substep. */
+/* Contacts between bodies in a substep, and their effects: bumpers, chargers, sleep. */
 #include "sim/engine/engine_core.h"
 
 static void contacts_note(struct engine *e, const struct engine_pair *pair)
@@ -9,7 +9,7 @@ static void contacts_note(struct engine *e, const struct engine_pair *pair)
     }
 }
 
-/* What moves wakes what it touches, and keeps it awake. */
+/* A moving body wakes the body that it touches, and keeps it awake. */
 static void contacts_wake(struct engine *e, int32_t body, int32_t by)
 {
     if (body == ODE_WORLD_STANDS || by == ODE_WORLD_STANDS) {
@@ -24,7 +24,7 @@ static void contacts_wake(struct engine *e, int32_t body, int32_t by)
     }
 }
 
-/* The bumper's eighths, counted from ahead to the left. */
+/* Marks the sector of a bumper: eighths of a turn, counted from ahead to the left. */
 static void contacts_bump_at(struct engine *e, int32_t robot, double x, double y)
 {
     const struct ode_motion *m = &e->bodies[robot].motion;
@@ -35,7 +35,7 @@ static void contacts_bump_at(struct engine *e, int32_t robot, double x, double y
     e->robots[robot].bumpers |= 1u << ((sector + ENGINE_BUMPERS) % ENGINE_BUMPERS);
 }
 
-/* Two points are the ends of a side that is touched all along. */
+/* Two points are the ends of one side, which touches along its whole length. */
 static void contacts_bump(struct engine *e, const struct engine_part *part,
                           const struct narrow_contact *c)
 {
@@ -99,7 +99,7 @@ static bool contacts_may_meet(const struct engine *e, const struct engine_pair *
            !(e->bodies[own].asleep && e->bodies[other].asleep);
 }
 
-/* The order of the contacts is part of the result: by part, then as the neighbours are listed. */
+/* The order of contacts is part of the result: by part, then in the order of its neighbours. */
 static void contacts_find_of(struct engine *e, uint32_t i)
 {
     bool sleeps = e->bodies[e->parts[i].body].asleep;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a person or a program outside changes in a running world. */
+/* Changes of a running world from outside: places, pushes, resets. */
 #include "sim/engine/engine_core.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Stronger pushes are no pushes: they would only fling a body out. */
+/* A stronger push would only throw the body out of the world. */
 #define EDIT_FORCE_MAX_N 1e6
 
 static mu_result edit_refuse(struct engine *e, const char **reason, const char *format, ...)
@@ -27,28 +27,28 @@ static struct world_pose edit_start_pose(const struct engine *e, size_t body)
                                  : e->world->objects[body - e->robot_count].shape.pose;
 }
 
-/* After a change: what is near what, and what the grippers feel. */
+/* Updates the state that depends on poses: the grid, and the readings of the grippers. */
 static void edit_look_again(struct engine *e)
 {
     e->grid_is_old = true;
     grip_feel_all(e);
 }
 
-/* The parts of a body, as they stand around it. */
+/* @return whether a part belongs to a body and can be in the way of others */
 static bool edit_part_is_of(const struct engine *e, size_t part, size_t body)
 {
     return e->parts[part].body == (int32_t)body && e->parts[part].look->stops &&
            !e->outlines[part].away;
 }
 
-/* Whether a body has room at a pose: all its parts, moved there as one. */
+/* Checks whether all parts of a body have room at a pose, to which they move as one. */
 static mu_result edit_check_place(struct engine *e, size_t body, struct world_pose pose,
                                   const char **reason)
 {
     const struct ode_motion *m = &e->bodies[body].motion;
     double c = cos(pose.heading_rad);
     double s = sin(pose.heading_rad);
-    double turn_c = c * m->c + s * m->s; /* from the old heading to the new one */
+    double turn_c = c * m->c + s * m->s; /* rotates the old heading to the new one */
     double turn_s = s * m->c - c * m->s;
     for (size_t p = 0; p < e->part_count; p++) {
         if (!edit_part_is_of(e, p, body)) {
@@ -104,7 +104,7 @@ mu_result engine_push(struct engine *e, size_t body, const struct engine_force *
 {
     MU_ASSERT(body < e->body_count);
     double time_s = force->time_s > 0 ? force->time_s : e->dt_s;
-    double per = force->time_s > 0 ? 1 : 1 / e->dt_s; /* an impulse is spent in one substep */
+    double per = force->time_s > 0 ? 1 : 1 / e->dt_s; /* an impulse acts in one substep */
     struct engine_force push = {per * force->x_n, per * force->y_n, per * force->turn_nm, time_s};
     double most = fmax(fmax(fabs(push.x_n), fabs(push.y_n)), fabs(push.turn_nm));
     bool finite = isfinite(push.x_n + push.y_n + push.turn_nm);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The order of a step; the work is done in the files beside this one. */
+/* The order of a control step.  The other files of this folder do the work. */
 #include "core/hash.h"
 #include "muster/memory.h"
 #include "sim/engine/engine_core.h"
 
 #define ENGINE_SUBSTEP_NS 20000000ull
 
-/* Pairs of neighbours, for each part: a box in a heap has six or so, and each counts for two. */
+/* Pairs of near parts per part: a box in a heap has about six neighbours, each counted twice. */
 enum { ENGINE_PAIRS = 8 };
 
-/* --- the beginning and the end ---------------------------------------------------------------- */
+/* --- start and end ---------------------------------------------------------------------------- */
 
 static size_t engine_count_paddles(const struct world *world)
 {
@@ -43,7 +43,7 @@ static void engine_take_memory(struct engine *e, const struct world *world)
 
 static void engine_build_bounds(struct engine *e)
 {
-    double gap_m = INFINITY; /* what is narrower lets no body through */
+    double gap_m = INFINITY; /* a narrower gap lets no body through */
     for (size_t b = 0; b < e->body_count; b++) {
         size_t part = b < e->robot_count ? b : bodies_object_part(e, b - e->robot_count);
         gap_m = fmin(gap_m, 2 * fmin(e->outlines[part].half_x, e->outlines[part].half_y));
@@ -103,7 +103,7 @@ mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s, do
 {
     MU_ASSERT(robot < e->robot_count);
     if (!isfinite(*forward_m_s) || !isfinite(*turn_rad_s)) {
-        return MU_REFUSED; /* one of these in ODE would end the process */
+        return MU_REFUSED; /* such a number would make ODE end the process */
     }
     drive_aim(&e->robots[robot].drive, forward_m_s, turn_rad_s);
     return MU_OK;
@@ -116,7 +116,7 @@ static struct drive_motion engine_own_motion(const struct ode_motion *m)
                                  .turn_rad_s = m->turn};
 }
 
-/* The wheels push the body. */
+/* Drives the wheels of a robot, and pushes its body. */
 static void engine_roll(struct engine *e, size_t i)
 {
     struct engine_robot *r = &e->robots[i];
@@ -132,7 +132,7 @@ static void engine_roll(struct engine *e, size_t i)
                    f.turn_nm);
 }
 
-/* What the wheels did, as the devices have it. */
+/* Updates the devices after the physics has moved the body. */
 static void engine_note(struct engine *e, size_t i)
 {
     struct engine_robot *r = &e->robots[i];
@@ -161,7 +161,7 @@ static void engine_substep(struct engine *e)
     motion_load_forces(e);
     contacts_find(e);
     e->substeps++;
-    /* mixed: neighbouring substeps get seeds that have nothing in common */
+    /* mixed, so that the seeds of consecutive substeps are independent */
     ode_world_step(e->dt_s, mu_hash_number(e->seed ^ mu_hash_number(e->substeps)));
     motion_settle(e);
     separate_all(e);
@@ -189,7 +189,7 @@ void engine_step(struct engine *e)
     grip_feel_all(e);
 }
 
-/* --- what comes out --------------------------------------------------------------------------- */
+/* --- results ---------------------------------------------------------------------------------- */
 
 static void engine_place_sensors(struct engine *e, size_t robot)
 {

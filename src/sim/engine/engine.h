@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file engine.h
- * The physics and the senses of one world, without clock, file or network.
+ * Physics and sensors of one world, without clock, file or network.
  *
- * The same world, options and commands give the same bits, on one machine and the next, with any
- * number of threads.  ODE stays behind this header.  Robots are numbered as in struct world.
+ * The same world, options and commands give the same bits on all machines, with any number of
+ * threads.  Robots are numbered as in struct world.  No user of this header sees ODE.
  */
 #ifndef MUSTER_SIM_ENGINE_H
 #define MUSTER_SIM_ENGINE_H
@@ -14,122 +14,123 @@
 
 struct engine_options {
     uint64_t seed;
-    uint64_t step_ns;    /* of a control step; a multiple of substep_ns */
-    uint64_t substep_ns; /* of the physics; 20 ms when 0 */
-    size_t threads;      /* that read the sensors, the caller's included; 0: one */
+    uint64_t step_ns;    /* one control step; a multiple of substep_ns */
+    uint64_t substep_ns; /* one step of the physics; 0: 20 ms */
+    size_t threads;      /* threads that read sensors, including the caller's; 0: one */
 };
 
-/* Bit for bit the state of a body: x, y, z; quaternion w, x, y, z; linear and angular velocity. */
+/* The exact state of a body: x, y, z; quaternion w, x, y, z; linear and angular velocity. */
 enum { ENGINE_STATE_DOUBLES = 13 };
 
 /*
- * A push from outside, in the world's frame: a force for a time, or, if time_s is 0, an impulse in
- * N s and N m s.
+ * A push from outside, in the world's frame: a force for a time.  If time_s is 0, the numbers are
+ * an impulse, in N s and N m s.
  */
 struct engine_force {
     double x_n, y_n, turn_nm;
     double time_s;
 };
 
-/** Builds the bodies.  The world must outlive the engine; one engine in a process. */
+/** Builds the bodies of a world, which must outlive the engine.  A process has one engine. */
 struct engine *engine_open(const struct world *world, const struct engine_options *options);
 
 void engine_close(struct engine *e);
 
 /**
- * Sets the speed that a robot's wheels aim at from the next engine_step on.
+ * Sets the speed that a robot's wheels approach, from the next engine_step on.  Finite values are
+ * clamped to the limits of the body.
  *
- * Finite values are clamped to the body's limits.
- *
- * @param forward_m_s, turn_rad_s  in: what is wanted; out: what the body will aim at
- * @return MU_OK, or MU_REFUSED when a value is NaN or infinite (the old aim stays)
+ * @param forward_m_s, turn_rad_s  in: the wanted speed; out: the clamped speed
+ * @return MU_OK; MU_REFUSED: a value is not finite, and the old speed stays
  */
 MU_MUST_USE mu_result engine_command(struct engine *e, size_t robot, double *forward_m_s,
                                      double *turn_rad_s);
 
 /**
- * Tells a robot's gripper what to do: open (-1), close (1) or stay (0); go down, up or stay.
+ * Commands a gripper: paddles open (-1), close (1) or stay (0); lift goes down, up or stays.  Each
+ * takes a second.  Closing paddles take a graspable object between them.  A held object moves with
+ * the robot as one body, and touches nothing while it is up.  Opening paddles release it where it
+ * is.
  *
- * Each takes a second.  Paddles that close on a graspable thing between them take it; it then moves
- * as one body with the robot, and touches nothing while it is up.  They let it go where it is.
- *
- * @return MU_OK; MU_ABSENT: it has no gripper; MU_REFUSED: there is no room for what it would let
- *         down or go, and it stays as it is
+ * @return MU_OK; MU_ABSENT: the robot has no gripper; MU_REFUSED: the held object has no room
+ *         below, and the gripper stays as it is
  */
 MU_MUST_USE mu_result engine_grip(struct engine *e, size_t robot, int32_t paddles, int32_t lift);
 
-/** Moves the world on by one control step. */
+/** Runs one control step. */
 void engine_step(struct engine *e);
 
 /* All bits of enum world_sensor. */
 #define ENGINE_ALL_SENSES ((1u << WORLD_SENSORS) - 1)
 
 /**
- * Reads what is asked for, of every robot, as of now.
+ * Reads the wanted sensors of every robot.
  *
- * A sensor that nobody asks for costs nothing, and reads empty.  One that is not due keeps its
- * reading.
+ * An unwanted sensor costs no time and has an empty reading.  A sensor that is not due keeps its
+ * last reading.
  *
- * @param wanted  for each robot the bits 1 << enum world_sensor
- * @return what each robot feels and sees; the engine's, good until the next step or reading
+ * @param wanted  for each robot, bits 1 << enum world_sensor
+ * @return one percept per robot, owned by the engine, valid until the next step or reading
  */
 const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[]);
 
-/** @return how many bodies there are: the robots, then the objects, each as in struct world */
+/** @return the number of bodies: all robots, then all objects, numbered as in struct world */
 size_t engine_body_count(const struct engine *e);
 
-/** @return where a body is; heading in (-pi, pi] */
+/** @return the pose of a body; heading in (-pi, pi] */
 struct world_pose engine_pose(const struct engine *e, size_t body);
 
-/** Copies the state of a body that the run's hash is made of. */
+/** Copies the state of a body, from which the hash of the run is computed. */
 void engine_state(const struct engine *e, size_t body, double state[ENGINE_STATE_DOUBLES]);
 
 /*
- * Changes from outside, between two steps.  reason receives why one was refused, for a person to
- * read; it is the engine's, good until the next such call.
+ * Changes from outside, between two steps.  In case of a refusal, `reason` receives its text.  The
+ * engine owns the text, which is valid until the next such call.
  */
 
 /**
- * Puts a body somewhere else, at rest.  A robot takes along what it holds.
+ * Puts a body at another pose, at rest.  A robot keeps the object that it holds.
  *
- * @return MU_OK; MU_REFUSED: it would overlap something, lie outside the world, or is being held
+ * @return MU_OK; MU_REFUSED: the body would overlap something or lie outside the world, or is held
  */
 MU_MUST_USE mu_result engine_place(struct engine *e, size_t body, struct world_pose pose,
                                    const char **reason);
 
-/** Pushes a body from the next step on, in place of an earlier push.  @return as engine_place */
+/** Pushes a body from the next step on; an earlier push ends.  @return as engine_place */
 MU_MUST_USE mu_result engine_push(struct engine *e, size_t body, const struct engine_force *force,
                                   const char **reason);
 
 /**
- * Puts a body to where it started, its devices as they were then.  What a robot holds stays where
+ * Resets a body to its start, a robot with its devices.  An object that the robot holds stays where
  * it is.
  *
- * @return as engine_place: another may stand there now
+ * @return as engine_place: another body may stand there now
  */
 MU_MUST_USE mu_result engine_reset(struct engine *e, size_t body, const char **reason);
 
-/** Puts all bodies to where they started.  Time goes on. */
+/** Resets all bodies to their start.  Time goes on. */
 void engine_reset_all(struct engine *e);
 
-/** @return the version of ODE, "0.16.2" */
+/** @return the version of ODE: "0.16.2" */
 const char *ode_world_version(void);
 
-/** @return how many bytes a snapshot of this engine takes */
+/** @return the size of a snapshot of this engine, in bytes */
 size_t engine_save_size(const struct engine *e);
 
 /**
- * Writes all that the engine will need to go on as if nothing had been: bodies, drives, devices,
- * counters.  The same bytes on every machine.  bytes: room for engine_save_size of them.
+ * Writes all state that changes in a run: bodies, drives, devices, counters.  All machines write
+ * the same bytes.
+ *
+ * @param bytes  room for engine_save_size bytes
  */
 void engine_save(struct engine *e, unsigned char *bytes);
 
 /**
- * Takes over a snapshot.  Without a fault the same commands give the same bits as they would have
- * given there; with one nothing has changed.
+ * Restores a snapshot.  From then on, the same commands give the same bits as in the engine that
+ * wrote it.  After a refusal nothing has changed.
  *
- * @return MU_OK; MU_MALFORMED: not a whole snapshot of this version; MU_REFUSED: it was taken of
- *         another world, or with another seed or step
+ * @return MU_OK; MU_MALFORMED: not a whole snapshot of this version; MU_REFUSED: the snapshot is of
+ *         another world, seed or step
  */
 MU_MUST_USE mu_result engine_restore(struct engine *e, const unsigned char *bytes, size_t count,
                                      const char **reason);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file engine_core.h
- * What the files of the engine share, and nobody else sees.
+ * The state of the engine, and the functions that its files share.
  *
- * A *body* is what ODE moves: the robots, then the objects.  A *part* is a piece of matter that
- * belongs to a body: the robots' cases, then their grippers' paddles, then the objects.  An object
- * that is held belongs to the body of its bearer.
+ * A *body* is moved by ODE: first the robots, then the objects.  A *part* is a solid that belongs
+ * to a body: first the robots' cases, then the paddles of their grippers, then the objects.  A held
+ * object belongs to the body of the robot that holds it.
  */
 #ifndef MUSTER_SIM_ENGINE_CORE_H
 #define MUSTER_SIM_ENGINE_CORE_H
@@ -16,25 +16,23 @@
 
 /* --- bounds ----------------------------------------------------------------------------------- */
 
-/*
- * How far a body of a world can get.
- */
-
+/* The region that bodies of a world can reach. */
 struct bounds {
     double min_x, min_y, max_x, max_y;
-    bool closed; /* what stands leaves no way out */
+    bool closed; /* standing solids enclose it */
 };
 
 /**
- * Measures it: the box around what stands and stops bodies, if that closes each side but for gaps
- * of gap_m, else so far out that only what was flung gets there.
+ * Measures the bounds: the box around all standing solids that stop bodies, if they close each side
+ * but for gaps of gap_m.  Otherwise the bounds are so wide that only a fault of the physics takes a
+ * body there.
  */
 void bounds_measure(struct bounds *bounds, const struct solid *still, size_t count, double gap_m);
 
-/** Opens it if a place where something starts lies outside. */
+/** Widens the bounds if a body starts outside. */
 void bounds_include(struct bounds *bounds, double x, double y);
 
-/** @return whether a place is finite and inside */
+/** @return whether a position is finite and inside the bounds */
 bool bounds_holds(const struct bounds *bounds, double x, double y);
 
 /* --- the engine ------------------------------------------------------------------------------- */
@@ -43,19 +41,19 @@ enum { ENGINE_NO_BEARER = -1 };
 
 struct engine_body {
     const char *name;
-    struct ode_motion motion;      /* as of now */
-    struct ode_motion last_good;   /* as of the last control step */
-    double middle_x_m, middle_y_m; /* of its outline, in its own frame */
-    double mass_kg, inertia_kg_m2; /* without what it carries */
-    double speed_max_m_s;          /* faster, it could step over something */
+    struct ode_motion motion;      /* now */
+    struct ode_motion last_good;   /* after the last control step */
+    double middle_x_m, middle_y_m; /* middle of the outline, in the body's frame */
+    double mass_kg, inertia_kg_m2; /* without load */
+    double speed_max_m_s;          /* a faster body could jump over something */
     struct engine_force push;      /* from outside */
-    uint32_t push_substeps;        /* for so long */
-    bool asleep;                   /* an object at rest that nothing pushes */
-    bool shifted;                  /* it was moved apart from another one */
-    bool touched;                  /* something that moves touches it in this substep */
-    bool placed;                   /* it was put somewhere since it was sensed */
-    bool fault;                    /* it was put back in this step */
-    uint64_t faults;               /* since the start */
+    uint32_t push_substeps;        /* remaining time of the push */
+    bool asleep;                   /* an object at rest, without a push */
+    bool shifted;                  /* moved apart from another body in this substep */
+    bool touched;                  /* a moving body touches it in this substep */
+    bool placed;                   /* put somewhere since it was last sensed */
+    bool fault;                    /* reset in this step */
+    uint64_t faults;               /* number of resets */
 };
 
 struct engine_robot {
@@ -64,56 +62,56 @@ struct engine_robot {
     struct gps gps;
     struct battery battery;
     struct gripper gripper;
-    size_t paddles;     /* the first of its two parts, if it has a gripper */
-    double drive_w;     /* what its wheels did in this substep */
-    double charge_w;    /* what stands at its side */
-    uint32_t bumpers;   /* what was touched in this step */
+    size_t paddles;     /* the first of its two parts, if there is a gripper */
+    double drive_w;     /* mechanical power of the wheels in this substep */
+    double charge_w;    /* power that a charger at its side offers */
+    uint32_t bumpers;   /* sectors touched in this step */
     uint32_t grip_felt; /* bits of enum engine_gripper */
 };
 
 struct engine_object {
-    double friction_n, friction_nm; /* that the floor can bring against it */
+    double friction_n, friction_nm; /* the most that the floor exerts */
     int32_t bearer;                 /* the robot that holds it */
-    double x, y, c, s;              /* its pose in the bearer's frame */
-    bool claimed;                   /* by a gripper of the snapshot that is read */
+    double x, y, c, s;              /* its pose in the frame of the bearer */
+    bool claimed; /* a gripper of the snapshot holds it, while the snapshot is checked */
 };
 
 struct engine_part {
-    int32_t body; /* ODE_WORLD_STANDS: it stands */
-    bool is_case; /* a robot's: it has a bumper, and plugs */
+    int32_t body; /* ODE_WORLD_STANDS: none, the part stands */
+    bool is_case; /* the case of a robot: it has a bumper and contacts for charging */
     const struct world_look *look;
 };
 
-/* Two pieces of matter that may touch: a part, and another one or a shape that stands. */
+/* Two solids that may touch: a part, and another part or a standing shape. */
 struct engine_pair {
     uint32_t part, other;
     bool stands;
 };
 
-/* Where a part was. */
+/* The pose of a part when it was marked. */
 struct neighbours_mark {
     struct frame place;
     bool away;
 };
 
-/* The pairs of a part that may come near it: count of them from first on. */
+/* The pairs of a part: `count` of them, from `first` on. */
 struct neighbours_list {
     size_t first, count;
     bool is_there;
 };
 
 /*
- * Who may come near whom soon.  Listed seldom, with a margin: the lists serve until something has
- * moved half of it since it was marked.
+ * Neighbour lists with a margin.  They are valid until a part has moved half of the margin since it
+ * was marked.
  */
 struct neighbours {
-    struct engine_pair *pairs; /* of a part, what stands comes first, and all by their numbers */
+    struct engine_pair *pairs; /* for each part: standing shapes, then parts, each by number */
     size_t pairs_used, pairs_max;
-    struct neighbours_list *lists; /* of each part */
-    struct neighbours_mark *marks; /* where each part was */
-    double margin_m;               /* of what is listed now */
+    struct neighbours_list *lists; /* one per part */
+    struct neighbours_mark *marks; /* one per part */
+    double margin_m;               /* of new lists */
     struct engine_pair *found;     /* of one part; room for all */
-    bool is_new;                   /* nothing was marked yet */
+    bool is_new;                   /* nothing is marked yet */
 };
 
 struct engine {
@@ -125,53 +123,53 @@ struct engine {
     struct engine_body *bodies;
     struct engine_robot *robots;
     struct engine_object *objects;
-    struct solid *outlines; /* of the parts, where they are now */
+    struct solid *outlines; /* of all parts, at their present poses */
     struct engine_part *parts;
-    struct solid *shapes; /* what stands */
+    struct solid *shapes; /* standing shapes */
     struct engine_part *stands;
-    struct engine_pair *pairs; /* that are near each other in this substep */
+    struct engine_pair *pairs; /* pairs that are near each other in this substep */
     size_t pair_count, pairs_max;
-    size_t awake_end; /* no object from this part on is awake */
+    size_t awake_end; /* all objects from this part on are asleep */
     struct bounds bounds;
     struct grid grid;
-    bool grid_is_old; /* something has moved since it was built */
+    bool grid_is_old; /* a part has moved since the grid was built */
     struct neighbours neighbours;
     struct grid_near near;
     struct sensors *sensors;
-    struct engine_percept *percepts; /* of engine_sense_all */
+    struct engine_percept *percepts; /* of the last engine_sense_all */
     char reason[160];                /* of the last refusal */
 };
 
 /* bodies.c: */
 
-/** Adds the bodies of all robots and objects, in that order. */
+/** Adds the bodies of all robots, then of all objects. */
 void bodies_add(struct engine *e);
 
-/** Starts a robot's devices as the file has them. */
+/** Sets the devices of a robot to their state at the start. */
 void bodies_start_devices(struct engine *e, size_t robot);
 
-/** Takes over where a body is now, and moves its own part there; what it carries stays. */
+/** Copies the pose of a body from ODE, and moves its own part.  Its load stays. */
 void bodies_follow(struct engine *e, size_t body);
 
-/** @return the number of an object's part */
+/** @return the part of an object */
 size_t bodies_object_part(const struct engine *e, size_t object);
 
-/** @return where a body is in the plane, as its own frame */
+/** @return the frame of a body */
 struct frame bodies_frame(const struct engine *e, size_t body);
 
-/** @return whether a body is a thing that a robot holds */
+/** @return whether a robot holds this body */
 bool bodies_is_held(const struct engine *e, size_t body);
 
 /* space.c: */
 
-/** Lays the grid anew if something has moved: before each look at it. */
+/** Updates the grid if a part has moved.  Call it before each query of the grid. */
 void space_refresh(struct engine *e);
 
 /**
- * Looks for what would stop a solid that belongs to a body.
+ * Finds an obstacle for a solid that belongs to a body.
  *
- * @param tolerance_m  so deep it may lie in something
- * @return NULL: there is room; else the name of what is in the way
+ * @param tolerance_m  depth of overlap that is allowed
+ * @return the name of the obstacle; NULL: there is room
  */
 const char *space_obstacle(struct engine *e, const struct solid *solid, size_t body,
                            double tolerance_m);
@@ -181,55 +179,57 @@ const char *space_obstacle(struct engine *e, const struct solid *solid, size_t b
 /** Takes memory for the lists. */
 void neighbours_start(struct engine *e);
 
-/** Drops the lists if somebody has moved too far: before each round of neighbours_of. */
+/** Drops the lists if a part has moved too far.  Call it before each round of neighbours_of. */
 void neighbours_watch(struct engine *e);
 
 /**
- * Finds what is near a part now, or may be: all pairs that neighbours_are_near, and some more.
+ * Lists at least all pairs of a part for which neighbours_are_near holds.
  *
- * @param count  out: how many; they serve until the next call
+ * @param count  out: how many; they are valid until the next call
  */
 const struct engine_pair *neighbours_of(struct engine *e, uint32_t part, size_t *count);
 
-/** @return whether a part is so near another solid that they may touch, or be deep in one another
- *          after a substep */
+/**
+ * @return whether a part is so near to another solid that they may touch, or overlap deeply after a
+ *         substep
+ */
 bool neighbours_are_near(const struct engine *e, size_t part, const struct solid *other);
 
 /* grip.c: */
 
-/** Moves a robot's gripper for one substep.  @return whether anything moved */
+/** Moves a gripper for one substep.  @return whether it moved */
 bool grip_run(struct engine *e, size_t robot);
 
-/** Moves the paddles and what is held to where the robot is. */
+/** Moves the paddles and the load of a robot to their poses. */
 void grip_carry(struct engine *e, size_t robot);
 
-/** Lets go what a robot holds, where it is. */
+/** Releases the object that a robot holds, where it is. */
 void grip_let_go(struct engine *e, size_t robot);
 
-/** Takes again what a robot has just let go; neither has moved since. */
+/** Takes the object that a robot has just released; neither has moved since. */
 void grip_take_back(struct engine *e, size_t robot, size_t object);
 
-/** Takes over, from a snapshot, what a robot's gripper holds. */
+/** Restores the load of a robot from its gripper, after a snapshot was read. */
 void grip_resume(struct engine *e, size_t robot);
 
-/** Looks what the grippers feel, for the percepts. */
+/** Computes the readings of all grippers. */
 void grip_feel_all(struct engine *e);
 
 /* motion.c: */
 
-/** Takes over where a body is now, and moves all its parts there. */
+/** Copies the pose of a body from ODE, and moves all its parts. */
 void motion_follow(struct engine *e, size_t body);
 
-/** Puts a body somewhere, at rest. */
+/** Puts a body at a pose, at rest. */
 void motion_put(struct engine *e, size_t body, struct world_pose pose);
 
-/** Takes over where the bodies are after a substep. */
+/** Updates all bodies after a substep. */
 void motion_settle(struct engine *e);
 
-/** Lets the floor rub on an object in the next substep. */
+/** Sets the friction on an object for the next substep. */
 void motion_set_friction(struct engine *e, size_t object);
 
-/** Pushes what is pushed from outside, and lets the floor rub on the objects. */
+/** Applies pushes from outside, and the friction on all objects. */
 void motion_load_forces(struct engine *e);
 
 /* contacts.c: */
@@ -239,7 +239,7 @@ void contacts_find(struct engine *e);
 
 /* separate.c: */
 
-/** Moves the pairs that were noted apart, after the solver's step. */
+/** Separates the near pairs of this substep that overlap deeply. */
 void separate_all(struct engine *e);
 
 /* percept.c: */
@@ -249,22 +249,24 @@ void engine_feel(const struct engine *e, size_t robot, struct engine_percept *ou
 
 /* sanity.c: */
 
-/** Puts each body that left the numbers or the world back to where it was, at rest. */
+/**
+ * Resets each body with a state that is not finite, or outside the bounds, to its last good pose.
+ */
 void sanity_check(struct engine *e);
 
 /* --- blocks ----------------------------------------------------------------------------------- */
 
 /*
- * A block of numbers that is the same on every machine: 8 bytes each, the lowest first.
+ * A block of numbers with the same bytes on all machines: 8 bytes each, lowest first.
  *
- * One walk over a state writes it, checks it, or reads it, by the block's mode; so what is written
- * and what is read cannot differ.
+ * One walk over a state writes, checks or reads it, by the mode of the block: so both formats
+ * agree.
  */
 
 enum block_mode {
-    BLOCK_MEASURE, /* count and sum up only */
+    BLOCK_MEASURE, /* only counts and sums up */
     BLOCK_WRITE,
-    BLOCK_CHECK, /* look at what is there; change nothing */
+    BLOCK_CHECK, /* verifies without change */
     BLOCK_READ
 };
 
@@ -273,20 +275,20 @@ struct block {
     unsigned char *bytes;
     size_t room, used;
     uint64_t sum; /* FNV-1a of all bytes so far */
-    bool bad;     /* a number was missing, or not what it may be */
+    bool bad;     /* a number was missing or out of range */
 };
 
 struct block block_open(enum block_mode mode, unsigned char *bytes, size_t room);
 
-/** @return the number, which is at most `most` */
+/** Passes a number.  @return the number, at most `most` */
 uint64_t block_number(struct block *block, uint64_t *value, uint64_t most);
 
-/** A finite number from lo to hi. */
+/** Passes a finite number from lo to hi. */
 void block_double(struct block *block, double *value, double lo, double hi);
 
 void block_flag(struct block *block, bool *value);
 
-/** @return an index below count, or -1 */
+/** Passes an index below count, or -1.  @return the index */
 int32_t block_index(struct block *block, int32_t *value, size_t count);
 
 #endif

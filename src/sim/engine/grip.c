@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Grippers: what they take, carry and let go.
+ * Grippers: taking, carrying and releasing objects.
  *
- * What is held moves with the robot as one body: it is a part of it, its mass is the robot's, and
- * the floor bears it no more.
+ * A held object moves with the robot as one body.  It is a part of the robot and adds to the
+ * robot's mass, and the floor no longer carries it.
  */
 #include "sim/engine/engine_core.h"
 
-/* What touches lies so deep in one another; only what is deeper is in the way. */
+/* Contacts are this deep at rest; only deeper overlap is in the way. */
 #define GRIP_TOUCH_M 0.002
 
 static struct engine_object *grip_held(const struct engine *e, size_t robot)
@@ -16,7 +16,7 @@ static struct engine_object *grip_held(const struct engine *e, size_t robot)
     return held == GRIPPER_NOTHING ? NULL : &e->objects[held];
 }
 
-/* The robot weighs what it weighs, and its load; the load's middle is beside its own. */
+/* Sets the mass of a robot and of its load, whose middle is beside the robot's own. */
 static void grip_weigh(struct engine *e, size_t robot)
 {
     const struct engine_body *b = &e->bodies[robot];
@@ -34,8 +34,10 @@ static void grip_weigh(struct engine *e, size_t robot)
 
 /* --- carrying --------------------------------------------------------------------------------- */
 
-/* An object belongs to a body from now on: its own, or that of its bearer, who then does not see
- * it. */
+/*
+ * Assigns an object to a body: its own body, or the robot that holds it.  A robot's sensors do not
+ * see the parts of the robot.
+ */
 static void grip_assign(struct engine *e, size_t object, size_t body)
 {
     e->parts[bodies_object_part(e, object)].body = (int32_t)body;
@@ -72,9 +74,9 @@ void grip_carry(struct engine *e, size_t robot)
     }
 }
 
-/* --- taking and letting go -------------------------------------------------------------------- */
+/* --- taking and releasing --------------------------------------------------------------------- */
 
-/* From now on it is a part of the robot. */
+/* Makes an object a part of a robot. */
 static void grip_bind(struct engine *e, size_t robot, size_t object)
 {
     size_t body = e->robot_count + object;
@@ -134,19 +136,19 @@ void grip_take_back(struct engine *e, size_t robot, size_t object)
     grip_carry(e, robot);
 }
 
-/* Whether what is held up can be let down here. */
+/* @return whether a lifted object has room to be let down here */
 static bool grip_has_room(struct engine *e, size_t robot)
 {
     const struct engine_object *held = grip_held(e, robot);
     if (!held || !gripper_is_up(&e->robots[robot].gripper)) {
-        return true; /* what is down is where it has room */
+        return true; /* an object that is down has room already */
     }
     size_t part = bodies_object_part(e, (size_t)(held - e->objects));
     return !e->parts[part].look->stops ||
            !space_obstacle(e, &e->outlines[part], robot, GRIP_TOUCH_M);
 }
 
-/* Whether the paddles could be where they would be if they were closed so far. */
+/* @return whether the paddles have room at the pose that belongs to `closed` */
 static bool grip_paddles_fit(struct engine *e, size_t robot, double closed)
 {
     struct frame frame = bodies_frame(e, robot);
@@ -173,7 +175,10 @@ static bool grip_is_takeable(const struct engine *e, size_t robot, uint32_t part
     return touches && gripper_spans(g, &frame, (double[]){solid->x, solid->y}, closed);
 }
 
-/* A free graspable thing between the paddles that one of them touches.  @return whether there is */
+/*
+ * Finds a free object between the paddles that is graspable and that a paddle touches.  @return
+ * false: there is none
+ */
 static bool grip_find_object(struct engine *e, size_t robot, double closed, size_t *object)
 {
     size_t first = bodies_object_part(e, 0);
@@ -191,12 +196,13 @@ static bool grip_find_object(struct engine *e, size_t robot, double closed, size
     return false;
 }
 
-/* --- moving ----------------------------------------------------------------------------------- */
+/* --- movement --------------------------------------------------------------------------------- */
 
 static void grip_move_lift(struct engine *e, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
-    bool leaves_the_top = gripper_is_up(g) && !g->lifts; /* from here on they meet others */
+    bool leaves_the_top =
+        gripper_is_up(g) && !g->lifts; /* from here on the paddles can touch others */
     if (leaves_the_top && !(grip_has_room(e, robot) && grip_paddles_fit(e, robot, g->closed))) {
         return;
     }
@@ -222,7 +228,7 @@ static void grip_move_paddles(struct engine *e, size_t robot)
     }
 }
 
-/* What is to be closed is closed before it goes up, and what is to be opened goes down first. */
+/* The paddles close before the lift goes up, and open after it has come down. */
 bool grip_run(struct engine *e, size_t robot)
 {
     struct gripper *g = &e->robots[robot].gripper;
@@ -261,7 +267,7 @@ mu_result engine_grip(struct engine *e, size_t robot, int32_t paddles, int32_t l
     return MU_OK;
 }
 
-/* --- what it feels ---------------------------------------------------------------------------- */
+/* --- readings --------------------------------------------------------------------------------- */
 
 static bool grip_beam_is_broken(struct engine *e, size_t robot, bool outer)
 {

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How the bodies move: what pushes them, how fast they may get, and when they come to rest. */
+/* The motion of bodies: poses, forces, speed limits, and sleep. */
 #include "sim/engine/engine_core.h"
 
-/* Slower than this it comes to rest for good. */
+/* A slower body is put to sleep. */
 #define MOTION_REST_M_S   2e-4
 #define MOTION_REST_RAD_S 1e-3
 
-/* No body may turn farther in a substep. */
+/* The largest turn of a body in a substep. */
 #define MOTION_TURN_MAX_RAD (M_PI / 4)
 
-/* Wheels keep to the limit exactly, so rounding must not count as more. */
+/* Wheels drive at exactly the limit: rounding must not count as an excess. */
 #define MOTION_LIMIT_SLACK 1.01
 
-/* --- where they are --------------------------------------------------------------------------- */
+/* --- poses ------------------------------------------------------------------------------------ */
 
 void motion_follow(struct engine *e, size_t body)
 {
@@ -30,14 +30,14 @@ void motion_put(struct engine *e, size_t body, struct world_pose pose)
     b->placed = true;
     if (body < e->robot_count) {
         drive_halt(&e->robots[body].drive);
-    } else { /* it may hang over the edge of something now */
+    } else { /* the object may hang over an edge of its support now */
         ode_world_sleep(body, false);
         b->asleep = false;
     }
     motion_follow(e, body);
 }
 
-/* A push from outside can make a body faster than anything drives. */
+/* Limits the speed of a body: a push from outside can exceed that of any drive. */
 static void motion_limit(struct engine *e, size_t body)
 {
     const struct engine_body *b = &e->bodies[body];
@@ -89,7 +89,7 @@ void motion_settle(struct engine *e)
     }
 }
 
-/* --- what pushes them ------------------------------------------------------------------------- */
+/* --- forces ----------------------------------------------------------------------------------- */
 
 static void motion_push(struct engine *e, size_t body)
 {
@@ -101,8 +101,8 @@ static void motion_push(struct engine *e, size_t body)
 }
 
 /*
- * Coulomb's friction.  What slides is braked against its motion, and nothing holds it across;
- * what would stand within a substep is held in all directions, up to the same force.
+ * Coulomb friction.  A sliding object is braked against its motion, with no force across it.  An
+ * object that would stop within a substep is held in all directions, by at most the same force.
  */
 void motion_set_friction(struct engine *e, size_t object)
 {

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Who may come near whom soon.
+ * Neighbour lists: the parts that may come near a part soon.
  *
- * To look through the grid in each substep would cost more than all that touches.  So the pairs are
- * listed once with a margin (Verlet, "Computer experiments on classical fluids", 1967), each part's
- * when it is asked for, and dropped when somebody has moved half of it.  When that is leaves no
- * trace in the result: neighbours_are_near is asked of each pair, and the order is by numbers.
+ * A query of the grid in each substep would cost more than all contacts.  So a part's pairs are
+ * listed once with a margin, when they are first needed (L. Verlet, "Computer experiments on
+ * classical fluids", 1967).  All lists are dropped once any part has moved half of the margin.  The
+ * time of that leaves no trace in the result: neighbours_are_near tests each pair, and pairs are
+ * ordered by number.
  */
 #include "muster/memory.h"
 #include "sim/engine/engine_core.h"
 
 #include <string.h>
 
-/* Who is so near may be deep in another one after a substep. */
+/* Nearer parts may overlap deeply after a substep. */
 #define NEIGHBOURS_NEAR_M 0.05
 
-/* A control step of a robot at its usual speed moves it less than half of this. */
+/* A robot at its usual speed moves less than half of this in a control step. */
 #define NEIGHBOURS_MARGIN_M 0.2
 
-/* Neighbours of a part that the lists have room for, on average; a disc in a heap has forty. */
+/* Mean number of neighbours that the lists have room for.  A disc in a heap has forty. */
 enum { NEIGHBOURS_MEAN = 32 };
 
 void neighbours_start(struct engine *e)
@@ -38,7 +39,7 @@ bool neighbours_are_near(const struct engine *e, size_t part, const struct solid
     return solid_is_within(other, own->x, own->y, own->reach + NEIGHBOURS_NEAR_M);
 }
 
-/* Keeps those of a list that a circle reaches, by their numbers.  @return how many */
+/* Keeps the solids of a list that a circle reaches, sorted by number.  @return how many */
 static size_t neighbours_sift(uint32_t *list, size_t count, const struct solid *solids,
                               const struct solid *own, double reach_m)
 {
@@ -57,7 +58,7 @@ static size_t neighbours_sift(uint32_t *list, size_t count, const struct solid *
     return kept;
 }
 
-/* Finds what comes within a margin of a part, in the order of the lists.  @return how many */
+/* Finds the solids within a margin of a part, in the order of the lists.  @return how many */
 static size_t neighbours_find(struct engine *e, uint32_t part, double margin_m)
 {
     const struct solid *own = &e->outlines[part];
@@ -76,7 +77,7 @@ static size_t neighbours_find(struct engine *e, uint32_t part, double margin_m)
     return stand + move;
 }
 
-/* A part's every point has moved less than its middle and its heading together. */
+/* No point of a part moves farther than its middle and its rotation together. */
 static bool neighbours_has_strayed(const struct solid *now, const struct neighbours_mark *then)
 {
     double dx = now->x - then->place.x;
@@ -100,8 +101,10 @@ static bool neighbours_any_strayed(const struct engine *e)
 void neighbours_watch(struct engine *e)
 {
     struct neighbours *n = &e->neighbours;
-    /* Nobody leaves his mark by more than half a margin; but two that had gone apart before they
-     * are listed come together by two. */
+    /*
+     * No part is farther than half a margin from its mark.  Two parts that had moved apart before
+     * they are listed can therefore approach by two margins.
+     */
     n->margin_m = 2 * NEIGHBOURS_MARGIN_M;
     if (!neighbours_any_strayed(e)) {
         return;
@@ -116,7 +119,7 @@ void neighbours_watch(struct engine *e)
     }
 }
 
-/* What was found becomes a part's list, if there is room. */
+/* Keeps the pairs that were found as the list of a part, if there is room. */
 static void neighbours_keep_list(struct neighbours *n, uint32_t part, size_t count)
 {
     if (count <= n->pairs_max - n->pairs_used) {

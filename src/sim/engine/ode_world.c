@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Measured: 1 mm of steady penetration, no explosions in a crowd of 1000. */
+/* Measured: 1 mm of steady penetration, and no explosions in a crowd of 1000. */
 static const struct {
     double friction, soft_erp, soft_cfm, correcting_m_s, layer_m;
     double deep_m;
@@ -19,7 +19,7 @@ static const struct {
 
 struct ode_body {
     dBodyID id;
-    dJointID slide, spin; /* the floor's motors that hold it; NULL: it does not lie there */
+    dJointID slide, spin; /* motors that act as the floor's friction; NULL: none */
 };
 
 static struct {
@@ -27,7 +27,7 @@ static struct {
     dJointGroupID contacts;
     struct ode_body *bodies;
     size_t count, max;
-    size_t deep; /* contacts of the next step that are deeper than they should be */
+    size_t deep; /* contacts of the next step that are deeper than deep_m */
 } ode_world;
 
 static void ode_world_log(enum mu_log_level level, const char *event, int number,
@@ -38,7 +38,7 @@ static void ode_world_log(enum mu_log_level level, const char *event, int number
     mu_log(level, event, "number=%d text=\"%s\"", number, text);
 }
 
-/* ODE must not go on after its own errors: what it would compute then is no simulation. */
+/* ODE must not continue after an error of its own: its results would be meaningless. */
 static _Noreturn void ode_world_failed(int number, const char *format, va_list args)
 {
     ode_world_log(MU_LOG_ERROR, "ode-failed", number, format, args);
@@ -63,7 +63,7 @@ void ode_world_open(size_t bodies_max)
     dWorldSetGravity(ode_world.world, 0, 0, 0);
     dWorldSetContactMaxCorrectingVel(ode_world.world, ode_world_tuning.correcting_m_s);
     dWorldSetContactSurfaceLayer(ode_world.world, ode_world_tuning.layer_m);
-    if (bodies_max > ode_world.max) { /* a later world uses the same memory if it can */
+    if (bodies_max > ode_world.max) { /* a later world reuses the memory if it fits */
         ode_world.bodies = mu_startup_array(bodies_max, sizeof *ode_world.bodies);
         ode_world.max = bodies_max;
     }
@@ -91,7 +91,7 @@ double ode_world_add(const struct ode_body_size *size, struct world_pose pose)
     } else {
         dMassSetBoxTotal(&mass, size->mass_kg, size->length_m, size->width_m, size->width_m);
     }
-    /* The body turns about its own point; the weight is taken to lie there (Steiner's theorem). */
+    /* The body turns about its own point, and its mass is taken to be there (Steiner's theorem). */
     mass.I[10] +=
         size->mass_kg * (size->middle_x_m * size->middle_x_m + size->middle_y_m * size->middle_y_m);
     dBodySetMass(body, &mass);
@@ -149,8 +149,10 @@ void ode_world_set_state(size_t body, const double state[ENGINE_STATE_DOUBLES])
     dBodyID id = ode_world.bodies[body].id;
     dBodySetPosition(id, state[0], state[1], state[2]);
     dBodySetQuaternion(id, &state[3]);
-    /* ODE has made that one's length 1 once more, which can turn its last bit: write it as it was.
-     * It computes the rotation from the quaternion in the same way after each step. */
+    /*
+     * ODE has normalized the quaternion again, which can change the last bit: write it as it was.
+     * ODE computes the rotation from the quaternion in the same way after each step.
+     */
     dReal *quaternion = (dReal *)(uintptr_t)dBodyGetQuaternion(id);
     dReal *rotation = (dReal *)(uintptr_t)dBodyGetRotation(id);
     memcpy(quaternion, &state[3], 4 * sizeof *quaternion);
@@ -192,8 +194,10 @@ void ode_world_sleep(size_t body, bool sleeps)
     }
 }
 
-/* Friction as motors that want no motion and have so much force: the solver weighs it against what
- * pushes, so that a body that is pushed too weakly does not creep. */
+/*
+ * Friction is a motor with the aim of no motion and a limited force.  The solver weighs that force
+ * against others, so that a body under a weak push does not creep.
+ */
 void ode_world_add_friction(size_t body)
 {
     struct ode_body *b = &ode_world.bodies[body];
@@ -229,7 +233,7 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
     dBodyID second = b == ODE_WORLD_STANDS ? NULL : ode_world.bodies[b].id;
     for (size_t i = 0; i < contact->count; i++) {
         ode_world.deep += contact->points[i].depth > ode_world_tuning.deep_m;
-        /* One direction of friction: the other one would be vertical. */
+        /* Friction has one direction: the other one would be vertical. */
         dContact c = {
             .surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM | dContactMu2 |
                                 dContactFDir1,
@@ -246,7 +250,7 @@ void ode_world_touch(size_t a, int b, const struct narrow_contact *contact)
     }
 }
 
-/* A push goes on by about one body in a round: where many are pressed together, it takes more. */
+/* A push travels about one body per round: more bodies under pressure need more rounds. */
 static int ode_world_rounds(void)
 {
     size_t rounds = ode_world_tuning.rounds_min + ode_world.deep / ode_world_tuning.deep_per_round;
@@ -256,7 +260,9 @@ static int ode_world_rounds(void)
 
 void ode_world_step(double dt_s, uint64_t seed)
 {
-    /* QuickStep shuffles with one generator for the whole process: its state is set, not kept. */
+    /*
+     * QuickStep shuffles with a generator that the whole process shares: set its state each time.
+     */
     dRandSetSeed((unsigned long)(seed & 0xffffffffu));
     dWorldSetQuickStepNumIterations(ode_world.world, ode_world_rounds());
     dWorldQuickStep(ode_world.world, dt_s);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What keeps one broken body from breaking the run. */
+/* Detects and resets bodies with a broken state, so that they do not break the run. */
 #include "core/log.h"
 #include "sim/engine/engine_core.h"
 
@@ -16,7 +16,7 @@ static void sanity_put_back(struct engine *e, size_t body)
     struct world_pose pose = {good->x, good->y, atan2(good->s, good->c)};
     b->fault = true;
     b->faults++;
-    if ((b->faults & (b->faults - 1)) == 0) { /* the first, second, fourth ... time */
+    if ((b->faults & (b->faults - 1)) == 0) { /* the first, second, fourth, ... time */
         mu_log(MU_LOG_WARNING, "flung-out", "name=%s times=%llu put-back-to=%.3f,%.3f", b->name,
                (unsigned long long)b->faults, pose.x_m, pose.y_m);
     }
@@ -29,7 +29,7 @@ void sanity_check(struct engine *e)
     for (size_t b = 0; b < e->body_count; b++) {
         struct engine_body *body = &e->bodies[b];
         body->fault = false;
-        if (bodies_is_held(e, b)) { /* it goes where its bearer goes */
+        if (bodies_is_held(e, b)) { /* it moves with the robot that holds it */
             body->last_good = body->motion;
         } else if (sanity_is_sound(e, &body->motion)) {
             body->last_good = body->motion;

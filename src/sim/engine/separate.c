@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Moves apart what lies deep in one another.
+ * Separates bodies that overlap deeply.
  *
- * The solver works on velocities, with a fixed number of rounds, and in a heap of hundreds of
- * bodies these do not carry a push from one end to the other: bodies are pressed into each other,
- * a little more in each substep.  So what is deeper than a solver's contact gets is moved itself, a
- * few sweeps over the pairs in their order and back.  Positions stay from one substep to the next,
- * so that few sweeps are enough.
+ * The solver works on velocities, with a limited number of rounds.  In a heap of hundreds of bodies
+ * these rounds do not carry a push from one end to the other, and overlaps grow in each substep.
+ * So this file moves bodies themselves where overlaps exceed those of the solver's contacts: a few
+ * sweeps over all pairs, forward and back.  Positions persist between substeps, so that few sweeps
+ * suffice.
  */
 #include "sim/engine/engine_core.h"
 
-/* Up to here it is the solver's. */
+/* Less depth is left to the solver. */
 #define SEPARATE_DEEP_M 0.005
 
-/* Moved apart to this depth: they go on touching. */
+/* The depth after separation: the bodies still touch. */
 #define SEPARATE_LEFT_M 0.004
 
 enum { SEPARATE_SWEEPS = 32 };
@@ -29,7 +29,7 @@ static void separate_shift_part(struct engine *e, size_t part, double x, double 
     e->outlines[part].y += y;
 }
 
-/* Shifts a body with all its parts; ODE learns of it at the end. */
+/* Moves a body with all its parts.  ODE gets the new position at the end. */
 static void separate_shift(struct engine *e, int32_t body, double x, double y)
 {
     if (body == ODE_WORLD_STANDS) {
@@ -53,7 +53,7 @@ static void separate_shift(struct engine *e, int32_t body, double x, double y)
     }
 }
 
-/* @return whether it was deep */
+/* @return whether the pair overlapped deeply */
 static bool separate_pair(struct engine *e, const struct engine_pair *pair)
 {
     const struct solid *other = pair->stands ? &e->shapes[pair->other] : &e->outlines[pair->other];

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Snapshots: one walk over all that changes in a run, which writes, checks or reads by the mode of
- * the block.  What a world file says, and what follows from the rest, is not in it.
+ * Snapshots of the engine: one walk over the state that changes in a run.  It writes, checks or
+ * reads by the mode of the block.  A snapshot holds no data of the world file, and none that
+ * follows from the rest.
  */
 #include "sim/engine/engine_core.h"
 
 static const uint64_t SNAPSHOT_MAGIC = 0x70616e736d75736dull; /* "msumsnap" */
 static const uint64_t SNAPSHOT_VERSION = 1;
 
-/* Beyond it a number is no place and no speed, whatever the world is. */
+/* A larger number is neither a position nor a speed in any world. */
 #define SNAPSHOT_MOST 1e9
 
-/* A unit quaternion, give or take what steps do to it. */
+/* The norm of a unit quaternion, with the error of the steps. */
 #define SNAPSHOT_UNIT 1.000001
 
-/* --- which world ------------------------------------------------------------------------------ */
+/* --- fingerprint ------------------------------------------------------------------------------ */
 
 static void snapshot_add(struct block *b, double value)
 {
@@ -80,7 +81,7 @@ static void snapshot_add_robot(struct block *b, const struct world_robot *r)
     }
 }
 
-/* A number that another world, seed or step would not have. */
+/* @return a number that differs for another world, seed or step */
 static uint64_t snapshot_fingerprint(const struct engine *e)
 {
     const struct world *w = e->world;
@@ -175,7 +176,7 @@ static void snapshot_walk_gripper(struct engine *e, struct block *b, size_t robo
     block_double(b, &g->closed, 0, 1);
     block_double(b, &g->lifted, 0, 1);
     int32_t holds = block_index(b, &g->holds, g->make ? e->object_count : 0);
-    if (!b->bad && holds != GRIPPER_NOTHING) { /* each thing in one hand */
+    if (!b->bad && holds != GRIPPER_NOTHING) { /* each object in at most one gripper */
         b->bad = e->objects[holds].claimed && b->mode == BLOCK_CHECK;
         e->objects[holds].claimed = true;
     }
@@ -205,7 +206,7 @@ static void snapshot_walk_object(struct engine *e, struct block *b, size_t k)
     }
 }
 
-/* @return the sum of all before it */
+/* The last number is the sum of all numbers before it. */
 static void snapshot_walk(struct engine *e, struct block *b)
 {
     uint64_t magic = SNAPSHOT_MAGIC;
@@ -231,12 +232,12 @@ static void snapshot_walk(struct engine *e, struct block *b)
     b->bad = b->bad || (b->mode == BLOCK_CHECK && found != sum);
 }
 
-/* --- what comes out and in -------------------------------------------------------------------- */
+/* --- writing and reading ---------------------------------------------------------------------- */
 
 size_t engine_save_size(const struct engine *e)
 {
     struct block b = block_open(BLOCK_MEASURE, NULL, 0);
-    snapshot_walk((struct engine *)(uintptr_t)e, &b); /* which changes nothing when it measures */
+    snapshot_walk((struct engine *)(uintptr_t)e, &b); /* BLOCK_MEASURE changes nothing */
     return b.used;
 }
 
@@ -246,7 +247,7 @@ void engine_save(struct engine *e, unsigned char *bytes)
     snapshot_walk(e, &b);
 }
 
-/* The first three numbers tell whose it is. */
+/* Checks the first three numbers: magic, version, fingerprint. */
 static mu_result snapshot_check_head(const struct engine *e, struct block *b, const char **reason)
 {
     uint64_t none = 0;
@@ -268,7 +269,7 @@ static mu_result snapshot_check_head(const struct engine *e, struct block *b, co
     return MU_OK;
 }
 
-/* What follows from what was read. */
+/* Computes the state that follows from the numbers that were read. */
 static void snapshot_rebuild(struct engine *e)
 {
     for (size_t k = 0; k < e->object_count; k++) {
@@ -290,7 +291,8 @@ static void snapshot_rebuild(struct engine *e)
 mu_result engine_restore(struct engine *e, const unsigned char *bytes, size_t count,
                          const char **reason)
 {
-    unsigned char *from = (unsigned char *)(uintptr_t)bytes; /* nobody writes there */
+    unsigned char *from =
+        (unsigned char *)(uintptr_t)bytes; /* BLOCK_CHECK and BLOCK_READ do not write there */
     struct block head = block_open(BLOCK_CHECK, from, count);
     mu_result checked = snapshot_check_head(e, &head, reason);
     if (checked != MU_OK) {

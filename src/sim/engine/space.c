@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is where: the grid over all parts, and whether something has room. */
+/* Space: the grid over all parts, and tests for room. */
 #include "sim/engine/engine_core.h"
 
 void space_refresh(struct engine *e)
